@@ -1,0 +1,209 @@
+"""
+A run as arrays: what metrics, figures and the report read.
+
+A recording comes from a bag or straight from an in-process run, and looks the same in both cases. It
+holds K control ticks of N vehicles; arrays are indexed (tick, vehicle, component), so `x[k, i]` belongs to
+scenario time `t_s[k]` and vehicle `vehicle_ids[i]`, whose acoustic address is `i + 1`. Positions and
+their rates are in map_ned (north, east, down), body quantities forward-right-down. NaN marks what does
+not exist: the estimate of a neighbour that was never heard, the command of a vehicle that is lost.
+"""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+FORMAT_VERSION = 1
+_VERSION_KEY = "format_version"
+
+
+class RecordingError(ValueError):
+    """A recording whose arrays do not fit together, or a file that holds none."""
+
+
+@dataclass(eq=False)
+class Recording:
+    """
+    One run of N vehicles over K control ticks.
+
+    Attributes
+    ----------
+    vehicle_ids : tuple of N str
+        Names in the scenario's order; vehicle i has the acoustic address i + 1.
+    t_s : (K + 1,) array
+        Scenario time of each state, from 0; state k + 1 is the result of command k.
+    position_ned_m : (K + 1, N, 3) array
+        True position of the hull centres (m, map_ned).
+    attitude_quat_wxyz : (K + 1, N, 4) array
+        True attitude as unit quaternion, scalar first; rotates body to NED.
+    velocity_body : (K + 1, N, 6) array
+        True nu = [u, v, w, p, q, r] (m/s, rad/s; body FRD).
+    command : (K, N, 6) array
+        Wrench (N, N m; body FRD); for a kinematic vehicle velocity (m/s, NED) in the
+        first three components and yaw rate (rad/s) in the last.
+    reference_velocity_ned_mps : (K, N, 3) array
+        Velocity that the flocking law asks for (m/s, NED).
+    centre_ned_m, centre_velocity_ned_mps : (K, N, 3) arrays
+        Each vehicle's own estimate of the flocking centre (m and m/s, NED).
+    neighbour_position_ned_m, neighbour_velocity_ned_mps : (K, N, N, 3) arrays
+        Estimate [k, i, j] that vehicle i holds of vehicle j (m and m/s, NED).
+    neighbour_covariance : (K, N, N, 6, 6) array
+        Covariance of position and velocity, in this order (m^2, m^2/s, m^2/s^2; NED).
+    neighbour_age_s : (K, N, N) array
+        Age of the newest information in the estimate (s).
+    sent : (S, 3) array of int64
+        Tick in which the packet was handed over, source address, sequence number.
+    received : (R, 4) array of int64
+        Tick of delivery, source address, destination address, sequence number.
+    delay_s : (R,) array
+        End of reception minus start of transmission, per row of `received` (s).
+    lost_at_s : (N,) array
+        Scenario time at which the vehicle's computer was lost, NaN if it never was (s).
+
+    """
+
+    vehicle_ids: tuple[str, ...]
+    t_s: FloatArray
+    position_ned_m: FloatArray
+    attitude_quat_wxyz: FloatArray
+    velocity_body: FloatArray
+    command: FloatArray
+    reference_velocity_ned_mps: FloatArray
+    centre_ned_m: FloatArray
+    centre_velocity_ned_mps: FloatArray
+    neighbour_position_ned_m: FloatArray
+    neighbour_velocity_ned_mps: FloatArray
+    neighbour_covariance: FloatArray
+    neighbour_age_s: FloatArray
+    sent: IntArray
+    received: IntArray
+    delay_s: FloatArray
+    lost_at_s: FloatArray
+
+    def __post_init__(self) -> None:
+        """Bring the arrays to their types and check that their shapes fit together."""
+        self.vehicle_ids = tuple(str(name) for name in self.vehicle_ids)
+        for name, shape in _shapes(len(self.t_s), len(self.vehicle_ids)).items():
+            array = np.asarray(getattr(self, name), dtype=_dtype(name))
+            if array.size == 0 and None in shape:
+                array = array.reshape([size or 0 for size in shape])
+            if not _fits(array.shape, shape):
+                raise RecordingError(f"{name}: shape {array.shape}, expected {shape}")
+            setattr(self, name, array)
+        if len(self.delay_s) != len(self.received):
+            raise RecordingError(f"delay_s: {len(self.delay_s)} rows for {len(self.received)} receptions")
+
+    @classmethod
+    def empty(cls, vehicle_ids: Sequence[str], t_s: FloatArray) -> Recording:
+        """
+        Return a recording of the right shapes in which nothing exists yet.
+
+        Parameters
+        ----------
+        vehicle_ids : sequence of N str
+            Names in the scenario's order.
+        t_s : (K + 1,) array
+            Scenario time of each state (s).
+
+        Returns
+        -------
+        recording : Recording
+            All per-tick arrays full of NaN, no packets, no vehicle lost.
+
+        """
+        arrays: dict[str, Any] = {}
+        for name, shape in _shapes(len(t_s), len(vehicle_ids)).items():
+            fill_value = 0 if _dtype(name) is np.int64 else np.nan
+            arrays[name] = np.full([size or 0 for size in shape], fill_value, dtype=_dtype(name))
+        arrays["t_s"] = np.array(t_s, dtype=np.float64)
+        return cls(vehicle_ids=tuple(vehicle_ids), **arrays)
+
+    @property
+    def n_vehicles(self) -> int:
+        """Number of vehicles N."""
+        return len(self.vehicle_ids)
+
+    @property
+    def n_ticks(self) -> int:
+        """Number of control ticks K; there is one state more."""
+        return len(self.t_s) - 1
+
+    def save(self, path: str | Path) -> Path:
+        """
+        Write the recording as a compressed .npz file, all of it or nothing.
+
+        Equal recordings give equal bytes. The fastest compression is used: covariances hardly
+        compress and would cost seconds.
+        """
+        path = Path(path)
+        unfinished = path.with_name(path.name + ".part")
+        with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+            _write_array(archive, _VERSION_KEY, np.array(FORMAT_VERSION))
+            for field in fields(self):
+                _write_array(archive, field.name, np.asarray(getattr(self, field.name)))
+        os.replace(unfinished, path)
+        return path
+
+    @classmethod
+    def load(cls, path: str | Path) -> Recording:
+        """
+        Read what `save` has written; raise RecordingError for anything else.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as archive:
+                version = int(archive[_VERSION_KEY])
+                if version != FORMAT_VERSION:
+                    raise RecordingError(f"{path}: format {version}, this program reads {FORMAT_VERSION}")
+                values = {field.name: archive[field.name] for field in fields(cls)}
+        except (KeyError, AttributeError, TypeError, zipfile.BadZipFile, EOFError, ValueError) as error:
+            if isinstance(error, RecordingError):
+                raise
+            raise RecordingError(f"{path}: not a recording ({error})") from error
+        return cls(**values)
+
+
+def _shapes(n_states: int, n: int) -> dict[str, tuple[int | None, ...]]:
+    """Return the expected shape of every array; None where any number of rows will do."""
+    k = n_states - 1
+    return {
+        "t_s": (n_states,),
+        "position_ned_m": (n_states, n, 3),
+        "attitude_quat_wxyz": (n_states, n, 4),
+        "velocity_body": (n_states, n, 6),
+        "command": (k, n, 6),
+        "reference_velocity_ned_mps": (k, n, 3),
+        "centre_ned_m": (k, n, 3),
+        "centre_velocity_ned_mps": (k, n, 3),
+        "neighbour_position_ned_m": (k, n, n, 3),
+        "neighbour_velocity_ned_mps": (k, n, n, 3),
+        "neighbour_covariance": (k, n, n, 6, 6),
+        "neighbour_age_s": (k, n, n),
+        "sent": (None, 3),
+        "received": (None, 4),
+        "delay_s": (None,),
+        "lost_at_s": (n,),
+    }
+
+
+def _dtype(name: str) -> type[np.int64] | type[np.float64]:
+    return np.int64 if name in ("sent", "received") else np.float64
+
+
+def _fits(shape: tuple[int, ...], expected: tuple[int | None, ...]) -> bool:
+    pairs = zip(shape, expected, strict=False)
+    return len(shape) == len(expected) and all(want is None or size == want for size, want in pairs)
+
+
+def _write_array(archive: zipfile.ZipFile, name: str, array: NDArray[Any]) -> None:
+    with archive.open(f"{name}.npy", "w", force_zip64=True) as stream:
+        np.lib.format.write_array(stream, array, allow_pickle=False)
