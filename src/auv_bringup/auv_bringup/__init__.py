@@ -1,0 +1,1 @@
+"""Composition: scenarios, in-process runner, launcher, recorder, replay, metrics, figures and report."""

@@ -1,0 +1,1 @@
+"""What one vehicle's computer does alone: references, control laws, avoidance, estimators."""

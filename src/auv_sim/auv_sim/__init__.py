@@ -1,0 +1,1 @@
+"""What the water does: the true vehicle, its actuators, the current, and the acoustic medium between vehicles."""
