@@ -1,0 +1,172 @@
+"""The composition root: from a scenario to the configuration of every component, for one process and for ROS nodes alike."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from auv_core.params import dump
+from auv_flocking.agent import AgentConfig
+from auv_sim.vehicle import VehicleConfig
+
+from auv_bringup.scenario import Scenario
+
+ANSWER_TIMEOUT_S = 3.0
+START_TIMEOUT_S = 60.0
+
+
+@dataclass(frozen=True)
+class NodeSpec:
+    """
+    One node to start.
+
+    `name` is the full node name, `params` its ROS parameters as nested plain values; `role` is vehicle, agent, relay or recorder.
+    """
+
+    name: str
+    module: str
+    package: str
+    executable: str
+    namespace: str
+    role: str
+    vehicle_id: str
+    params: dict[str, Any]
+
+
+def vehicle_configs(scenario: Scenario) -> list[VehicleConfig]:
+    """Return the configuration of every simulated vehicle, in the order of addresses."""
+    return [
+        VehicleConfig(
+            vehicle_id=vehicle.id,
+            model=vehicle.model,
+            position_ned_m=vehicle.position_ned_m or (0.0, 0.0, 0.0),
+            heading_rad=vehicle.heading_rad,
+            current_ned_mps=scenario.environment.current_ned_mps,
+            dt_s=scenario.dt_s,
+            period_s=scenario.period_s,
+        )
+        for vehicle in scenario.vehicles
+    ]
+
+
+def agent_configs(scenario: Scenario) -> list[AgentConfig]:
+    """Return the configuration of every agent, in the order of addresses."""
+    obstacles = scenario.environment.obstacles
+    settings = scenario.agent
+    return [
+        AgentConfig(
+            vehicle_id=vehicle.id,
+            address=index + 1,
+            fleet_size=len(scenario.vehicles),
+            is_leader=vehicle.id in scenario.leaders,
+            period_s=scenario.period_s,
+            hold_s=settings.hold_s,
+            obstacles_ned_m=tuple(x for obstacle in obstacles for x in obstacle.position_ned_m),
+            obstacle_safety_distances_m=tuple(obstacle.safety_distance_m for obstacle in obstacles),
+            reference=scenario.reference,
+            flocking=settings.flocking,
+            separation=settings.separation,
+            consensus=settings.consensus,
+            neighbours=settings.neighbours,
+            controller=settings.controller,
+        )
+        for index, vehicle in enumerate(scenario.vehicles)
+    ]
+
+
+def node_specs(scenario: Scenario, *, mode: str, bag_dir: Path | None, epoch_s: float = 0.0) -> list[NodeSpec]:
+    """
+    Return every node of a run.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Resolved scenario.
+    mode : str
+        ``lockstep`` or ``realtime``.
+    bag_dir : Path, optional
+        Where the recorder writes; without it there is no recorder.
+    epoch_s : float
+        ROS time of scenario time 0 (s), for ``realtime``.
+
+    """
+    run = {'mode': mode, 'epoch_s': float(epoch_s)}
+    specs = [_relay_spec(scenario, run, recorded=bag_dir is not None)]
+    for vehicle, agent in zip(vehicle_configs(scenario), agent_configs(scenario), strict=True):
+        specs.append(_vehicle_spec('vehicle', 'auv_sim', vehicle.vehicle_id, {**run, **_plain(vehicle)}))
+        specs.append(_vehicle_spec('agent', 'auv_flocking', agent.vehicle_id, {**run, **_plain(agent)}))
+    if bag_dir is not None:
+        specs.append(_recorder_spec(scenario, bag_dir))
+    return specs
+
+
+def _vehicle_spec(role: str, package: str, vehicle_id: str, params: dict[str, Any]) -> NodeSpec:
+    executable = f'{role}_node'
+    return NodeSpec(
+        name=f'/{vehicle_id}/{executable}',
+        module=f'{package}.nodes.{executable}',
+        package=package,
+        executable=executable,
+        namespace=f'/{vehicle_id}',
+        role=role,
+        vehicle_id=vehicle_id,
+        params=params,
+    )
+
+
+def _relay_spec(scenario: Scenario, run: Mapping[str, Any], *, recorded: bool) -> NodeSpec:
+    params = {
+        **run,
+        **_plain(scenario.medium_config),
+        'vehicle_ids': [vehicle.id for vehicle in scenario.vehicles],
+        'ticks': scenario.ticks,
+        'recorded': recorded,
+        'on_vehicle_loss': scenario.on_vehicle_loss,
+        'answer_timeout_s': ANSWER_TIMEOUT_S,
+        'start_timeout_s': START_TIMEOUT_S,
+    }
+    if scenario.on_vehicle_loss == 'continue':
+        params['hulls'] = {config.vehicle_id: _plain(config) for config in vehicle_configs(scenario)}
+    return NodeSpec(
+        name='/acoustic_relay_node',
+        module='auv_sim.nodes.acoustic_relay_node',
+        package='auv_sim',
+        executable='acoustic_relay_node',
+        namespace='/',
+        role='relay',
+        vehicle_id='',
+        params=params,
+    )
+
+
+def _recorder_spec(scenario: Scenario, bag_dir: Path) -> NodeSpec:
+    return NodeSpec(
+        name='/recorder_node',
+        module='auv_bringup.nodes.recorder_node',
+        package='auv_bringup',
+        executable='recorder_node',
+        namespace='/',
+        role='recorder',
+        vehicle_id='',
+        params={
+            'bag_dir': str(bag_dir),
+            'topics_vehicles': [vehicle.id for vehicle in scenario.vehicles],
+            'kinematic': scenario.kinematic,
+            'period_s': scenario.period_s,
+        },
+    )
+
+
+def _plain(config: object) -> dict[str, Any]:
+    """Return a configuration as nested ROS parameters: nothing empty, since an empty list has no type in ROS."""
+    plain: dict[str, Any] = _without_empty(dump(config))
+    return plain
+
+
+def _without_empty(value: Any) -> Any:
+    if not isinstance(value, dict):
+        return value
+    kept = {key: _without_empty(item) for key, item in value.items()}
+    return {key: item for key, item in kept.items() if item not in (None, [], {})}

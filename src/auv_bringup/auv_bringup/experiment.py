@@ -1,0 +1,116 @@
+"""A scenario in one process, without ROS: the same objects as the nodes, called in the same order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from auv_core.geometry import Vec3
+from auv_core.messages import Command, Inbox, Packet, VehicleState, Wrench
+from auv_flocking.agent import Agent
+from auv_sim.acoustics.medium import AcousticMedium
+from auv_sim.vehicle import Vehicle
+
+from auv_bringup.compose import agent_configs, vehicle_configs
+from auv_bringup.continuous import run_continuous
+from auv_bringup.recording import Recording
+from auv_bringup.scenario import Scenario
+
+Progress = Callable[[float], None]
+
+
+def run_in_process(scenario: Scenario, *, on_progress: Progress | None = None) -> Recording:
+    """
+    Fly a scenario and return its recording.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Resolved scenario, sampled or continuous.
+    on_progress : callable, optional
+        Called now and then with the scenario time reached (s).
+
+    """
+    if scenario.sampling == 'continuous':
+        return run_continuous(scenario, on_progress=on_progress)
+    vehicles = [Vehicle(config) for config in vehicle_configs(scenario)]
+    agents = [Agent(config) for config in agent_configs(scenario)]
+    medium = AcousticMedium(scenario.medium_config)
+    log = _Log(scenario)
+    states = [vehicle.state for vehicle in vehicles]
+    for tick in range(scenario.ticks):
+        positions = [state.position for state in states]
+        inboxes = medium.exchange(tick, positions)
+        commands: list[Command] = []
+        handed_over: dict[int, Sequence[Packet]] = {}
+        for index, agent in enumerate(agents):
+            command, packets = agent.step(tick * scenario.period_s, states[index], inboxes[index])
+            commands.append(command)
+            handed_over[index + 1] = packets
+        medium.transmit(handed_over, positions)
+        log.tick(tick, states, agents, commands, inboxes, handed_over)
+        states = [vehicle.step(command) for vehicle, command in zip(vehicles, commands, strict=True)]
+        if on_progress is not None and tick % 100 == 99:
+            on_progress((tick + 1) * scenario.period_s)
+    log.states(scenario.ticks, states)
+    return log.finished()
+
+
+class _Log:
+    """Collects a recording tick by tick."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        ids = [vehicle.id for vehicle in scenario.vehicles]
+        self._recording = Recording.empty(ids, np.arange(scenario.ticks + 1) * scenario.period_s)
+        self._sent: list[tuple[int, int, int]] = []
+        self._received: list[tuple[int, int, int, int]] = []
+        self._delays_s: list[float] = []
+
+    def states(self, tick: int, states: Sequence[VehicleState]) -> None:
+        r = self._recording
+        r.position_ned_m[tick] = [state.position for state in states]
+        r.attitude_quat_wxyz[tick] = [state.attitude for state in states]
+        r.velocity_body[tick] = [state.nu for state in states]
+
+    def tick(
+        self,
+        tick: int,
+        states: Sequence[VehicleState],
+        agents: Sequence[Agent],
+        commands: Sequence[Command],
+        inboxes: Sequence[Inbox],
+        handed_over: dict[int, Sequence[Packet]],
+    ) -> None:
+        self.states(tick, states)
+        r = self._recording
+        r.command[tick] = [_command_values(command) for command in commands]
+        r.reference_velocity_ned_mps[tick] = [agent.reference.velocity for agent in agents]
+        r.centre_ned_m[tick] = [agent.centre for agent in agents]
+        r.centre_velocity_ned_mps[tick] = [agent.centre_rate for agent in agents]
+        for index, agent in enumerate(agents):
+            for estimate in agent.neighbours:
+                other = estimate.address - 1
+                r.neighbour_position_ned_m[tick, index, other] = estimate.position
+                r.neighbour_velocity_ned_mps[tick, index, other] = estimate.velocity
+                r.neighbour_covariance[tick, index, other] = estimate.covariance
+                r.neighbour_age_s[tick, index, other] = estimate.age_s
+        for packets in handed_over.values():
+            self._sent.extend((packet.tick, packet.source, packet.sequence) for packet in packets)
+        for index, inbox in enumerate(inboxes):
+            for reception in inbox.receptions:
+                self._received.append((tick, reception.packet.source, index + 1, reception.packet.sequence))
+                self._delays_s.append(reception.arrival_s - reception.sent_s)
+
+    def finished(self) -> Recording:
+        r = self._recording
+        r.sent = np.array(self._sent, dtype=np.int64).reshape(-1, 3)
+        r.received = np.array(self._received, dtype=np.int64).reshape(-1, 4)
+        r.delay_s = np.array(self._delays_s)
+        return r
+
+
+def _command_values(command: Command) -> tuple[float, ...]:
+    if isinstance(command, Wrench):
+        return command.tau
+    velocity: Vec3 = command.velocity
+    return (*velocity, 0.0, 0.0, command.yaw_rate_radps)

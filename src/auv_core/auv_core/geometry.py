@@ -1,0 +1,65 @@
+"""
+Attitude and vectors on plain floats.
+
+Frames: world is NED (north, east, down), body is FRD (forward, right, down).  A quaternion ``(w, x, y, z)`` is a unit
+quaternion that maps body to NED.  Everything here is written on tuples of floats, so that one vehicle steps fast without
+array overhead and Numba can compile the same source.
+"""
+
+from __future__ import annotations
+
+import math
+
+Vec3 = tuple[float, float, float]
+Quat = tuple[float, float, float, float]
+
+
+def body_to_ned(q: Quat, v: Vec3) -> Vec3:
+    """Return the body vector `v` in NED; the length is kept."""
+    w, x, y, z = q
+    tx, ty, tz = 2.0 * (y * v[2] - z * v[1]), 2.0 * (z * v[0] - x * v[2]), 2.0 * (x * v[1] - y * v[0])
+    return (
+        v[0] + w * tx + y * tz - z * ty,
+        v[1] + w * ty + z * tx - x * tz,
+        v[2] + w * tz + x * ty - y * tx,
+    )
+
+
+def ned_to_body(q: Quat, v: Vec3) -> Vec3:
+    """Return the NED vector `v` in the body frame; the inverse of `body_to_ned`."""
+    return body_to_ned((q[0], -q[1], -q[2], -q[3]), v)
+
+
+def quaternion_from_heading(heading_rad: float) -> Quat:
+    """Return the attitude of a level vehicle with the given heading (rad, from north towards east)."""
+    return (math.cos(0.5 * heading_rad), 0.0, 0.0, math.sin(0.5 * heading_rad))
+
+
+def heading_from_quaternion(q: Quat) -> float:
+    """Return the heading (rad, in (-pi, pi], from north towards east) of the body's forward axis."""
+    w, x, y, z = q
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def quaternion_product(a: Quat, b: Quat) -> Quat:
+    """Return the Hamilton product a b: first rotate by b, then by a."""
+    return (
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    )
+
+
+def distance(a: Vec3, b: Vec3) -> float:
+    """Return the Euclidean distance of two points (m)."""
+    return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
+
+
+def limited(v: Vec3, length: float) -> Vec3:
+    """Return `v`, shortened to `length` where it is longer; the direction is kept."""
+    norm = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    if norm <= length:
+        return v
+    scale = length / norm
+    return (v[0] * scale, v[1] * scale, v[2] * scale)

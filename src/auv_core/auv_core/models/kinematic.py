@@ -1,0 +1,47 @@
+"""
+Single integrator: the position follows the commanded velocity at once (thesis ch. 5 and 6 simulate the flock so).
+
+Deviation: a current is refused, since a velocity command here is over ground and nothing would drift.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from auv_core.geometry import Vec3, heading_from_quaternion, ned_to_body, quaternion_from_heading
+from auv_core.integrate import State
+from auv_core.messages import Vec6
+from auv_core.params import param
+
+
+@dataclass(frozen=True)
+class Params:
+    """A point with a hull around it."""
+
+    hull_radius_m: float = param("radius of the sphere around the hull (m)", default=0.3, above=0.0)
+
+
+class Model:
+    """A vehicle that takes an NED velocity (m/s) and a yaw rate (rad/s)."""
+
+    command = "velocity"
+
+    def __init__(self, params: Params) -> None:
+        self.params = params
+
+    def initial_state(self, position: Vec3, heading_rad: float) -> State:
+        """Return the state at rest."""
+        return (*position, *quaternion_from_heading(heading_rad), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def limited_command(self, command: Vec6) -> Vec6:
+        """Return `command` itself: a single integrator has no actuators."""
+        return command
+
+    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float) -> State:
+        """Return the state `dt_s` later: exact for a held command [NED velocity, 0, 0, yaw rate]."""
+        velocity: Vec3 = (command[0], command[1], command[2])
+        x, y, z = (state[axis] + dt_s * velocity[axis] for axis in range(3))
+        heading_rad = heading_from_quaternion((state[3], state[4], state[5], state[6])) + dt_s * command[5]
+        attitude = quaternion_from_heading(math.remainder(heading_rad, 2.0 * math.pi))
+        return (x, y, z, *attitude, *ned_to_body(attitude, velocity), 0.0, 0.0, command[5])

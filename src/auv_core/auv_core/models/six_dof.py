@@ -1,0 +1,196 @@
+"""
+Rigid body in six degrees of freedom, relative to the water: Fossen's marine craft model.
+
+    M nu_r_dot + C(nu_r) nu_r + D(nu_r) nu_r + g(eta) = tau,      eta_dot = J(eta) nu,     nu_r = nu - J^-1 nu_c
+
+(Fossen 2021, Handbook of Marine Craft Hydrodynamics and Motion Control, ch. 6-8) for hulls with three planes of symmetry, the
+origin at the hull's centre (= centre of buoyancy) and the centre of gravity z_G below it.  Added mass and damping are diagonal,
+z_G couples surge with pitch and sway with roll.  Attitude is a unit quaternion, so that there is no singular pitch angle.
+
+Roll and pitch are states like any other, held by the righting moment z_G W and by whatever the controller adds: at the
+accelerations of a flock (a few cm/s^2) they stay within a degree, but a hull that is pushed harder does pitch, and a law
+should meet that.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from auv_core.geometry import Quat, Vec3, quaternion_from_heading
+from auv_core.integrate import State, rk4_step
+from auv_core.messages import Vec6
+from auv_core.params import param
+
+
+@dataclass(frozen=True)
+class Params:
+    """Numbers of a vehicle. Six-vectors are in the order surge, sway, heave, roll, pitch, yaw."""
+
+    mass_kg: float = param("dry mass (kg)", above=0.0)
+    inertia_kgm2: tuple[float, float, float] = param(
+        "principal moments of inertia about the hull's centre (kg m^2; body)", above=0.0
+    )
+    cog_z_m: float = param("centre of gravity below the hull's centre (m; body z)", minimum=0.0)
+    added_mass: Vec6 = param("added mass (kg) and added inertia (kg m^2), positive", minimum=0.0)
+    linear_damping: Vec6 = param("linear damping (N s/m, N m s/rad), positive", minimum=0.0)
+    quadratic_damping: Vec6 = param("quadratic damping (N s^2/m^2, N m s^2/rad^2), positive", minimum=0.0)
+    weight_n: float = param("weight (N)", above=0.0)
+    buoyancy_n: float = param("buoyancy (N)", above=0.0)
+    max_wrench: Vec6 = param("actuator limit per axis (N, N m; body)", above=0.0)
+    hull_radius_m: float = param("radius of the sphere around the hull (m)", above=0.0)
+
+    def __post_init__(self) -> None:
+        s = self.mass_kg * self.cog_z_m
+        for linear, angular, name in ((0, 1, "surge-pitch"), (1, 0, "sway-roll")):
+            mass = self.mass_kg + self.added_mass[linear]
+            inertia = self.inertia_kgm2[angular] + self.added_mass[3 + angular]
+            if mass * inertia <= s * s:
+                raise ValueError(f"cog_z_m: {self.cog_z_m!r} is not allowed; allowed: a value for which M is positive definite ({name})")
+
+
+Constants = tuple[float, ...]
+
+
+def constants(params: Params) -> Constants:
+    """Return the numbers of `derivative` as one flat tuple (3 masses, 3 inertias, m z_G, 6 + 6 dampings, W - B, z_G W)."""
+    masses = tuple(params.mass_kg + added for added in params.added_mass[:3])
+    inertias = tuple(
+        inertia + added for inertia, added in zip(params.inertia_kgm2, params.added_mass[3:], strict=True)
+    )
+    return (
+        *masses,
+        *inertias,
+        params.mass_kg * params.cog_z_m,
+        *params.linear_damping,
+        *params.quadratic_damping,
+        params.weight_n - params.buoyancy_n,
+        params.cog_z_m * params.weight_n,
+    )
+
+
+def momentum(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
+    """Return M nu: linear momentum (kg m/s) and angular momentum (kg m^2/s), body frame, added mass included."""
+    u, v, w = velocity
+    p, q, r = rates
+    s = c[6]
+    return (c[0] * u + s * q, c[1] * v - s * p, c[2] * w), (c[3] * p - s * v, c[4] * q + s * u, c[5] * r)
+
+
+def coriolis_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
+    """
+    Return C(nu) nu as force (N) and moment (N m), body frame: Kirchhoff's equations, Fossen (2021) Eq. (3.60).
+
+    C is skew-symmetric, so nu . C(nu) nu == 0: it does no work.
+    """
+    (lx, ly, lz), (hx, hy, hz) = momentum(velocity, rates, c)
+    u, v, w = velocity
+    p, q, r = rates
+    force = (q * lz - r * ly, r * lx - p * lz, p * ly - q * lx)
+    moment = (
+        v * lz - w * ly + q * hz - r * hy,
+        w * lx - u * lz + r * hx - p * hz,
+        u * ly - v * lx + p * hy - q * hx,
+    )
+    return force, moment
+
+
+def damping_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
+    """Return D(nu) nu as force (N) and moment (N m), body frame; nu . D(nu) nu >= 0: it only takes energy."""
+    u, v, w = velocity
+    p, q, r = rates
+    return (
+        ((c[7] + c[13] * abs(u)) * u, (c[8] + c[14] * abs(v)) * v, (c[9] + c[15] * abs(w)) * w),
+        ((c[10] + c[16] * abs(p)) * p, (c[11] + c[17] * abs(q)) * q, (c[12] + c[18] * abs(r)) * r),
+    )
+
+
+def derivative(state: State, tau: Vec6, current: Vec3, c: Constants) -> State:
+    """
+    Return the rate of change of the 13 floats of a state.
+
+    Parameters
+    ----------
+    state : (13,) tuple
+        NED position (m), quaternion body to NED (w, x, y, z), nu (m/s, rad/s; body).
+    tau : (6,) tuple
+        Wrench of the actuators (N, N m; body).
+    current : (3,) tuple
+        Velocity of the water, uniform and constant (m/s; NED).
+    c : tuple
+        From `constants`.
+
+    Notes
+    -----
+    The water is irrotational and steady, so the equations hold for nu_r unchanged (Fossen 2021, property 10.1); the body sees
+    the current turn with -omega x nu_c.
+
+    """
+    _, _, _, qw, qx, qy, qz, u, v, w, p, q, r = state
+    r11, r12, r13 = 1.0 - 2.0 * (qy * qy + qz * qz), 2.0 * (qx * qy - qw * qz), 2.0 * (qx * qz + qw * qy)
+    r21, r22, r23 = 2.0 * (qx * qy + qw * qz), 1.0 - 2.0 * (qx * qx + qz * qz), 2.0 * (qy * qz - qw * qx)
+    r31, r32, r33 = 2.0 * (qx * qz - qw * qy), 2.0 * (qy * qz + qw * qx), 1.0 - 2.0 * (qx * qx + qy * qy)
+    cn, ce, cd = current
+    cu = r11 * cn + r21 * ce + r31 * cd
+    cv = r12 * cn + r22 * ce + r32 * cd
+    cw = r13 * cn + r23 * ce + r33 * cd
+    water = (u - cu, v - cv, w - cw)
+    rates = (p, q, r)
+    (cx, cy, cz), (ck, cm, cr) = coriolis_force(water, rates, c)
+    (dx, dy, dz), (dk, dm, dr) = damping_force(water, rates, c)
+    heavy, righting = c[19], c[20]
+    fx = tau[0] - cx - dx + heavy * r31
+    fy = tau[1] - cy - dy + heavy * r32
+    fz = tau[2] - cz - dz + heavy * r33
+    nx = tau[3] - ck - dk - righting * r32
+    ny = tau[4] - cm - dm + righting * r31
+    nz = tau[5] - cr - dr
+    s = c[6]
+    surge_pitch = c[0] * c[4] - s * s
+    sway_roll = c[1] * c[3] - s * s
+    return (
+        r11 * u + r12 * v + r13 * w,
+        r21 * u + r22 * v + r23 * w,
+        r31 * u + r32 * v + r33 * w,
+        -0.5 * (qx * p + qy * q + qz * r),
+        0.5 * (qw * p + qy * r - qz * q),
+        0.5 * (qw * q + qz * p - qx * r),
+        0.5 * (qw * r + qx * q - qy * p),
+        (c[4] * fx - s * ny) / surge_pitch - (q * cw - r * cv),
+        (c[3] * fy + s * nx) / sway_roll - (r * cu - p * cw),
+        fz / c[2] - (p * cv - q * cu),
+        (c[1] * nx + s * fy) / sway_roll,
+        (c[0] * ny - s * fx) / surge_pitch,
+        nz / c[5],
+    )
+
+
+class Model:
+    """A vehicle that takes a wrench, integrated by RK4."""
+
+    command = "wrench"
+
+    def __init__(self, params: Params) -> None:
+        self.params = params
+        self._constants = constants(params)
+
+    def initial_state(self, position: Vec3, heading_rad: float) -> State:
+        """Return the state of a level vehicle at rest."""
+        attitude: Quat = quaternion_from_heading(heading_rad)
+        return (*position, *attitude, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def limited_command(self, tau: Vec6) -> Vec6:
+        """Return the wrench that the actuators give for the wrench asked: clipped axis by axis."""
+        a, b, c, d, e, f = (
+            max(-limit, min(limit, value)) for value, limit in zip(tau, self.params.max_wrench, strict=True)
+        )
+        return (a, b, c, d, e, f)
+
+    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float) -> State:
+        """Return the state `dt_s` later, the wrench `command` held; the quaternion comes back with length 1."""
+        tau = self.limited_command(command)
+        c = self._constants
+        after = rk4_step(lambda _t_s, x: derivative(x, tau, current, c), 0.0, state, dt_s)
+        norm = math.sqrt(after[3] ** 2 + after[4] ** 2 + after[5] ** 2 + after[6] ** 2)
+        attitude = tuple([value / norm for value in after[3:7]])
+        return (*after[:3], *attitude, *after[7:])

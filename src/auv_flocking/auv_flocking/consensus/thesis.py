@@ -1,0 +1,60 @@
+"""
+Proportional dynamic-average consensus, thesis Eqs. (5.10)-(5.11) and (6.4)-(6.5).
+
+    c_i_dot = k [(eta_i - c_i) + sum_j a_ij (c_j - c_i)],       together  c_dot = k [-(L + I) c + eta]
+
+For vehicles at rest c -> (L + I)^-1 eta: the mean of the estimates is exact, each estimate is biased towards its own vehicle (on
+a complete graph of n by (eta_i - mean) / (n + 1)).  The proof (6.7)-(6.18) bounds the error, V_dot <= -|e|^2 + |e| n rho; it
+does not make it vanish, and neither does the filter.
+
+Deviation: `follow_flock` adds the flock's velocity to every c_i_dot, which takes away the lag of 1 / k behind a moving flock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from auv_core.geometry import Vec3
+from auv_core.params import param
+
+
+@dataclass(frozen=True)
+class Params:
+    """The defaults are the thesis's filter."""
+
+    rate_ps: float = param("rate k of the filter (1/s)", default=1.0, above=0.0)
+    follow_flock: bool = param("add the flock's velocity to the estimate's rate", default=False)
+
+
+class Consensus:
+    """One vehicle's filter; the estimate itself is kept by the caller."""
+
+    def __init__(self, params: Params) -> None:
+        self._rate_ps = params.rate_ps
+        self._follow = 1.0 if params.follow_flock else 0.0
+
+    def derivative(
+        self, own: Vec3, centre: Vec3, neighbour_centres: Sequence[Vec3], flock_velocity: Vec3
+    ) -> Vec3:
+        """Return c_i_dot (m/s; NED) for positions and estimates in NED (m)."""
+        x, y, z = centre
+        sx, sy, sz = own[0] - x, own[1] - y, own[2] - z
+        for cx, cy, cz in neighbour_centres:
+            sx, sy, sz = sx + cx - x, sy + cy - y, sz + cz - z
+        k, f = self._rate_ps, self._follow
+        return (
+            k * sx + f * flock_velocity[0],
+            k * sy + f * flock_velocity[1],
+            k * sz + f * flock_velocity[2],
+        )
+
+    def step(
+        self, own: Vec3, centre: Vec3, neighbour_centres: Sequence[Vec3], flock_velocity: Vec3, dt_s: float
+    ) -> Vec3:
+        """Return the estimate `dt_s` later: the exact solution for held inputs, stable for every step."""
+        rate = self.derivative(own, centre, neighbour_centres, flock_velocity)
+        pole_ps = self._rate_ps * (1 + len(neighbour_centres))
+        gain_s = -math.expm1(-pole_ps * dt_s) / pole_ps
+        return (centre[0] + gain_s * rate[0], centre[1] + gain_s * rate[1], centre[2] + gain_s * rate[2])

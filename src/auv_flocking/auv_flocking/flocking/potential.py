@@ -1,0 +1,121 @@
+"""
+Flocking around a consensus centre, thesis Eqs. (5.12)-(5.43): attraction to the centre and the path, repulsion from the others.
+
+    leader    eta_dot = g [F_c + F_d + sum F_rep + sum F_obs] + eta_d_dot        (5.22), (5.40)
+    follower  eta_dot = g [F_c (+ F_d) + sum F_rep + sum F_obs]                  (5.24)
+    F_c = -k_c (eta - c),   F_d = -k_d (eta - eta_d)                             (5.13)-(5.17)
+
+Deviations, each behind a parameter whose default is the thesis's form:
+
+* printed (5.25), (5.43) and (6.31) give followers F_d although the text says that they do not know the path: ``followers``;
+* k_c = k_d = 1, not the 10 that the extracted text reads: only 1 gives the printed distances;
+* ``bandwidth_ratio`` g scales the whole position feedback.  A law may not be faster than its information: at the update rates of
+  acoustic modems g = 1 collides;
+* ``leader_steers: centre`` makes the leader bring its estimate of the flock's centre to the path, F_d = -k_d (c - eta_d), as the
+  text asks ("the average centre of the group will follow the desired trajectory"), instead of itself;
+* ``feedforward: flock`` gives every vehicle the flock's velocity w: the leader sets it, followers take the mean of what they and
+  their neighbours believe, so that a blind flock does not trail its leader;
+* ``correction_limit_mps`` bounds the length of the position feedback and of the leader's steering, which a hull of 190 kg needs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from auv_core.geometry import Vec3, limited
+from auv_core.params import param
+
+from auv_flocking.flocking import PathPoint, View
+
+_ZERO: Vec3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Params:
+    """The defaults are the thesis's law."""
+
+    spacing_m: float = param("safety distance d between vehicles (m)", default=2.0, above=0.0)
+    cohesion_gain_ps: float = param("gain k_c towards the flocking centre (1/s)", default=1.0, minimum=0.0)
+    path_gain_ps: float = param("gain k_d towards the path (1/s)", default=1.0, minimum=0.0)
+    bandwidth_ratio: float = param("factor g on the position feedback", default=1.0, above=0.0, maximum=1.0)
+    followers: str = param("whether followers feel the path", default="printed", choices=("printed", "blind"))
+    leader_steers: str = param("what a leader brings to the path", default="itself", choices=("itself", "centre"))
+    feedforward: str = param("who is given which velocity ahead", default="leader", choices=("leader", "flock"))
+    correction_limit_mps: float = param(
+        "longest position feedback, and longest steering of a leader (m/s)", default=1e9, above=0.0
+    )
+
+
+class SeparationLaw(Protocol):
+    """A law of the folder ``separation``."""
+
+    def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
+        """Return the repulsive velocity (m/s; NED)."""
+
+
+class Flocking:
+    """The law of one vehicle."""
+
+    def __init__(self, params: Params, separation: SeparationLaw, is_leader: bool) -> None:
+        self._params = params
+        self._separation = separation
+        self._is_leader = is_leader
+        self._steers_itself = params.leader_steers == "itself" if is_leader else params.followers == "printed"
+
+    def flock_velocity(self, path: PathPoint, centre: Vec3, heard: Sequence[Vec3]) -> Vec3:
+        """
+        Return this vehicle's belief of the flock's velocity (m/s; NED).
+
+        Parameters
+        ----------
+        path : PathPoint
+            The reference; only a leader looks at it.
+        centre : (3,) tuple
+            Own estimate of the flocking centre (m; NED).
+        heard : sequence of (3,) tuple
+            The beliefs to average for a follower: its own latest and its neighbours' (m/s; NED).
+
+        """
+        p = self._params
+        if not self._is_leader:
+            if not heard:
+                return _ZERO
+            count = len(heard)
+            return (
+                sum([v[0] for v in heard]) / count,
+                sum([v[1] for v in heard]) / count,
+                sum([v[2] for v in heard]) / count,
+            )
+        if p.leader_steers == "itself":
+            return path.velocity
+        steer = limited(_scaled(_difference(path.position, centre), p.path_gain_ps), p.correction_limit_mps)
+        return _sum(path.velocity, steer)
+
+    def velocity(self, view: View) -> Vec3:
+        """Return the velocity over ground that the vehicle asks of itself (m/s; NED)."""
+        p = self._params
+        feedback = _scaled(_difference(view.centre, view.position), p.cohesion_gain_ps)
+        if self._steers_itself:
+            feedback = _sum(feedback, _scaled(_difference(view.path.position, view.position), p.path_gain_ps))
+        for other in view.neighbours:
+            feedback = _sum(feedback, self._separation.velocity(view.position, other, p.spacing_m))
+        for obstacle, safety_distance_m in view.obstacles:
+            feedback = _sum(feedback, self._separation.velocity(view.position, obstacle, safety_distance_m))
+        feedback = limited(_scaled(feedback, p.bandwidth_ratio), p.correction_limit_mps)
+        if p.feedforward == "flock":
+            return _sum(feedback, view.flock_velocity)
+        return _sum(feedback, view.path.velocity) if self._is_leader else feedback
+
+
+def _sum(a: Vec3, b: Vec3) -> Vec3:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def _difference(a: Vec3, b: Vec3) -> Vec3:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def _scaled(v: Vec3, factor: float) -> Vec3:
+    return (factor * v[0], factor * v[1], factor * v[2])

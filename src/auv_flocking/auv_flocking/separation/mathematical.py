@@ -1,0 +1,48 @@
+"""
+Potential-function separation, thesis Eqs. (5.26)-(5.28).
+
+U(r) = log(r^2 / d) + d^2 / r^2; its negative gradient for the vehicle at distance r is 2 (own - other) (d^2 - r^2) / r^4.
+
+Deviation: printed without a cut-off the law attracts for r > d, against the text ("at a certain maximum distance the repulsive
+potential becomes zero"); here it is zero for r >= d.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from auv_core.geometry import Vec3
+from auv_core.params import param
+
+
+@dataclass(frozen=True)
+class Params:
+    """Nothing but a gain."""
+
+    gain: float = param("factor on the velocity (m^2/s per 1/m)", default=1.0, above=0.0)
+
+
+class Separation:
+    """Repulsion inside the spacing distance, nothing outside."""
+
+    def __init__(self, params: Params) -> None:
+        self._gain = params.gain
+
+    def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
+        """
+        Return the repulsive velocity (m/s; NED); zero at and beyond `spacing_m`, and at r = 0, where it has no direction.
+
+        Parameters
+        ----------
+        own, other : (3,) tuple
+            Positions (m; NED).
+        spacing_m : float
+            Safety distance d (m).
+
+        """
+        dx, dy, dz = own[0] - other[0], own[1] - other[1], own[2] - other[2]
+        square = dx * dx + dy * dy + dz * dz
+        if square >= spacing_m * spacing_m or square == 0.0:
+            return (0.0, 0.0, 0.0)
+        factor = self._gain * 2.0 * (spacing_m * spacing_m - square) / (square * square)
+        return (factor * dx, factor * dy, factor * dz)

@@ -1,0 +1,39 @@
+"""Time-division multiple access: slots in turn, one modem each, all clocks the same."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from auv_core.params import param
+
+
+@dataclass(frozen=True)
+class Params:
+    """Length of a slot; a cycle has one slot per modem."""
+
+    slot_s: float = param("length of a slot (s), airtime and guard together", default=0.25, above=0.0)
+
+
+class Mac:
+    """Modem a of n owns the slots m with m mod n = a - 1; slot m starts at m slot_s."""
+
+    def __init__(self, params: Params, fleet_size: int) -> None:
+        self._slot_s = params.slot_s
+        self._fleet_size = fleet_size
+
+    def opportunity_s(self, address: int, tick: int, period_s: float) -> float | None:
+        """Return the start (s) of the first own slot that begins in the control period, or None."""
+        cycle_s = self._slot_s * self._fleet_size
+        offset_s = self._slot_s * (address - 1)
+        # A nanosecond of slack, so that a slot that begins on a tick belongs to that tick whatever the rounding.
+        cycle = math.ceil((tick * period_s - offset_s - 1e-9) / cycle_s)
+        start_s = max(cycle, 0) * cycle_s + offset_s
+        return start_s if start_s < (tick + 1) * period_s - 1e-9 else None
+
+    def check(self, airtime_s: float) -> None:
+        """Raise ValueError when a transmission is longer than the slot."""
+        if airtime_s >= self._slot_s:
+            raise ValueError(
+                f"slot_s: {self._slot_s!r} is not allowed; allowed: longer than a report's airtime of {airtime_s:.3f} s"
+            )

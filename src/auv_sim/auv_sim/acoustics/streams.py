@@ -1,0 +1,19 @@
+"""Random numbers that belong to an event: the same (seed, purpose, source, destination, sequence) gives the same number."""
+
+from __future__ import annotations
+
+import enum
+
+import numpy as np
+
+
+class Purpose(enum.IntEnum):
+    """What a random number is for; values are part of every recorded result and never change."""
+
+    OUTAGE = 1
+
+
+def uniform(seed: int, purpose: Purpose, source: int, destination: int, sequence: int) -> float:
+    """Return a number uniform on [0, 1), fixed by its arguments on every machine (NumPy's SeedSequence hash)."""
+    words = np.random.SeedSequence((seed, int(purpose), source, destination, sequence)).generate_state(1, np.uint64)
+    return float(words[0] >> np.uint64(11)) * 2.0**-53

@@ -1,0 +1,88 @@
+"""One vehicle in the water: the true motion, with its actuators and the current."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from auv_core.geometry import Vec3
+from auv_core.integrate import State
+from auv_core.messages import Command, VehicleState, VelocityCommand
+from auv_core.params import Section, param
+from auv_core.plugins import find_plugin
+
+MODELS = "auv_core.models"
+
+
+@dataclass(frozen=True, kw_only=True)
+class VehicleConfig:
+    """Everything that one simulated vehicle needs to know."""
+
+    vehicle_id: str = param("name of the vehicle, also its namespace")
+    model: Section = param("equations of motion and their numbers", plugins=MODELS)
+    position_ned_m: Vec3 = param("start position (m; NED)")
+    heading_rad: float = param("start heading (rad, from north towards east)", default=0.0)
+    current_ned_mps: Vec3 = param("velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0))
+    dt_s: float = param("physics step (s)", default=0.02, above=0.0)
+    period_s: float = param("control period (s), a whole number of physics steps", default=0.1, above=0.0)
+
+    def __post_init__(self) -> None:
+        substeps(self.period_s, self.dt_s)
+
+
+def substeps(period_s: float, dt_s: float) -> int:
+    """
+    Return the number of physics steps in a control period.
+
+    Raises
+    ------
+    ValueError
+        Unless the period is a whole number of steps (to 1e-9 of a step).
+
+    """
+    ratio = period_s / dt_s
+    count = round(ratio)
+    if count < 1 or abs(ratio - count) > 1e-9:
+        raise ValueError(f"period_s: {period_s!r} is not allowed; allowed: a whole multiple of dt_s = {dt_s!r}")
+    return count
+
+
+class Vehicle:
+    """The true vehicle. `step` advances it by one control period with the command held."""
+
+    def __init__(self, config: VehicleConfig) -> None:
+        self._model = find_plugin(MODELS, config.model.kind).Model(config.model.params)
+        self._current = config.current_ned_mps
+        self._dt_s = config.dt_s
+        self._substeps = substeps(config.period_s, config.dt_s)
+        self._tick = 0
+        self._state: State = self._model.initial_state(config.position_ned_m, config.heading_rad)
+
+    @property
+    def takes_velocity(self) -> bool:
+        """Whether this vehicle takes a velocity command instead of a wrench."""
+        return bool(self._model.command == "velocity")
+
+    @property
+    def state(self) -> VehicleState:
+        """The true state at the latest tick."""
+        s = self._state
+        return VehicleState(
+            self._tick, (s[0], s[1], s[2]), (s[3], s[4], s[5], s[6]), (s[7], s[8], s[9], s[10], s[11], s[12])
+        )
+
+    def restore(self, state: VehicleState) -> None:
+        """Put the vehicle into `state`, at its tick."""
+        self._tick = state.tick
+        self._state = (*state.position, *state.attitude, *state.nu)
+
+    def step(self, command: Command | None) -> VehicleState:
+        """Return the state one control period later; without a command the actuators rest and the hull drifts."""
+        values = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        if isinstance(command, VelocityCommand):
+            values = (*command.velocity, 0.0, 0.0, command.yaw_rate_radps)
+        elif command is not None:
+            values = command.tau
+        for _ in range(self._substeps):
+            self._state = self._model.step(self._state, values, self._current, self._dt_s)
+        self._tick += 1
+        return self.state
