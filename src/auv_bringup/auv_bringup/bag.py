@@ -1,0 +1,174 @@
+"""An opened bag: its topics and its messages in order of time.
+
+Works without ROS and without the build: message types come from the definitions that the bag carries.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import yaml
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from auv_bringup.bag_writer import METADATA_FILE, BagError
+from auv_bringup.mcap_scan import McapScan, messages_in_time_order
+
+
+class RecordedMessage(NamedTuple):
+    """One message of a bag."""
+
+    time_ns: int
+    topic: str
+    type_name: str
+    data: bytes
+
+
+@dataclass(frozen=True)
+class RecordedTopic:
+    """What a bag says about one topic."""
+
+    name: str
+    type_name: str
+    definition: str
+    type_hash: str
+    offered_qos: tuple[dict[str, Any], ...]
+
+
+@dataclass
+class Bag:
+    """An opened bag.
+
+    Parameters
+    ----------
+    path
+        A bag folder, a results folder with a ``bag`` in it, or an MCAP file.
+
+    Attributes
+    ----------
+    folder
+        Where the MCAP files are.
+    topics
+        Recorded topics by name, sorted.
+    complete
+        False if the recorder was killed before it finished the file; what it wrote is there all the same.
+
+    Raises
+    ------
+    BagError
+        If there is no bag, or one that cannot be read; the message is one line.
+    """
+
+    path: Path
+    folder: Path = field(init=False)
+    topics: dict[str, RecordedTopic] = field(init=False)
+    complete: bool = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Find and open the files."""
+        paths = _find_files(self.path)
+        self.folder = paths[0].parent
+        self._files = [McapScan(path) for path in paths]
+        self.complete = all(file.complete for file in self._files)
+        self.topics = self._find_topics()
+        self._typestore: Typestore | None = None
+
+    def messages(self, topics: Collection[str] | None = None, start_ns: int = 0) -> Iterator[RecordedMessage]:
+        """Yield messages in order of time, equal times in recorded order.
+
+        Parameters
+        ----------
+        topics
+            Names to keep; None keeps all.
+        start_ns
+            Earlier messages are left out.
+        """
+        for file, message in messages_in_time_order(self._files, topics, start_ns):
+            channel = message.channel
+            schema = file.schemas[channel.schema_id]
+            yield RecordedMessage(message.time_ns, channel.topic, schema.name, message.data)
+
+    def span_ns(self) -> tuple[int, int]:
+        """Return the first and the last time in the bag (ns); (0, 0) for an empty one."""
+        blocks = [block for file in self._files for block in file.blocks()]
+        if not blocks:
+            return 0, 0
+        return min(block.first_ns for block in blocks), max(block.last_ns for block in blocks)
+
+    def decode(self, message: RecordedMessage) -> Any:
+        """Return a message as an object with the fields of its definition."""
+        return self.typestore.deserialize_cdr(message.data, message.type_name)
+
+    @property
+    def typestore(self) -> Typestore:
+        """The bag's own message types, as the rosbags library holds them."""
+        if self._typestore is None:
+            self._typestore = _typestore(self.topics.values())
+        return self._typestore
+
+    def _find_topics(self) -> dict[str, RecordedTopic]:
+        """Collect the topics of all files."""
+        found: dict[str, RecordedTopic] = {}
+        for file in self._files:
+            file.find_channels()
+            for channel in file.channels.values():
+                schema = file.schemas[channel.schema_id]
+                found[channel.topic] = RecordedTopic(
+                    name=channel.topic,
+                    type_name=schema.name,
+                    definition=schema.data.decode(),
+                    type_hash=channel.metadata.get("topic_type_hash", ""),
+                    offered_qos=tuple(yaml.safe_load(channel.metadata.get("offered_qos_profiles", "")) or ()),
+                )
+        return dict(sorted(found.items()))
+
+
+def _typestore(topics: Collection[RecordedTopic]) -> Typestore:
+    """Register the definitions of all topics."""
+    store = get_typestore(Stores.EMPTY)
+    types: dict[str, Any] = {}
+    for name, definition in {topic.type_name: topic.definition for topic in topics}.items():
+        types.update(get_types_from_msg(definition, name))
+    store.register(types)
+    return store
+
+
+def _find_files(path: Path) -> list[Path]:
+    """Return the MCAP files of a bag in recorded order."""
+    if path.is_file() and path.suffix == ".mcap":
+        return [path]
+    if not path.is_dir():
+        raise BagError(f"no bag at {path}: no such folder")
+    for folder in (path, path / "bag"):
+        if (folder / METADATA_FILE).is_file():
+            return _files_by_metadata(folder)
+        files = sorted(folder.glob("*.mcap"), key=_file_number)
+        if files:
+            return files
+    raise BagError(f"no bag in {path}: neither {METADATA_FILE} nor an .mcap file, here or in {path / 'bag'}")
+
+
+def _files_by_metadata(folder: Path) -> list[Path]:
+    """Return the files that metadata.yaml names."""
+    try:
+        text = (folder / METADATA_FILE).read_text()
+        information = yaml.safe_load(text)["rosbag2_bagfile_information"]
+        storage, names = information["storage_identifier"], list(information["relative_file_paths"])
+    except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError):
+        raise BagError(f"{folder / METADATA_FILE} is not the metadata of a bag") from None
+    if storage != "mcap":
+        raise BagError(f"{folder} is stored as {storage}; only mcap is read (`ros2 bag convert` makes it)")
+    files = [folder / Path(str(name)).name for name in names]
+    missing = [file.name for file in files if not file.is_file()]
+    if missing or not files:
+        raise BagError(f"{folder} lacks {', '.join(missing) or 'its .mcap file'}")
+    return files
+
+
+def _file_number(path: Path) -> tuple[int, str]:
+    """Sort key of ``bag_0.mcap``, ``bag_1.mcap``, ... ``bag_10.mcap``."""
+    number = path.stem.rpartition("_")[2]
+    return (int(number) if number.isdigit() else -1, path.name)

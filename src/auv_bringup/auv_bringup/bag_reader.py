@@ -1,0 +1,286 @@
+"""Turn a recorded bag into the arrays of a run, and say whether two bags are the same run."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_bringup.bag import Bag
+from auv_bringup.bag_writer import BagError
+from auv_bringup.recording import Recording
+
+if TYPE_CHECKING:
+    from auv_bringup.scenario import Scenario
+
+FloatArray = NDArray[np.float64]
+
+WALL_CLOCK_TOPICS = frozenset({"/rosout", "/flock/status", "/recorder/status"})
+"""Topics whose content depends on the wall clock: never part of a comparison."""
+SHARED_TOPICS = frozenset({"/tf", "/tf_static", "/markers", "/diagnostics"})
+"""Topics with several publishers: the order of their messages within one tick means nothing."""
+
+_STATUS_TOPIC = "/flock/status"
+_NEIGHBOUR_WIDTH = 3 + 3 + 36 + 1  # position, velocity, covariance, age
+
+
+def read_recording(bag_dir: Path, scenario: Scenario) -> Recording:
+    """Read the arrays of a run from its bag.
+
+    Ticks that a bag lacks (a real-time run may miss some) hold the values of the tick before. A lost
+    vehicle's commands and estimates are NaN from its loss on. Rows of `sent` and `received` are sorted.
+
+    Parameters
+    ----------
+    bag_dir
+        Bag folder or results folder.
+    scenario
+        The scenario that was run: names and order of the vehicles, control period.
+
+    Returns
+    -------
+    Recording
+        Of as many ticks as every vehicle has a recorded state for.
+
+    Raises
+    ------
+    BagError
+        If the bag cannot be read or holds no state of some vehicle.
+    """
+    reader = _RunReader([vehicle.id for vehicle in scenario.vehicles], scenario.period_s)
+    bag = Bag(Path(bag_dir))
+    reader.read(bag)
+    return reader.recording(bag.path)
+
+
+@dataclass
+class _Series:
+    """Values of one quantity of one vehicle by tick."""
+
+    width: int
+    values: dict[int, FloatArray] = field(default_factory=dict)
+
+    def table(self, n_rows: int, *, hold_to_end: bool) -> FloatArray:
+        """Return (n_rows, width): missing rows hold the one before, NaN before the first.
+
+        Parameters
+        ----------
+        n_rows
+            Number of ticks.
+        hold_to_end
+            Hold beyond the last value too; otherwise NaN follows it.
+        """
+        table = np.full((n_rows, self.width), np.nan)
+        ticks = np.array(sorted(tick for tick in self.values if 0 <= tick < n_rows), dtype=np.int64)
+        if len(ticks) == 0:
+            return table
+        stop = n_rows if hold_to_end else ticks[-1] + 1
+        rows = np.array([self.values[tick] for tick in ticks])
+        source = np.searchsorted(ticks, np.arange(ticks[0], stop), side="right") - 1
+        table[ticks[0] : stop] = rows[source]
+        return table
+
+
+class _RunReader:
+    """Collects the messages of a run by vehicle and tick."""
+
+    def __init__(self, vehicle_ids: list[str], period_s: float) -> None:
+        self._ids = vehicle_ids
+        self._period_s = period_s
+        n = len(vehicle_ids)
+        self._state = [_Series(13) for _ in range(n)]
+        self._command = [_Series(6) for _ in range(n)]
+        self._reference = [_Series(3) for _ in range(n)]
+        self._centre = [_Series(6) for _ in range(n)]
+        self._neighbours = [_Series(n * _NEIGHBOUR_WIDTH) for _ in range(n)]
+        self._sent: list[tuple[int, int, int]] = []
+        self._received: list[tuple[int, int, int, int, float]] = []
+        self._lost: set[str] = set()
+        self._epoch_ns = 0
+
+    def read(self, bag: Bag) -> None:
+        """Take every message that an array is made of."""
+        self._epoch_ns = self._find_epoch_ns(bag)
+        handlers = self._handlers()
+        for message in bag.messages(handlers.keys() & bag.topics.keys()):
+            handlers[message.topic](bag.decode(message))
+
+    def recording(self, path: Path) -> Recording:
+        """Return the arrays.
+
+        Parameters
+        ----------
+        path
+            Of the bag, for the error message.
+        """
+        missing = [name for name, series in zip(self._ids, self._state, strict=True) if not series.values]
+        if missing:
+            raise BagError(f"{path} holds no state of {', '.join(missing)}")
+        n_ticks = min(max(series.values) for series in self._state)
+        t_s: FloatArray = np.arange(n_ticks + 1, dtype=np.float64) * self._period_s
+        recording = Recording.empty(self._ids, t_s)
+        for i, name in enumerate(self._ids):
+            self._add_truth(recording, i)
+            self._add_decisions(recording, i, lost=name in self._lost)
+        self._add_packets(recording)
+        return recording
+
+    def _add_truth(self, recording: Recording, i: int) -> None:
+        """Fill in the states of vehicle i."""
+        state = self._state[i].table(recording.n_ticks + 1, hold_to_end=True)
+        recording.position_ned_m[:, i] = state[:, :3]
+        recording.attitude_quat_wxyz[:, i] = state[:, 3:7]
+        recording.velocity_body[:, i] = state[:, 7:]
+
+    def _add_decisions(self, recording: Recording, i: int, *, lost: bool) -> None:
+        """Fill in what the computer of vehicle i made, up to its loss."""
+        k, n = recording.n_ticks, recording.n_vehicles
+        recording.command[:, i] = self._command[i].table(k, hold_to_end=not lost)
+        recording.reference_velocity_ned_mps[:, i] = self._reference[i].table(k, hold_to_end=not lost)
+        centre = self._centre[i].table(k, hold_to_end=not lost)
+        recording.centre_ned_m[:, i] = centre[:, :3]
+        recording.centre_velocity_ned_mps[:, i] = centre[:, 3:]
+        neighbours = self._neighbours[i].table(k, hold_to_end=not lost).reshape(k, n, _NEIGHBOUR_WIDTH)
+        recording.neighbour_position_ned_m[:, i] = neighbours[..., 0:3]
+        recording.neighbour_velocity_ned_mps[:, i] = neighbours[..., 3:6]
+        recording.neighbour_covariance[:, i] = neighbours[..., 6:42].reshape(k, n, 6, 6)
+        recording.neighbour_age_s[:, i] = neighbours[..., 42]
+        if lost:
+            recording.lost_at_s[i] = (max(self._command[i].values, default=-1) + 1) * self._period_s
+
+    def _add_packets(self, recording: Recording) -> None:
+        """Fill in the packets of the ticks that are kept, sorted."""
+        sent = sorted(row for row in self._sent if row[0] < recording.n_ticks)
+        received = sorted(row for row in self._received if row[0] < recording.n_ticks)
+        recording.sent = np.array(sent, dtype=np.int64).reshape(-1, 3)
+        recording.received = np.array([row[:4] for row in received], dtype=np.int64).reshape(-1, 4)
+        recording.delay_s = np.array([row[4] for row in received], dtype=np.float64)
+
+    def _find_epoch_ns(self, bag: Bag) -> int:
+        """Return the stamp of tick 0 (ns): 0 in lock-step, wall time in a real-time run."""
+        first = next(bag.messages({f"/{name}/state" for name in self._ids}), None)
+        if first is None:
+            return 0
+        state = bag.decode(first)
+        return _nanoseconds(state.header.stamp) - round(state.tick * self._period_s * 1e9)
+
+    def _handlers(self) -> dict[str, Callable[[Any], None]]:
+        """Return what to do with a message, by topic."""
+        handlers: dict[str, Callable[[Any], None]] = {_STATUS_TOPIC: self._take_status}
+        for i, name in enumerate(self._ids):
+            for topic, take in {
+                "state": self._take_state,
+                "cmd_wrench": self._take_wrench,
+                "cmd_vel": self._take_velocity_command,
+                "reference": self._take_reference,
+                "flocking_centre": self._take_centre,
+                "neighbours": self._take_neighbours,
+                "acoustic/tx": self._take_sent,
+                "acoustic/rx": self._take_received,
+            }.items():
+                handlers[f"/{name}/{topic}"] = partial(take, i)
+        return handlers
+
+    def _tick(self, stamp: Any) -> int:
+        return round((_nanoseconds(stamp) - self._epoch_ns) * 1e-9 / self._period_s)
+
+    def _take_state(self, i: int, state: Any) -> None:
+        p, q = state.pose.position, state.pose.orientation
+        v, w = state.twist.linear, state.twist.angular
+        self._state[i].values[state.tick] = np.array(
+            [p.x, p.y, p.z, q.w, q.x, q.y, q.z, v.x, v.y, v.z, w.x, w.y, w.z]
+        )
+
+    def _take_wrench(self, i: int, command: Any) -> None:
+        force, torque = command.wrench.force, command.wrench.torque
+        self._command[i].values[self._tick(command.header.stamp)] = np.array(_xyz(force) + _xyz(torque))
+
+    def _take_velocity_command(self, i: int, command: Any) -> None:
+        linear, angular = command.twist.linear, command.twist.angular
+        self._command[i].values[self._tick(command.header.stamp)] = np.array(_xyz(linear) + _xyz(angular))
+
+    def _take_reference(self, i: int, reference: Any) -> None:
+        self._reference[i].values[self._tick(reference.header.stamp)] = np.array(_xyz(reference.twist.linear))
+
+    def _take_centre(self, i: int, centre: Any) -> None:
+        self._centre[i].values[centre.tick] = np.array(_xyz(centre.position) + _xyz(centre.velocity))
+
+    def _take_neighbours(self, i: int, message: Any) -> None:
+        table = np.full((len(self._ids), _NEIGHBOUR_WIDTH), np.nan)
+        for estimate in message.neighbours:
+            row = table[estimate.address - 1]
+            row[0:6] = _xyz(estimate.position) + _xyz(estimate.velocity)
+            row[6:42] = estimate.covariance
+            row[42] = estimate.age_s
+        self._neighbours[i].values[message.tick] = table.reshape(-1)
+
+    def _take_sent(self, _: int, outbox: Any) -> None:
+        self._sent += [(packet.tick, packet.source, packet.sequence) for packet in outbox.packets]
+
+    def _take_received(self, i: int, inbox: Any) -> None:
+        for reception in inbox.receptions:
+            packet = reception.packet
+            delay_s = reception.arrival_s - reception.sent_s
+            self._received.append((inbox.tick, packet.source, i + 1, packet.sequence, delay_s))
+
+    def _take_status(self, status: Any) -> None:
+        self._lost.update(status.lost_vehicles)
+
+
+def _nanoseconds(stamp: Any) -> int:
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
+def _xyz(vector: Any) -> list[float]:
+    """Return the components of a Point or Vector3."""
+    return [vector.x, vector.y, vector.z]
+
+
+def compare_bags(first: Path, second: Path) -> list[str]:
+    """Say where two bags differ, one line each; an empty list means that they are the same run.
+
+    Every topic must hold the same message bytes in the same order. Where a topic has several publishers,
+    messages of one tick are put in order of their bytes first (each names its source), since which of them
+    reaches the recorder first is chance. Topics that tell the wall clock are left out.
+    """
+    content_a, content_b = _content(Bag(first)), _content(Bag(second))
+    differences = []
+    for topic in sorted(content_a.keys() | content_b.keys()):
+        messages_a, messages_b = content_a.get(topic, []), content_b.get(topic, [])
+        if len(messages_a) != len(messages_b):
+            differences.append(f"{topic}: {len(messages_a)} messages against {len(messages_b)}")
+        pairs = enumerate(zip(messages_a, messages_b, strict=False))
+        unequal = next(((k, a, b) for k, (a, b) in pairs if a != b), None)
+        if unequal is not None:
+            differences.append(_describe_difference(topic, *unequal))
+    return differences
+
+
+def _content(bag: Bag) -> dict[str, list[tuple[int, bytes]]]:
+    """Return time and bytes of each message by topic, in comparable order."""
+    topics = bag.topics.keys() - WALL_CLOCK_TOPICS
+    content: dict[str, list[tuple[int, bytes]]] = defaultdict(list)
+    for message in bag.messages(topics):
+        content[message.topic].append((message.time_ns, message.data))
+    for topic in content.keys() & SHARED_TOPICS:
+        content[topic].sort()
+    return content
+
+
+def _describe_difference(topic: str, index: int, a: tuple[int, bytes], b: tuple[int, bytes]) -> str:
+    """Say where two messages begin to differ."""
+    (time_a_ns, data_a), (time_b_ns, data_b) = a, b
+    if data_a == data_b:
+        return f"{topic}: message {index} is of {time_a_ns / 1e9:.9f} s against {time_b_ns / 1e9:.9f} s"
+    pairs = zip(data_a, data_b, strict=False)
+    byte = next((k for k, (x, y) in enumerate(pairs) if x != y), min(len(data_a), len(data_b)))
+    return (
+        f"{topic}: message {index} at {time_a_ns / 1e9:.3f} s differs from byte {byte} on "
+        f"({len(data_a)} bytes against {len(data_b)})"
+    )

@@ -1,0 +1,294 @@
+"""Write a rosbag2 directory (MCAP) as Jazzy's own recorder writes it, so that a crash loses little.
+
+A bag ``results/x/bag`` is the folder ``bag`` with ``bag_0.mcap`` (the name that ``ros2 bag reindex`` looks
+for) and ``metadata.yaml`` (version 9). What a killed recorder leaves behind can be read:
+
+* chunks are small (64 kB before compression) and go to the file, unbuffered, when they are full, so that
+  at most the chunk in progress is lost;
+* schemas and channels stand in the chunks, before their first message, so that a file without a summary
+  can be read from its start;
+* the ``rosbag2`` metadata record is written at the start too, so that a reindexer knows the version;
+* ``metadata.yaml`` is there from the start and is replaced, atomically, at every checkpoint.
+
+Chunks are compressed with zstd: the numbers of a slowly moving flock shrink to about a quarter for some
+0.2 ms of processor time a chunk, and every MCAP reader (rosbag2's, rosbags, Foxglove) reads it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+from mcap.writer import CompressionType, Writer
+
+from auv_bringup.message_definitions import MessageType
+
+CHUNK_BYTES = 64 * 1024
+METADATA_VERSION = 9
+METADATA_FILE = "metadata.yaml"
+INFINITE_NS = 2**63 - 1
+
+
+class BagError(Exception):
+    """A bag that cannot be written or read; the message is one line."""
+
+
+@dataclass(frozen=True)
+class Qos:
+    """The QoS that one publisher of a recorded topic offered, in rosbag2's words."""
+
+    history: str = "keep_all"
+    depth: int = 0
+    reliability: str = "reliable"
+    durability: str = "volatile"
+    deadline_ns: int = INFINITE_NS
+    lifespan_ns: int = INFINITE_NS
+    liveliness: str = "automatic"
+    liveliness_lease_duration_ns: int = INFINITE_NS
+    avoid_ros_namespace_conventions: bool = False
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the mapping that metadata.yaml holds; a duration is split into seconds and nanoseconds."""
+        return {
+            name.removesuffix("_ns"): _split_duration(value) if name.endswith("_ns") else value
+            for name, value in asdict(self).items()
+        }
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One recorded topic."""
+
+    name: str
+    type: MessageType
+    offered_qos: tuple[Qos, ...] = (Qos(),)
+
+
+@dataclass
+class _Tally:
+    """Number of messages and their span of time (ns)."""
+
+    count: int = 0
+    first_ns: int = INFINITE_NS
+    last_ns: int = 0
+
+    @property
+    def duration_ns(self) -> int:
+        return max(0, self.last_ns - self.first_ns)
+
+
+class _UnbufferedFile:
+    """A new file whose every write reaches the operating system before it returns."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("xb", buffering=0)
+        self._position = 0
+
+    def write(self, data: bytes) -> int:
+        view = memoryview(data)
+        while view:
+            written = self._file.write(view)
+            self._position += written
+            view = view[written:]
+        return len(data)
+
+    def tell(self) -> int:
+        return self._position
+
+    def flush(self) -> None:
+        """Do nothing: nothing is held back."""
+
+    def close(self) -> None:
+        self._file.close()
+
+
+class BagWriter:
+    """Writes one bag. Not thread-safe.
+
+    Parameters
+    ----------
+    bag_dir
+        Folder to create; it must not exist.
+    ros_distro
+        Name of the ROS distribution that the bag says it was made by.
+
+    Raises
+    ------
+    BagError
+        If the folder exists already or cannot be made.
+    """
+
+    def __init__(self, bag_dir: Path, *, ros_distro: str = "jazzy", chunk_bytes: int = CHUNK_BYTES) -> None:
+        self._dir = bag_dir
+        self._file_name = f"{bag_dir.resolve().name}_0.mcap"
+        self._ros_distro = ros_distro
+        self._tally = _Tally()
+        self._topics: list[Topic] = []
+        self._counts: list[int] = []
+        self._schema_ids: dict[str, int] = {}
+        self._bytes = 0
+        self._file = self._create()
+        self._mcap = Writer(self._file, chunk_size=chunk_bytes, compression=CompressionType.ZSTD)
+        self._mcap.start(profile="ros2", library="shoal")
+        self._add_metadata_record()
+        self._write_metadata_file()
+
+    @property
+    def message_count(self) -> int:
+        """Number of messages taken so far."""
+        return self._tally.count
+
+    @property
+    def byte_count(self) -> int:
+        """Number of message bytes taken so far, before compression."""
+        return self._bytes
+
+    def add_topic(self, topic: Topic) -> int:
+        """Register a topic and return its channel id."""
+        if topic.type.name not in self._schema_ids:
+            self._schema_ids[topic.type.name] = self._mcap.register_schema(
+                topic.type.name, "ros2msg", topic.type.definition.encode()
+            )
+        channel = self._mcap.register_channel(
+            topic.name,
+            "cdr",
+            self._schema_ids[topic.type.name],
+            {
+                "offered_qos_profiles": _dump([each.to_dict() for each in topic.offered_qos]),
+                "topic_type_hash": topic.type.type_hash,
+            },
+        )
+        self._topics.append(topic)
+        self._counts.append(0)
+        return channel
+
+    def write(self, channel: int, data: bytes, time_ns: int) -> None:
+        """Append one serialised message.
+
+        Parameters
+        ----------
+        channel
+            From :meth:`add_topic`.
+        data
+            CDR bytes with their encapsulation header.
+        time_ns
+            Log and publish time, not negative.
+        """
+        self._mcap.add_message(channel, time_ns, data, time_ns, self._counts[channel - 1])
+        self._counts[channel - 1] += 1
+        self._bytes += len(data)
+        tally = self._tally
+        tally.count += 1
+        if time_ns < tally.first_ns:
+            tally.first_ns = time_ns
+        if time_ns > tally.last_ns:
+            tally.last_ns = time_ns
+
+    def checkpoint(self) -> None:
+        """Bring everything taken so far to the file and bring metadata.yaml up to date."""
+        self._mcap.flush()
+        self._write_metadata_file()
+
+    def close(self) -> None:
+        """Finish the file with its summary and write the last metadata.yaml."""
+        self._mcap.flush()
+        self._add_metadata_record()
+        self._mcap.finish()
+        self._file.close()
+        self._write_metadata_file()
+
+    def abandon(self) -> None:
+        """Close the file as it is, after a write error: what is in it can be read."""
+        self._file.close()
+
+    def _create(self) -> _UnbufferedFile:
+        """Make the folder and the MCAP file in it."""
+        try:
+            self._dir.mkdir(parents=True)
+            return _UnbufferedFile(self._dir / self._file_name)
+        except FileExistsError:
+            raise BagError(f"{self._dir} exists already; a bag is never overwritten") from None
+        except OSError as error:
+            raise BagError(f"cannot create the bag {self._dir}: {error.strerror}") from None
+
+    def _information(self) -> dict[str, Any]:
+        """Return the content of metadata.yaml, in the order of Jazzy's recorder."""
+        tally = self._tally
+        start = {"nanoseconds_since_epoch": tally.first_ns}
+        duration = {"nanoseconds": tally.duration_ns}
+        return {
+            "version": METADATA_VERSION,
+            "storage_identifier": "mcap",
+            "duration": duration,
+            "starting_time": start,
+            "message_count": tally.count,
+            "topics_with_message_count": [
+                {"topic_metadata": _topic_metadata(topic), "message_count": count}
+                for topic, count in zip(self._topics, self._counts, strict=True)
+            ],
+            "compression_format": "",
+            "compression_mode": "",
+            "relative_file_paths": [self._file_name],
+            "files": [
+                {
+                    "path": self._file_name,
+                    "starting_time": dict(start),
+                    "duration": dict(duration),
+                    "message_count": tally.count,
+                }
+            ],
+            "custom_data": None,
+            "ros_distro": self._ros_distro,
+        }
+
+    def _add_metadata_record(self) -> None:
+        """Put what metadata.yaml says into the MCAP file too, where rosbag2 looks for it."""
+        self._mcap.add_metadata("rosbag2", {"serialized_metadata": _dump(self._information())})
+
+    def _write_metadata_file(self) -> None:
+        """Replace metadata.yaml in one step."""
+        temporary = self._dir / f".{METADATA_FILE}.{os.getpid()}"
+        temporary.write_text(_dump({"rosbag2_bagfile_information": self._information()}) + "\n")
+        temporary.replace(self._dir / METADATA_FILE)
+
+
+def _topic_metadata(topic: Topic) -> dict[str, Any]:
+    """Return a topic's entry of metadata.yaml."""
+    return {
+        "name": topic.name,
+        "type": topic.type.name,
+        "serialization_format": "cdr",
+        "offered_qos_profiles": [each.to_dict() for each in topic.offered_qos],
+        "type_description_hash": topic.type.type_hash,
+    }
+
+
+def _split_duration(duration_ns: int) -> dict[str, int]:
+    """Return a duration as rmw does; 9223372036 s and 854775807 ns is "infinite"."""
+    return {"sec": duration_ns // 1_000_000_000, "nsec": duration_ns % 1_000_000_000}
+
+
+class _Dumper(yaml.SafeDumper):
+    """Block style as yaml-cpp writes it: sequences indented, `~` for nothing, no anchors."""
+
+    def increase_indent(self, flow: bool = False, indentless: bool = False) -> None:
+        super().increase_indent(flow, False)
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+_Dumper.add_representer(type(None), lambda dumper, _: dumper.represent_scalar("tag:yaml.org,2002:null", "~"))
+_Dumper.add_representer(
+    str,
+    lambda dumper, text: dumper.represent_scalar("tag:yaml.org,2002:str", text, style=None if text else '"'),
+)
+
+
+def _dump(value: dict[str, Any] | Sequence[Any]) -> str:
+    """Serialise a value as block-style YAML without a final line break."""
+    return yaml.dump(value, Dumper=_Dumper, sort_keys=False, default_flow_style=False, width=10_000).strip()
