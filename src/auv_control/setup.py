@@ -2,21 +2,21 @@
 
 from setuptools import find_packages, setup
 
-package_name = 'auv_control'
+package_name = "auv_control"
 
 setup(
     name=package_name,
-    version='0.1.0',
-    packages=find_packages(include=[package_name, f'{package_name}.*']),
+    version="0.1.0",
+    packages=find_packages(include=[package_name, f"{package_name}.*"]),
     data_files=[
-        ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
-        (f'share/{package_name}', ['package.xml']),
+        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
+        (f"share/{package_name}", ["package.xml"]),
     ],
-    install_requires=['setuptools'],
-    extras_require={'test': ['pytest']},
+    install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
-    maintainer='The Shoal authors',
-    maintainer_email='shoal@example.org',
+    maintainer="The Shoal authors",
+    maintainer_email="shoal@example.org",
     description="What one vehicle's computer does in Shoal: references, control laws, avoidance, estimators",
-    license='Apache-2.0',
+    license="Apache-2.0",
 )

@@ -1,0 +1,18 @@
+# Sourced by the commands in this folder: set up what is missing, then bring up the venv, ROS 2 and the workspace.
+
+source "$(dirname -- "${BASH_SOURCE[0]}")/places.bash"
+
+# uv, colcon, ROS 2 and matplotlib all want a home to write to; give them one where there is none.
+if [ ! -w "${HOME:-}" ]; then
+  export HOME=$root/log/home
+  mkdir -p "$HOME"
+fi
+
+"$root/scripts/setup" || exit 1
+
+# What other workspaces and venvs have put into this shell does not belong to ours.
+if [ "$ros_kind" = wheels ]; then unset AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH PYTHONPATH; fi
+unset PYTHONHOME
+export VIRTUAL_ENV=$venv PATH=$venv/bin:$PATH
+set +u
+source "$root/install/setup.bash"

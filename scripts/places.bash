@@ -1,0 +1,29 @@
+# Where things are, and which ROS 2 is used. Sourced by `setup` and `activate.bash`; changes nothing.
+#
+#   root        the checkout
+#   ros_kind    wheels: ROS 2 from PyPI, inside the venv;  jazzy: the ROS 2 Jazzy that is sourced in this shell
+#   ros_prefix  folder of that sourced ROS's rclpy (empty for wheels)
+#   ros_python  the Python that it was made for, like 3.12 (empty for wheels)
+#   venv        the venv that goes with it
+
+root=$(cd -P -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd) || exit 1
+
+# An rclpy in a prefix that is no venv is an installed ROS 2; one in a venv is this set-up's own (or another checkout's).
+find_sourced_ros() {
+  local prefix module
+  ros_kind=wheels ros_prefix='' ros_python=''
+  local IFS=:
+  for prefix in ${AMENT_PREFIX_PATH:-}; do
+    [ -e "$prefix/pyvenv.cfg" ] && continue
+    for module in "$prefix"/lib/python3.*/site-packages/rclpy; do
+      [ -d "$module" ] || continue
+      ros_kind=jazzy ros_prefix=$prefix
+      ros_python=${module#"$prefix"/lib/python}
+      ros_python=${ros_python%%/*}
+      return
+    done
+  done
+}
+
+find_sourced_ros
+if [ "$ros_kind" = jazzy ]; then venv=$root/.venv-jazzy; else venv=$root/.venv; fi
