@@ -1,16 +1,15 @@
 """
 Draw the figures of a run from its recording.
 
-Each `_draw_*` function makes one figure from a `_Run` and returns it with its title and caption, or None where
-the data do not exist. To add a figure, write such a function and name it in `_DRAWERS`. Plan views
+Each `_draw_*` function makes one figure from a `_Run` and returns it with its title and caption, or None
+where the data do not exist. To add a figure, write such a function and name it in `_DRAWERS`. Plan views
 have north up and east to the right; depth grows downwards. Vehicles differ in colour, line style and
-marker, so that the figures can be read in grey. Long records are thinned to the smallest and the largest value of
-every pixel column: no extreme is lost.
+marker, so that the figures can be read in grey. Long records are thinned to the smallest and the largest
+value of every pixel column: no extreme is lost.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,12 +20,11 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Patch
-from matplotlib.ticker import FuncFormatter, LogLocator
+from matplotlib.patches import Circle
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
-from auv_bringup import metrics
+from auv_bringup import metrics, plotting
 from auv_bringup.recording import FloatArray, Recording
 
 if TYPE_CHECKING:
@@ -34,30 +32,10 @@ if TYPE_CHECKING:
 
 DPI = 170
 WIDTH_IN = 6.5
-MAX_COLUMNS = 1200
 MAX_LINES = 10
 MAX_LABELLED_LINKS = 30
 ZOOM_S = 30.0
 
-_STYLE = {
-    "font.size": 9.0,
-    "axes.titlesize": 9.0,
-    "axes.labelsize": 9.0,
-    "legend.fontsize": 8.0,
-    "legend.framealpha": 0.9,
-    "axes.grid": True,
-    "grid.color": "0.88",
-    "grid.linewidth": 0.5,
-    "axes.axisbelow": True,
-    "lines.linewidth": 1.0,
-    "lines.markersize": 4.5,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-}
-# dark to light, apart in grey as well as for colour-blind readers
-_COLOURS = ("#111111", "#0063a8", "#c84b00", "#3a9d6e", "#7b3f8c", "#b58900")
-_DASHES: tuple[Any, ...] = ("solid", (0, (5, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (1.5, 1.2)), (0, (9, 2)))
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 _THESIS_FIGURES = {
     ("ch5_four_leaders", "plan"): "5.5 (b)",
@@ -142,7 +120,7 @@ def draw_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> lis
     out_dir.mkdir(parents=True, exist_ok=True)
     figures = []
     for name, draw in _DRAWERS.items():
-        with matplotlib.rc_context(_STYLE):
+        with matplotlib.rc_context(plotting.STYLE):
             drawing = draw(run)
             if drawing is None:
                 continue
@@ -162,17 +140,21 @@ def _draw_plan(run: _Run) -> _Drawing | None:
         return None
     canvas = Canvas(figsize=(WIDTH_IN, 6.2), layout="constrained")
     axes = canvas.add_subplot()
-    _plot_plan_line(axes, run.path_ned_m, color="0.55", linewidth=3.0, alpha=0.55, zorder=1)
-    _plot_plan_line(axes, run.centroid_ned_m, color="0.35", linewidth=1.4, linestyle=(0, (2, 1)), zorder=3)
+    plotting.plot_plan_line(axes, run.path_ned_m, color="0.55", linewidth=3.0, alpha=0.55, zorder=1)
+    plotting.plot_plan_line(
+        axes, run.centroid_ned_m, color="0.35", linewidth=1.4, linestyle=(0, (2, 1)), zorder=3
+    )
     for i in range(run.recording.n_vehicles):
-        style = _vehicle_style(i)
+        style = plotting.vehicle_style(i)
         track = run.recording.position_ned_m[:, i]
-        _plot_plan_line(axes, run.flock_ned_m[:, i], linewidth=0.9, zorder=4, **style)
-        _plot_plan_line(axes, _only_lost(run, i), color=style["color"], linewidth=0.5, alpha=0.5, zorder=4)
-        _mark(axes, track[0], style["color"], _marker(i), is_filled=False)
-        _mark(axes, track[-1], style["color"], _marker(i), is_filled=True)
+        plotting.plot_plan_line(axes, run.flock_ned_m[:, i], linewidth=0.9, zorder=4, **style)
+        plotting.plot_plan_line(
+            axes, _only_lost(run, i), color=style["color"], linewidth=0.5, alpha=0.5, zorder=4
+        )
+        plotting.mark(axes, track[0], style["color"], plotting.marker(i), is_filled=False)
+        plotting.mark(axes, track[-1], style["color"], plotting.marker(i), is_filled=True)
     for obstacle in run.scenario.environment.obstacles:
-        _plot_obstacle(axes, obstacle)
+        plotting.plot_obstacle(axes, obstacle)
     instants = _instants(run.t_s)
     for k in instants:
         _plot_hulls(axes, run, k)
@@ -180,17 +162,17 @@ def _draw_plan(run: _Run) -> _Drawing | None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("east (m)")
     axes.set_ylabel("north (m)")
-    _legend_below(canvas, _plan_legend(run))
+    plotting.legend_below(canvas, _plan_legend(run))
     times = ", ".join(f"{run.t_s[k]:.0f}" for k in instants)
     caption = (
-        "Tracks seen from above, north up. The wide grey line is the path that the flock is to follow, the grey "
-        "dashed line the mean of the vehicles. Hollow marks are starts, full marks are ends; the small discs are the "
-        f"hulls to scale with their heading, at {times} s."
+        "Tracks seen from above, north up. The wide grey line is the path that the flock is to follow, the "
+        "dashed grey line the mean of the vehicles. Hollow marks are starts, full marks are ends; the discs "
+        f"are the hulls to scale with their heading, at {times} s."
     )
     if run.scenario.environment.obstacles:
         caption += (
-            " Crosses are obstacles with the distance at which their repulsion begins; a track inside that circle "
-            "passes above or below."
+            " Crosses are obstacles, each with the distance at which its repulsion begins; a track that "
+            "crosses such a circle may also pass above or below."
         )
     return _Drawing(canvas, "Tracks in the plane", caption)
 
@@ -200,27 +182,31 @@ def _draw_space(run: _Run) -> _Drawing | None:
     if not np.isfinite(positions).any():
         return None
     canvas = Canvas(figsize=(WIDTH_IN, 5.2))
-    axes: Any = canvas.add_axes(Axes3D(canvas, (0.02, 0.08, 0.96, 0.94)))
+    axes: Any = canvas.add_axes(Axes3D(canvas, (0.0, 0.12, 0.94, 0.88)))
     north, east, down = run.path_ned_m.T
     axes.plot(east, north, down, color="0.55", linewidth=3.0, alpha=0.55)
-    every = max(1, run.recording.n_ticks // (2 * MAX_COLUMNS))
+    every = max(1, run.recording.n_ticks // (2 * plotting.MAX_COLUMNS))
     for i in range(run.recording.n_vehicles):
         north, east, down = run.flock_ned_m[::every, i].T
-        axes.plot(east, north, down, linewidth=0.9, **_vehicle_style(i))
-        for k, fill in ((0, "white"), (-1, _colour(i))):
+        axes.plot(east, north, down, linewidth=0.9, **plotting.vehicle_style(i))
+        for k, fill in ((0, "white"), (-1, plotting.colour(i))):
             north, east, down = positions[k, i]
-            axes.plot([east], [north], [down], _marker(i), color=_colour(i), markerfacecolor=fill)
+            axes.plot(
+                [east], [north], [down], plotting.marker(i), color=plotting.colour(i), markerfacecolor=fill
+            )
     for obstacle in run.scenario.environment.obstacles:
-        _plot_sphere(axes, obstacle.position_ned_m, obstacle.safety_distance_m)
-    _equal_box(axes)
+        plotting.plot_sphere(axes, obstacle.position_ned_m, obstacle.safety_distance_m)
+    plotting.equal_box(axes)
     axes.invert_zaxis()
     axes.set_xlabel("east (m)")
     axes.set_ylabel("north (m)")
     axes.set_zlabel("depth (m)")
     axes.locator_params(axis="z", nbins=4)
     axes.view_init(elev=32, azim=-58)
-    _legend_below(canvas, [_path_handle(), *_vehicle_handles(run)])
-    caption = "Tracks in space, depth downwards, all axes to one scale. Hollow marks are starts, full marks are ends."
+    plotting.legend_below(canvas, [_path_handle(), *_vehicle_handles(run)])
+    caption = (
+        "Tracks in space, depth downwards, one scale on all axes. Hollow marks: starts; full marks: ends."
+    )
     if run.scenario.environment.obstacles:
         caption += " The spheres are the safety distances of the obstacles."
     return _Drawing(canvas, "Tracks in space", caption)
@@ -251,13 +237,13 @@ def _draw_pair_distances(run: _Run) -> _Drawing | None:
         rest.axhline(contact_m, color="0.4", linewidth=1.2)
     _plot_spacing((first, rest), run.scenario)
     handles, labels = first.get_legend_handles_labels()
-    handles.append(_band_handle())
-    _legend_below(canvas, handles, [*labels, f"hulls touch (under {contact_m:g} m)"])
+    handles.append(plotting.band_handle())
+    plotting.legend_below(canvas, handles, [*labels, f"hulls touch (under {contact_m:g} m)"])
     smallest = np.nanargmin(np.nanmin(distances_m, axis=1))
     caption = (
         f"Distance of every pair. The smallest of the whole run is {np.nanmin(distances_m):.2f} m, at "
-        f"{run.t_s[smallest]:.1f} s; hulls would touch at {contact_m:g} m. Left the approach from the start, right "
-        "the rest of the run on a scale of its own."
+        f"{run.t_s[smallest]:.1f} s; hulls would touch at {contact_m:g} m. Left the approach from the start, "
+        "right the rest of the run on a scale of its own."
     )
     if "d = " in "".join(labels):
         caption += " d is the distance below which the flocking law pushes vehicles apart."
@@ -271,12 +257,14 @@ def _draw_path_error(run: _Run) -> _Drawing | None:
         return None
     canvas, axes = _time_axes("distance to the reference point (m)")
     _plot_vehicles(axes, run, run.t_s, vehicle_m)
-    _plot_thinned(axes, run.t_s, centroid_m, color="black", linewidth=2.0, label="mean of the vehicles")
-    _log_scale(axes, np.concatenate([vehicle_m.ravel(), centroid_m]))
-    _legend_below(canvas, *axes.get_legend_handles_labels())
+    plotting.plot_thinned(
+        axes, run.t_s, centroid_m, color="black", linewidth=2.0, label="mean of the vehicles"
+    )
+    plotting.log_scale(axes, np.concatenate([vehicle_m.ravel(), centroid_m]))
+    plotting.legend_below(canvas, *axes.get_legend_handles_labels())
     caption = (
         "Distance to the moving reference point on the path, logarithmic. The thick line, the mean of the "
-        "vehicles, is what is to stay small; a single vehicle keeps its place in the flock and so its distance."
+        "vehicles, is what is to stay small; a single vehicle keeps its place in the flock, so a distance."
     )
     return _Drawing(canvas, "Path error", caption)
 
@@ -288,8 +276,8 @@ def _draw_consensus_error(run: _Run) -> _Drawing | None:
     t_s = run.t_s[:-1]
     canvas, axes = _time_axes("|own estimate − true mean| (m)")
     _plot_vehicles(axes, run, t_s, error_m)
-    _log_scale(axes, error_m)
-    _legend_below(canvas, *axes.get_legend_handles_labels())
+    plotting.log_scale(axes, error_m)
+    plotting.legend_below(canvas, *axes.get_legend_handles_labels())
     caption = (
         "Distance between each vehicle's own estimate of the flocking centre and the true mean of the "
         "positions, logarithmic. It does not go to zero: the consensus filter pulls every estimate a "
@@ -311,28 +299,30 @@ def _draw_estimate_error(run: _Run) -> _Drawing | None:
     grid = canvas.subplots(4, 2, width_ratios=(5, 3), sharex="col", sharey="row")
     for row, component in enumerate(("north", "east", "down")):
         for axes, shown in zip(grid[row], (slice(None), window), strict=True):
-            _plot_band(axes, t_s[shown], 2.0 * sigma_m[shown, i, j, row])
-            _plot_thinned(axes, t_s[shown], error_m[shown, i, j, row], color="black", linewidth=0.8)
+            plotting.plot_band(axes, t_s[shown], 2.0 * sigma_m[shown, i, j, row])
+            plotting.plot_thinned(axes, t_s[shown], error_m[shown, i, j, row], color="black", linewidth=0.8)
         grid[row, 0].set_ylabel(f"{component} error (m)")
         limit_m = 1.08 * _largest_of_band(error_m[:, i, j, row], 2.0 * sigma_m[:, i, j, row], t_s)
         grid[row, 0].set_ylim(-limit_m, limit_m)
     rms_m = _rms_over_pairs(square_m2)
     for axes, shown in zip(grid[3], (slice(None), window), strict=True):
-        _plot_thinned(axes, t_s[shown], rms_m[shown], color="black", linewidth=0.9)
+        plotting.plot_thinned(axes, t_s[shown], rms_m[shown], color="black", linewidth=0.9)
         axes.set_xlabel("time (s)")
         axes.set_xlim(t_s[shown][0], t_s[shown][-1])
-    _log_scale(grid[3, 0], rms_m)
+    plotting.log_scale(grid[3, 0], rms_m)
     grid[3, 0].set_ylabel("rms, all pairs (m)")
     ids = run.recording.vehicle_ids
     grid[0, 0].set_title(f"{ids[i]} estimates {ids[j]}: the worst pair")
     grid[0, 1].set_title(f"detail: {t_s[window][0]:.0f} to {t_s[window][-1]:.0f} s")
-    handles = [Line2D([], [], color="black", linewidth=0.9), _two_sigma_handle()]
-    _legend_below(canvas, handles, ["estimate minus truth", "two of the filter's own standard deviations"])
+    handles = [Line2D([], [], color="black", linewidth=0.9), plotting.two_sigma_handle()]
+    plotting.legend_below(
+        canvas, handles, ["estimate minus truth", "two of the filter's own standard deviations"]
+    )
     caption = (
-        f"What {ids[i]} believes of {ids[j]} between packets, minus the truth: the ordered pair with the largest "
-        "error. Grey is plus and minus two standard deviations as the filter itself states them; a consistent "
-        "filter stays inside about 95 % of the time. The band grows while no packet comes and shrinks with each one. "
-        "Below, the root mean square over all ordered pairs."
+        f"What {ids[i]} believes of {ids[j]} between packets, minus the truth: the ordered pair with the "
+        "largest error. Grey is plus and minus two standard deviations as the filter itself states them; a "
+        "consistent filter stays inside about 95 % of the time. The band grows while no packet comes and "
+        "shrinks with each one. Below, the root mean square over all ordered pairs."
     )
     return _Drawing(canvas, "Neighbour estimates", caption)
 
@@ -348,12 +338,12 @@ def _draw_speed(run: _Run) -> _Drawing | None:
     _plot_vehicles(lower, run, run.t_s, flown_mps)
     for axes, values in ((upper, asked_mps), (lower, flown_mps)):
         if np.nanmax(values) > 20.0 * np.nanmedian(values):
-            _log_scale(axes, values)
+            plotting.log_scale(axes, values)
         axes.set_xlim(run.t_s[0], run.t_s[-1])
     upper.set_ylabel("speed asked for (m/s)")
     lower.set_ylabel("speed flown (m/s)")
     lower.set_xlabel("time (s)")
-    _legend_below(canvas, *upper.get_legend_handles_labels())
+    plotting.legend_below(canvas, *upper.get_legend_handles_labels())
     caption = (
         "Above, the speed that the flocking law asks for; below, the true speed over ground. "
         "Where the two differ the vehicle or its inner loop cannot follow."
@@ -377,8 +367,8 @@ def _draw_packet_delivery(run: _Run) -> _Drawing | None:
     if is_few:
         _plot_delivery_bands(axes[1], run, links, expected, delivered, overall)
     caption = (
-        f"Share of packets that arrived, link by link (row sends, column receives; the darker, the more is lost): {overall:.3f} of "
-        f"{expected.sum()} over all."
+        "Share of packets that arrived, link by link (row sends, column receives; the darker, the more is "
+        f"lost): {overall:.3f} of {expected.sum()} over all."
     )
     if is_few:
         caption += (
@@ -420,7 +410,7 @@ def _plot_delivery_bands(
     rows = np.arange(len(links))
     counts = np.array([(delivered[link], expected[link]) for link in links])
     ratio = counts[:, 0] / counts[:, 1]
-    low, high = _wilson_interval(counts[:, 0], counts[:, 1])
+    low, high = plotting.wilson_interval(counts[:, 0], counts[:, 1])
     widths = (np.maximum(ratio - low, 0.0), np.maximum(high - ratio, 0.0))
     axes.errorbar(ratio, rows, xerr=widths, fmt="o", color="black", capsize=2.5, linewidth=0.9)
     axes.axvline(overall, color="0.35", linewidth=1.0, linestyle="dashed")
@@ -433,37 +423,7 @@ def _plot_delivery_bands(
     axes.set_xlabel("delivery ratio, 95 % interval")
 
 
-def _wilson_interval(successes: NDArray[Any], trials: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
-    """Return the 95 % score interval of a binomial share (Wilson 1927)."""
-    z = 1.959964
-    share = successes / trials
-    middle = (share + z * z / (2.0 * trials)) / (1.0 + z * z / trials)
-    half = z * np.sqrt(share * (1.0 - share) / trials + (z / (2.0 * trials)) ** 2) / (1.0 + z * z / trials)
-    return middle - half, middle + half
-
-
 # --- parts -----------------------------------------------------------------------------------------------
-
-
-def _colour(i: int) -> str:
-    return _COLOURS[i % len(_COLOURS)]
-
-
-def _marker(i: int) -> str:
-    return _MARKERS[i % len(_MARKERS)]
-
-
-def _vehicle_style(i: int) -> dict[str, Any]:
-    return {"color": _colour(i), "linestyle": _DASHES[i % len(_DASHES)]}
-
-
-def _plot_plan_line(axes: Any, ned_m: FloatArray, **style: Any) -> None:
-    axes.plot(ned_m[:, 1], ned_m[:, 0], **style)
-
-
-def _mark(axes: Any, ned_m: FloatArray, colour: str, marker: str, *, is_filled: bool) -> None:
-    fill = colour if is_filled else "white"
-    axes.plot(ned_m[1], ned_m[0], marker, color=colour, markerfacecolor=fill, markersize=6, zorder=6)
 
 
 def _only_lost(run: _Run, i: int) -> FloatArray:
@@ -472,31 +432,18 @@ def _only_lost(run: _Run, i: int) -> FloatArray:
     return np.where(is_flying, np.nan, run.recording.position_ned_m[:, i])
 
 
-def _plot_obstacle(axes: Any, obstacle: Any) -> None:
-    north, east, _ = obstacle.position_ned_m
-    axes.add_patch(
-        Circle(
-            (east, north),
-            obstacle.safety_distance_m,
-            facecolor="0.94",
-            edgecolor="0.45",
-            linestyle="dashed",
-            zorder=0,
-        )
-    )
-    axes.plot(east, north, "x", color="black", markersize=7, markeredgewidth=1.8, zorder=6)
-
-
 def _plot_hulls(axes: Any, run: _Run, k: int) -> None:
     """Draw the hulls at tick k to scale, each with its heading, and the time beside them."""
     radius_m = run.scenario.hull_radius_m
     positions = run.recording.position_ned_m[k]
     for i, (north, east, _) in enumerate(positions):
-        axes.add_patch(Circle((east, north), radius_m, facecolor=_colour(i), edgecolor="white", zorder=5))
+        axes.add_patch(
+            Circle((east, north), radius_m, facecolor=plotting.colour(i), edgecolor="white", zorder=5)
+        )
         w, x, y, z = run.recording.attitude_quat_wxyz[k, i]
         ahead = np.array([2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z)])  # body x axis: east, north
         tip = np.array([east, north]) + 2.0 * radius_m * ahead
-        axes.plot([east, tip[0]], [north, tip[1]], color=_colour(i), linewidth=1.0, zorder=5)
+        axes.plot([east, tip[0]], [north, tip[1]], color=plotting.colour(i), linewidth=1.0, zorder=5)
     middle = run.centroid_ned_m[k, [1, 0]]
     inward = np.nanmean(run.path_ned_m[:, [1, 0]], axis=0) - middle
     label_at = middle + inward / max(float(np.hypot(*inward)), 1e-9) * (2.4 + 2.0 * radius_m)
@@ -506,45 +453,20 @@ def _plot_hulls(axes: Any, run: _Run, k: int) -> None:
         )
 
 
-def _plot_sphere(axes: Any, centre_ned_m: Any, radius_m: float) -> None:
-    azimuth, polar = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 25), np.linspace(0.0, np.pi, 13))
-    north, east, down = centre_ned_m
-    axes.plot_surface(
-        east + radius_m * np.sin(polar) * np.cos(azimuth),
-        north + radius_m * np.sin(polar) * np.sin(azimuth),
-        down + radius_m * np.cos(polar),
-        color="0.75",
-        alpha=0.35,
-        linewidth=0,
-    )
-
-
-def _equal_box(axes: Any) -> None:
-    limits = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()])
-    axes.set_box_aspect(np.maximum(np.ptp(limits, axis=1), 1e-6), zoom=1.2)
-
-
 def _instants(t_s: FloatArray) -> list[int]:
     """Return the ticks of some six round times after the start."""
-    step_s = _round_step(float(t_s[-1]) / 6.0)
+    step_s = plotting.round_step(float(t_s[-1]) / 6.0)
     times_s = np.arange(step_s, t_s[-1] + 1e-9, step_s)
     ticks: list[int] = np.unique(np.clip(np.searchsorted(t_s, times_s - 1e-9), 0, len(t_s) - 1)).tolist()
     return ticks
-
-
-def _round_step(value: float) -> float:
-    if value <= 0.0:
-        return 1.0
-    power = 10.0 ** math.floor(math.log10(value))
-    return power * max((m for m in (1.0, 2.0, 5.0) if m * power <= value), default=1.0)
 
 
 def _approach_window_s(t_s: FloatArray, distances_m: FloatArray) -> float:
     """Return how long the approach is shown on its own: until the farthest pair is as near as later (s)."""
     farthest_m = np.where(np.isfinite(distances_m), distances_m, -np.inf).max(axis=1)
     is_near = farthest_m <= 1.1 * np.median(farthest_m[len(farthest_m) // 2 :])
-    wanted_s = 1.3 * float(t_s[is_near.argmax()]) if is_near.any() else 0.0
-    window_s = next((w for w in (10.0, 20.0, 30.0, 60.0, 100.0, 200.0) if w >= wanted_s), 200.0)
+    wanted_s = 1.2 * float(t_s[is_near.argmax()]) if is_near.any() else 0.0
+    window_s = next((w for w in (10.0, 20.0, 30.0, 60.0, 80.0, 100.0, 200.0) if w >= wanted_s), 200.0)
     return window_s if window_s < 0.7 * t_s[-1] else 0.4 * float(t_s[-1])
 
 
@@ -567,13 +489,17 @@ def _plot_pairs(axes: Any, run: _Run, t_s: FloatArray, distances_m: FloatArray) 
     if len(pairs) > MAX_LINES:
         low_m, high_m = np.nanmin(distances_m, axis=1), np.nanmax(distances_m, axis=1)
         axes.fill_between(t_s, low_m, high_m, color="0.75", linewidth=0, label=f"range of {len(pairs)} pairs")
-        _plot_thinned(axes, t_s, np.nanmedian(distances_m, axis=1), color="black", label="median")
-        _plot_thinned(axes, t_s, low_m, color="black", linestyle="dashed", label="smallest")
+        plotting.plot_thinned(axes, t_s, np.nanmedian(distances_m, axis=1), color="black", label="median")
+        plotting.plot_thinned(axes, t_s, low_m, color="black", linestyle="dashed", label="smallest")
         return
     for p, (i, j) in enumerate(pairs):
         label = f"{run.recording.vehicle_ids[i]} – {run.recording.vehicle_ids[j]}"
-        style = {"color": _colour(p), "linestyle": _DASHES[p % len(_DASHES)], "marker": _marker(p)}
-        _plot_thinned(
+        style = {
+            "color": plotting.colour(p),
+            "linestyle": _DASHES[p % len(_DASHES)],
+            "marker": plotting.marker(p),
+        }
+        plotting.plot_thinned(
             axes, t_s, distances_m[:, p], label=label, n_marks=7, first_mark=p / len(pairs), **style
         )
 
@@ -582,54 +508,13 @@ def _plot_vehicles(axes: Any, run: _Run, t_s: FloatArray, values: FloatArray) ->
     n = run.recording.n_vehicles
     if n > MAX_LINES:
         for i in range(n):
-            _plot_thinned(axes, t_s, values[:, i], color="0.5", linewidth=0.4)
+            plotting.plot_thinned(axes, t_s, values[:, i], color="0.5", linewidth=0.4)
         return
     for i in range(n):
-        style = {**_vehicle_style(i), "marker": _marker(i), "linewidth": 0.8}
-        _plot_thinned(axes, t_s, values[:, i], label=run.labels[i], n_marks=7, first_mark=i / n, **style)
-
-
-def _plot_thinned(
-    axes: Any, t_s: FloatArray, values: FloatArray, *, n_marks: int = 0, first_mark: float = 0.0, **style: Any
-) -> None:
-    """Plot a line with n_marks markers; first_mark (0..1) staggers those of several lines."""
-    shown = thin_indices(values)
-    if n_marks:
-        every = max(1, len(shown) // n_marks)
-        style = {**style, "markevery": (int(first_mark * every), every), "markersize": 3.8}
-    axes.plot(t_s[shown], values[shown], **style)
-
-
-def thin_indices(values: FloatArray, n_columns: int = MAX_COLUMNS) -> NDArray[np.int64]:
-    """
-    Choose the samples that a plot of n_columns pixels can show.
-
-    Parameters
-    ----------
-    values : (n,) array
-        Samples at even steps; NaN is a gap.
-    n_columns : int
-        Width of the plot (pixels).
-
-    Returns
-    -------
-    indices : (m,) array of int
-        Ascending, m <= 2 n_columns + 2: first and last sample, the smallest and the largest of every
-        column; all of them where there are few.
-
-    """
-    n = len(values)
-    if n <= 2 * n_columns:
-        return np.arange(n)
-    edges = np.linspace(0, n, n_columns + 1).astype(np.int64)
-    size = int(np.diff(edges).max())
-    index = np.minimum(edges[:-1, np.newaxis] + np.arange(size), edges[1:, np.newaxis] - 1)
-    columns = values[index]
-    exists = np.isfinite(columns)
-    lowest = np.where(exists, columns, np.inf).argmin(axis=1)
-    highest = np.where(exists, columns, -np.inf).argmax(axis=1)
-    rows = np.arange(n_columns)
-    return np.unique(np.concatenate([[0, n - 1], index[rows, lowest], index[rows, highest]]))
+        style = {**plotting.vehicle_style(i), "marker": plotting.marker(i), "linewidth": 0.8}
+        plotting.plot_thinned(
+            axes, t_s, values[:, i], label=run.labels[i], n_marks=7, first_mark=i / n, **style
+        )
 
 
 def _time_axes(ylabel: str) -> tuple[Canvas, Any]:
@@ -639,23 +524,6 @@ def _time_axes(ylabel: str) -> tuple[Canvas, Any]:
     axes.set_ylabel(ylabel)
     axes.margins(x=0.0)
     return canvas, axes
-
-
-def _log_scale(axes: Any, values: FloatArray) -> None:
-    """Scale y logarithmically with plain numbers, from the smallest half per cent to the largest value."""
-    positive = values[np.isfinite(values) & (values > 0.0)]
-    if not positive.size:
-        return
-    high = float(positive.max())
-    low = max(float(np.quantile(positive, 0.005)), 1e-6 * high)
-    axes.set_yscale("log")
-    axes.set_ylim(0.8 * low, 1.25 * high)
-    is_short = high < 300.0 * low
-    axes.yaxis.set_minor_locator(
-        LogLocator(subs=(2.0, 5.0) if is_short else (2.0, 4.0, 6.0, 8.0), numticks=50)
-    )
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}" if is_short else ""))
 
 
 def _worst_pair(square_m2: FloatArray) -> tuple[int, int]:
@@ -683,12 +551,6 @@ def _zoom_window(t_s: FloatArray) -> slice:
     return slice(window[0], window[-1] + 1) if len(window) > 2 else slice(None)
 
 
-def _plot_band(axes: Any, t_s: FloatArray, two_sigma_m: FloatArray) -> None:
-    shown = thin_indices(two_sigma_m)
-    band = two_sigma_m[shown]
-    axes.fill_between(t_s[shown], -band, band, facecolor="0.78", linewidth=0.0)
-
-
 def _largest_of_band(error_m: FloatArray, two_sigma_m: FloatArray, t_s: FloatArray) -> float:
     """Return the largest error of all, or of the band once the first tenth has passed (m)."""
     late = two_sigma_m[t_s >= 0.1 * t_s[-1]]
@@ -704,7 +566,7 @@ def _vehicle_handles(run: _Run) -> list[Line2D]:
     if run.recording.n_vehicles > MAX_LINES:
         return []
     return [
-        Line2D([], [], marker=_marker(i), label=label, **_vehicle_style(i))
+        Line2D([], [], marker=plotting.marker(i), label=label, **plotting.vehicle_style(i))
         for i, label in enumerate(run.labels)
     ]
 
@@ -717,23 +579,6 @@ def _plan_legend(run: _Run) -> list[Line2D]:
     if run.scenario.environment.obstacles:
         handles.append(Line2D([], [], color="black", marker="x", linestyle="none", label="obstacle"))
     return [*handles, *_vehicle_handles(run)]
-
-
-def _band_handle() -> Any:
-    return Patch(facecolor="0.8", hatch="////", edgecolor="0.6", linewidth=0.0)
-
-
-def _two_sigma_handle() -> Any:
-    return Patch(facecolor="0.78", linewidth=0.0)
-
-
-def _legend_below(canvas: Canvas, handles: list[Any], labels: list[str] | None = None) -> None:
-    if not handles:
-        return
-    names = labels if labels is not None else [str(handle.get_label()) for handle in handles]
-    columns = min(len(names), 4)
-    is_free = canvas.get_layout_engine() is None
-    canvas.legend(handles, names, loc="lower center" if is_free else "outside lower center", ncols=columns)
 
 
 _DRAWERS: dict[str, Callable[[_Run], _Drawing | None]] = {
