@@ -92,8 +92,8 @@ def node_specs(scenario: Scenario, *, mode: str, bag_dir: Path | None, epoch_s: 
         ROS time of scenario time 0 (s), for ``realtime``.
 
     """
-    run = {'mode': mode, 'epoch_s': float(epoch_s)}
-    specs = [_relay_spec(scenario, run, recorded=bag_dir is not None)]
+    run = {'mode': mode, 'epoch_s': float(epoch_s), 'recorded': bag_dir is not None}
+    specs = [_relay_spec(scenario, run)]
     for vehicle, agent in zip(vehicle_configs(scenario), agent_configs(scenario), strict=True):
         specs.append(_vehicle_spec('vehicle', 'auv_sim', vehicle.vehicle_id, {**run, **_plain(vehicle)}))
         specs.append(_vehicle_spec('agent', 'auv_flocking', agent.vehicle_id, {**run, **_plain(agent)}))
@@ -116,13 +116,12 @@ def _vehicle_spec(role: str, package: str, vehicle_id: str, params: dict[str, An
     )
 
 
-def _relay_spec(scenario: Scenario, run: Mapping[str, Any], *, recorded: bool) -> NodeSpec:
+def _relay_spec(scenario: Scenario, run: Mapping[str, Any]) -> NodeSpec:
     params = {
         **run,
         **_plain(scenario.medium_config),
         'vehicle_ids': [vehicle.id for vehicle in scenario.vehicles],
-        'ticks': scenario.ticks,
-        'recorded': recorded,
+        'duration_ticks': scenario.ticks,
         'on_vehicle_loss': scenario.on_vehicle_loss,
         'answer_timeout_s': ANSWER_TIMEOUT_S,
         'start_timeout_s': START_TIMEOUT_S,

@@ -97,6 +97,12 @@ class Agent:
         """Whether the commands of this agent are velocities instead of wrenches."""
         return bool(self._controller.command == "velocity")
 
+    @property
+    def path_period_s(self) -> float | None:
+        """Time of one round of the path (s), or None."""
+        period_s: float | None = self._path.period_s
+        return period_s
+
     def step(self, t_s: float, nav: VehicleState, inbox: Inbox) -> tuple[Command, list[Packet]]:
         """
         Return the command for one control period and the packets to hand to the modem.
@@ -127,7 +133,7 @@ class Agent:
         self._next_centre = self._consensus.step(
             nav.position, self.centre, centres, self.flock_velocity, self._config.period_s
         )
-        return command, [self._packet(t_s, nav)] if inbox.transmit_ready else []
+        return command, [self._packet(inbox.tick, t_s, nav)] if inbox.transmit_ready else []
 
     def path_point(self, t_s: float) -> PathPoint:
         """Return the reference at `t_s`."""
@@ -151,7 +157,7 @@ class Agent:
             except ReportError:
                 self.rejected += 1
 
-    def _packet(self, t_s: float, nav: VehicleState) -> Packet:
+    def _packet(self, tick: int, t_s: float, nav: VehicleState) -> Packet:
         self._sequence += 1
         velocity = body_to_ned(nav.attitude, (nav.nu[0], nav.nu[1], nav.nu[2]))
         report = Report(
@@ -164,4 +170,4 @@ class Agent:
             self.centre_rate,
             self.flock_velocity,
         )
-        return Packet(nav.tick, self._config.address, 0, self._sequence, encode(report))
+        return Packet(tick, self._config.address, 0, self._sequence, encode(report))

@@ -24,6 +24,8 @@ from auv_flocking.report import Report
 
 Matrix = NDArray[np.float64]
 
+_SAME_AXIS: Matrix = np.tile(np.eye(3), (2, 2))
+
 
 @dataclass(frozen=True)
 class NeighbourConfig:
@@ -62,12 +64,10 @@ def transition_matrix(dt_s: float) -> Matrix:
 
 def process_noise(dt_s: float, acceleration_psd: float) -> Matrix:
     """Return Q (6, 6) of white acceleration over `dt_s`: q [[dt^3/3, dt^2/2], [dt^2/2, dt]] on every axis, exact."""
-    noise = np.zeros((6, 6))
-    for axis in range(3):
-        noise[axis, axis] = acceleration_psd * dt_s**3 / 3.0
-        noise[axis, axis + 3] = noise[axis + 3, axis] = acceleration_psd * dt_s**2 / 2.0
-        noise[axis + 3, axis + 3] = acceleration_psd * dt_s
-    return noise
+    position = acceleration_psd * dt_s**3 / 3.0
+    both = acceleration_psd * dt_s**2 / 2.0
+    velocity = acceleration_psd * dt_s
+    return np.array([[position, both], [both, velocity]]).repeat(3, axis=0).repeat(3, axis=1) * _SAME_AXIS
 
 
 class _Track:

@@ -82,7 +82,8 @@ class Vehicle:
             values = (*command.velocity, 0.0, 0.0, command.yaw_rate_radps)
         elif command is not None:
             values = command.tau
+        given = self._model.limited_command(values)
         for _ in range(self._substeps):
-            self._state = self._model.step(self._state, values, self._current, self._dt_s)
+            self._state = self._model.step(self._state, given, self._current, self._dt_s)
         self._tick += 1
         return self.state

@@ -188,9 +188,8 @@ class Model:
 
     def step(self, state: State, command: Vec6, current: Vec3, dt_s: float) -> State:
         """Return the state `dt_s` later, the wrench `command` held; the quaternion comes back with length 1."""
-        tau = self.limited_command(command)
         c = self._constants
-        after = rk4_step(lambda _t_s, x: derivative(x, tau, current, c), 0.0, state, dt_s)
+        after = rk4_step(lambda _t_s, x: derivative(x, command, current, c), 0.0, state, dt_s)
         norm = math.sqrt(after[3] ** 2 + after[4] ** 2 + after[5] ** 2 + after[6] ** 2)
         attitude = tuple([value / norm for value in after[3:7]])
         return (*after[:3], *attitude, *after[7:])

@@ -1,0 +1,40 @@
+"""RViz markers, all in map_ned: hulls, path, obstacles, flocking centres, acoustic links."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from auv_core.conversions import WORLD_FRAME, header, point
+from auv_core.geometry import Vec3
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker
+
+MARKER_TICKS = 5
+
+Colour = tuple[float, float, float, float]
+HULL: Colour = (0.95, 0.75, 0.1, 1.0)
+LOST_HULL: Colour = (0.4, 0.4, 0.4, 1.0)
+LINK: Colour = (0.2, 0.8, 0.9, 0.8)
+
+
+def sphere(namespace: str, number: int, t_s: float, centre: Vec3, diameter_m: float, colour: Colour) -> Marker:
+    """Return a sphere (m; NED)."""
+    marker = _marker(namespace, number, t_s, Marker.SPHERE, colour)
+    marker.pose.position = point(centre)
+    marker.scale.x = marker.scale.y = marker.scale.z = diameter_m
+    return marker
+
+
+def lines(namespace: str, number: int, t_s: float, points: Sequence[Vec3], colour: Colour, *, joined: bool) -> Marker:
+    """Return a line through all points, or (not joined) one line per pair of points (m; NED)."""
+    marker = _marker(namespace, number, t_s, Marker.LINE_STRIP if joined else Marker.LINE_LIST, colour)
+    marker.scale.x = 0.03
+    marker.points = [point(p) for p in points]
+    return marker
+
+
+def _marker(namespace: str, number: int, t_s: float, kind: int, colour: Colour) -> Marker:
+    marker = Marker(header=header(t_s, WORLD_FRAME), ns=namespace, id=number, type=kind, action=Marker.ADD)
+    marker.pose.orientation.w = 1.0
+    marker.color = ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=colour[3])
+    return marker

@@ -1,0 +1,166 @@
+"""
+The life of a ROS process of this project: start, spin, stop.
+
+Spinning is done by rclpy's EventsExecutor with finite time-outs (without one it spins for ever in the wheels that are published),
+and by the SingleThreadedExecutor where that one is missing.  SIGINT and SIGTERM only set a flag, however often they come, so that
+a node always finishes what it is doing, hands over what it has published, and leaves with its own exit status.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import rclpy
+from rclpy.clock import Clock, ClockType
+from rclpy.duration import Duration
+from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+
+from auv_core.params import ConfigError
+
+_WAKE_S = 0.25
+_HAND_OVER_S = 2.0
+_LOOK_S = 0.02
+
+EVERY_TICK = QoSProfile(
+    depth=1,
+    history=HistoryPolicy.KEEP_ALL,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.VOLATILE,
+)
+LATCHED = QoSProfile(
+    depth=1,
+    history=HistoryPolicy.KEEP_LAST,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+
+
+def main_loop(make_nodes: Callable[[], Sequence[Node]]) -> int:
+    """
+    Run nodes until a signal comes or one of them is done; return the exit status.
+
+    Parameters
+    ----------
+    make_nodes : callable
+        Makes the nodes, after ``rclpy.init``.  A node may have ``done`` (true when the process shall end), ``exit_code`` and
+        ``on_stop()``, which is called once, before the node is destroyed.
+
+    Returns
+    -------
+    status : int
+        2 after a parameter that cannot be used (one line on standard error), else the largest ``exit_code`` of the nodes.
+
+    """
+    stopping: list[int] = []
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda received, _frame: stopping.append(received))
+    rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
+    nodes: Sequence[Node] = ()
+    try:
+        nodes = make_nodes()
+        executor = make_executor()
+        for node in nodes:
+            executor.add_node(node)
+        while not stopping and not any(getattr(node, 'done', False) for node in nodes):
+            executor.spin_until_future_complete(Future(), timeout_sec=_WAKE_S)
+        for node in nodes:
+            getattr(node, 'on_stop', _nothing)()
+        _hand_over(nodes)
+        return max((getattr(node, 'exit_code', 0) for node in nodes), default=0)
+    except ConfigError as error:
+        sys.stderr.write(f'error: {error}\n')
+        return 2
+    finally:
+        for node in nodes:
+            node.destroy_node()
+        rclpy.try_shutdown()
+
+
+def make_executor() -> Executor:
+    """Return an EventsExecutor where there is one, else a SingleThreadedExecutor."""
+    try:
+        from rclpy.experimental import EventsExecutor
+    except ImportError:
+        return SingleThreadedExecutor()
+    return EventsExecutor()
+
+
+def steady_timer(node: Node, period_s: float, callback: Callable[[], None]) -> Any:
+    """Return a timer of the node on the steady wall clock, whatever its ROS time is."""
+    return node.create_timer(period_s, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+
+def now_s(node: Node) -> Callable[[], float]:
+    """Return a function that gives the node's ROS time (s)."""
+    clock = node.get_clock()
+    return lambda: 1e-9 * float(clock.now().nanoseconds)
+
+
+@dataclass(frozen=True)
+class Audience:
+    """A publisher and the full names of the nodes that must hear it from the first message on."""
+
+    publisher: Publisher
+    nodes: frozenset[str]
+
+
+class Rendezvous:
+    """
+    Waits until every publisher of a node is matched with those who must hear it, then calls `on_ready` once.
+
+    A reliable writer that has matched a reader delivers everything from then on; so nothing of a run is lost, however slowly its
+    processes find each other.
+    """
+
+    def __init__(self, node: Node, audiences: Iterable[Audience], on_ready: Callable[[], None]) -> None:
+        self._node = node
+        self._waiting = list(audiences)
+        self._on_ready = on_ready
+        self.ready = False
+        self._timer = steady_timer(node, _LOOK_S, self._look)
+
+    def missing(self) -> list[str]:
+        """Return the full names of the nodes not found yet, sorted."""
+        return sorted(set().union(*(self._absent(audience) for audience in self._waiting)))
+
+    def _look(self) -> None:
+        self._waiting = [audience for audience in self._waiting if not self._complete(audience)]
+        if not self._waiting and not self.ready:
+            self.ready = True
+            self._timer.cancel()
+            self._on_ready()
+
+    def _complete(self, audience: Audience) -> bool:
+        found = len(self._subscribers(audience))
+        return not self._absent(audience) and audience.publisher.get_subscription_count() >= found
+
+    def _absent(self, audience: Audience) -> set[str]:
+        return set(audience.nodes) - set(self._subscribers(audience))
+
+    def _subscribers(self, audience: Audience) -> list[str]:
+        infos = self._node.get_subscriptions_info_by_topic(audience.publisher.topic_name)
+        return [f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in infos]
+
+
+def _hand_over(nodes: Sequence[Node]) -> None:
+    """Wait, not for long, until every reader has what was published to it."""
+    deadline = time.monotonic() + _HAND_OVER_S
+    for node in nodes:
+        for publisher in node.publishers:
+            left_s = deadline - time.monotonic()
+            if left_s > 0.0:
+                publisher.wait_for_all_acked(Duration(nanoseconds=int(left_s * 1e9)))
+
+
+def _nothing() -> None:
+    pass

@@ -1,0 +1,193 @@
+"""ROS node of one agent: takes its navigation and its modem's inbox, publishes a command and what it hands to the modem."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from auv_core import conversions as convert
+from auv_core.geometry import Vec3
+from auv_core.markers import MARKER_TICKS, lines, sphere
+from auv_core.messages import Inbox, Reception
+from auv_core.messages import VehicleState as State
+from auv_core.node_main import EVERY_TICK, LATCHED, Audience, Rendezvous, main_loop, now_s, steady_timer
+from auv_core.node_params import declare_config
+from auv_core.run_config import RunConfig, TickClock
+from auv_msgs.msg import AcousticInbox, AcousticOutbox, FlockingCentre, NeighbourEstimate, NeighbourEstimates, VehicleState
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
+from nav_msgs.msg import Path
+from rclpy.node import Node
+from visualization_msgs.msg import MarkerArray
+
+from auv_flocking.agent import Agent, AgentConfig
+
+_DIAGNOSTIC_TICKS = 10
+_OLD_S = 10.0
+_PATH_POINTS = 120
+_PATH_SPAN_S = 600.0
+
+
+class AgentNode(Node):
+    """One `Agent` behind topics."""
+
+    def __init__(self) -> None:
+        super().__init__('agent_node')
+        run = declare_config(self, RunConfig)
+        self._config = declare_config(self, AgentConfig)
+        self._ticks = TickClock(run, self._config.period_s, now_s(self))
+        self._agent = Agent(self._config)
+        self._navs: dict[int, State] = {}
+        self._inboxes: dict[int, Inbox] = {}
+        self._tick = 0
+        self._connect()
+        self._meeting = Rendezvous(self, self._audiences(run), self._start)
+
+    def _connect(self) -> None:
+        command = (TwistStamped, 'cmd_vel') if self._agent.takes_velocity else (WrenchStamped, 'cmd_wrench')
+        self._command_pub = self.create_publisher(*command, EVERY_TICK)
+        self._outbox_pub = self.create_publisher(AcousticOutbox, 'acoustic/tx', EVERY_TICK)
+        self._reference_pub = self.create_publisher(TwistStamped, 'reference', EVERY_TICK)
+        self._centre_pub = self.create_publisher(FlockingCentre, 'flocking_centre', EVERY_TICK)
+        self._neighbours_pub = self.create_publisher(NeighbourEstimates, 'neighbours', EVERY_TICK)
+        self._marker_pub = self.create_publisher(MarkerArray, '/markers', EVERY_TICK)
+        self._diagnostics_pub = self.create_publisher(DiagnosticArray, '/diagnostics', EVERY_TICK)
+        self._path_pub = self.create_publisher(Path, 'path', LATCHED) if self._config.is_leader else None
+        self.create_subscription(VehicleState, 'nav', self._on_nav, EVERY_TICK)
+        self.create_subscription(AcousticInbox, 'acoustic/rx', self._on_inbox, EVERY_TICK)
+
+    def _audiences(self, run: RunConfig) -> list[Audience]:
+        recorder = {'/recorder_node'} if run.recorded else set()
+        vehicle = f'{self.get_namespace().rstrip("/")}/vehicle_node'
+        listeners: dict[Any, set[str]] = {
+            self._command_pub: {vehicle},
+            self._outbox_pub: {'/acoustic_relay_node'},
+            self._reference_pub: set(),
+            self._centre_pub: set(),
+            self._neighbours_pub: set(),
+            self._marker_pub: set(),
+            self._diagnostics_pub: set(),
+        }
+        return [Audience(publisher, frozenset(names | recorder)) for publisher, names in listeners.items()]
+
+    def _start(self) -> None:
+        if self._path_pub is not None:
+            self._path_pub.publish(self._path())
+        if self._ticks.lockstep:
+            self._step_if_ready()
+        else:
+            steady_timer(self, self._config.period_s, self._run_free)
+
+    def _on_nav(self, message: VehicleState) -> None:
+        self._navs[message.tick] = convert.state_from_msg(message)
+        if self._ticks.lockstep:
+            self._step_if_ready()
+
+    def _on_inbox(self, message: AcousticInbox) -> None:
+        self._inboxes[message.tick] = convert.inbox_from_msg(message)
+        if self._ticks.lockstep:
+            self._step_if_ready()
+
+    def _step_if_ready(self) -> None:
+        tick = self._tick
+        if self._meeting.ready and tick in self._navs and tick in self._inboxes:
+            self._tick += 1
+            self._step(tick, self._navs.pop(tick), self._inboxes.pop(tick))
+
+    def _run_free(self) -> None:
+        tick = self._ticks.tick_now()
+        if not self._navs or tick < self._tick or tick < 0:
+            return
+        nav = self._navs[max(self._navs)]
+        receptions: list[Reception] = [r for key in sorted(self._inboxes) for r in self._inboxes[key].receptions]
+        ready = [key for key, inbox in self._inboxes.items() if inbox.transmit_ready]
+        self._navs = {nav.tick: nav}
+        self._inboxes = {}
+        self._tick = tick + 1
+        self._step(tick, nav, Inbox(max(ready, default=tick), bool(ready), tuple(receptions)))
+
+    def _step(self, tick: int, nav: State, inbox: Inbox) -> None:
+        command, packets = self._agent.step(self._ticks.scenario_s(tick), nav, inbox)
+        t_s = self._ticks.stamp_s(tick)
+        self._command_pub.publish(convert.command_to_msg(command, t_s, self._config.vehicle_id))
+        self._outbox_pub.publish(convert.outbox_to_msg(tick, packets, t_s, self._config.vehicle_id))
+        self._publish_beliefs(tick, t_s)
+        if tick % MARKER_TICKS == 0:
+            self._marker_pub.publish(MarkerArray(markers=self._markers(tick)))
+        if tick % _DIAGNOSTIC_TICKS == 0:
+            self._diagnostics_pub.publish(self._diagnostics(t_s))
+
+    def _publish_beliefs(self, tick: int, t_s: float) -> None:
+        agent = self._agent
+        header = convert.header(t_s, convert.WORLD_FRAME)
+        self._reference_pub.publish(convert.velocity_msg(agent.reference.velocity, 0.0, t_s))
+        self._centre_pub.publish(
+            FlockingCentre(
+                header=header,
+                tick=tick,
+                position=convert.point(agent.centre),
+                velocity=convert.vector(agent.centre_rate),
+            )
+        )
+        neighbours = [
+            NeighbourEstimate(
+                address=estimate.address,
+                position=convert.point(estimate.position),
+                velocity=convert.vector(estimate.velocity),
+                covariance=estimate.covariance.ravel(),
+                age_s=estimate.age_s,
+            )
+            for estimate in agent.neighbours
+        ]
+        self._neighbours_pub.publish(NeighbourEstimates(header=header, tick=tick, neighbours=neighbours))
+
+    def _markers(self, tick: int) -> list[Any]:
+        t_s = self._ticks.stamp_s(tick)
+        name = self._config.vehicle_id
+        markers = [sphere(f'{name} centre', 0, t_s, self._agent.centre, 0.15, (0.9, 0.2, 0.6, 1.0))]
+        if self._config.is_leader:
+            markers.append(lines(f'{name} path', 0, t_s, self._path_points(), (0.3, 0.9, 0.3, 1.0), joined=True))
+            for number, (obstacle, safety_distance_m) in enumerate(self._config.obstacles):
+                colour = (0.9, 0.3, 0.2, 0.25)
+                markers.append(sphere('obstacles', number, t_s, obstacle, 2.0 * safety_distance_m, colour))
+        return markers
+
+    def _diagnostics(self, t_s: float) -> DiagnosticArray:
+        agent = self._agent
+        oldest_s = max((estimate.age_s for estimate in agent.neighbours), default=math.inf)
+        missing = self._config.fleet_size - 1 - len(agent.neighbours)
+        quiet = missing > 0 or (self._config.fleet_size > 1 and oldest_s > _OLD_S)
+        status = DiagnosticStatus(
+            level=DiagnosticStatus.WARN if quiet else DiagnosticStatus.OK,
+            name=f'{self._config.vehicle_id}/agent_node: neighbours',
+            message=f'{missing} not heard' if missing else f'oldest packet {oldest_s:.1f} s',
+            hardware_id=self._config.vehicle_id,
+            values=[
+                KeyValue(key='neighbours', value=str(len(agent.neighbours))),
+                KeyValue(key='oldest_packet_s', value=f'{oldest_s:.3f}'),
+                KeyValue(key='packets_rejected', value=str(agent.rejected)),
+            ],
+        )
+        return DiagnosticArray(header=convert.header(t_s, ''), status=[status])
+
+    def _path_points(self) -> list[Vec3]:
+        span_s = self._agent.path_period_s or _PATH_SPAN_S
+        return [self._agent.path_point(k * span_s / _PATH_POINTS).position for k in range(_PATH_POINTS + 1)]
+
+    def _path(self) -> Path:
+        header = convert.header(self._ticks.stamp_s(0), convert.WORLD_FRAME)
+        poses = []
+        for place in self._path_points():
+            pose = PoseStamped(header=header)
+            pose.pose.position = convert.point(place)
+            poses.append(pose)
+        return Path(header=header, poses=poses)
+
+
+def main() -> None:
+    """Run the node."""
+    raise SystemExit(main_loop(lambda: [AgentNode()]))
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,180 @@
+"""
+ROS node of the run's time: `/clock` in lock-step, the run's status, and who has fallen silent.
+
+It lives in the process of the relay, which tells it by a call, without a message, when a tick is done.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from auv_core import conversions as convert
+from auv_core.node_main import EVERY_TICK, LATCHED, steady_timer
+from auv_core.params import param
+from auv_core.run_config import TickClock
+from auv_msgs.msg import FlockStatus, RecorderStatus
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from tf2_msgs.msg import TFMessage
+
+_STATUS_S = 0.2
+_GRACE_S = 2.0
+_RECORDER_LEAD_TICKS = 200
+
+
+@dataclass(frozen=True, kw_only=True)
+class WatchConfig:
+    """Length of the run, and how long silence is borne."""
+
+    duration_ticks: int = param('length of the run (control periods)', minimum=1)
+    on_vehicle_loss: str = param('when a vehicle falls silent', default='stop', choices=('stop', 'continue'))
+    answer_timeout_s: float = param('silence after which a node counts as lost (s, wall)', default=3.0, above=0.0)
+    start_timeout_s: float = param('the same before the first tick (s, wall)', default=60.0, above=0.0)
+
+
+class ClockNode(Node):
+    """
+    Publishes the run's time and status.
+
+    Parameters
+    ----------
+    watch : WatchConfig
+        Length of the run and time-outs.
+    ticks : TickClock
+        Stamps of ticks.
+    fleet_size : int
+        Number of vehicles; without any the run ends.
+    recorded : bool
+        Whether to stay near a recorder.
+    awaited : callable
+        Full names of the nodes that owe an answer.
+    drop : callable
+        Told to go on without what is awaited; returns the ids of the vehicles lost by it.
+
+    """
+
+    def __init__(
+        self,
+        watch: WatchConfig,
+        ticks: TickClock,
+        *,
+        fleet_size: int,
+        recorded: bool,
+        awaited: Callable[[], list[str]],
+        drop: Callable[[], list[str]],
+    ) -> None:
+        super().__init__('clock_node')
+        self._watch = watch
+        self._ticks = ticks
+        self._fleet_size = fleet_size
+        self._recorded = recorded
+        self._awaited = awaited
+        self._drop = drop
+        self._state = FlockStatus.WAITING
+        self._detail = ''
+        self._tick = 0
+        self._recorded_ticks = 0
+        self._lost: list[str] = []
+        self._moved_at_s = time.monotonic()
+        self._ended_at_s = float('inf')
+        self.exit_code = 0
+        self.clock_pub = self.create_publisher(Clock, '/clock', EVERY_TICK)
+        self._status_pub = self.create_publisher(FlockStatus, '/flock/status', LATCHED)
+        self._static_pub = self.create_publisher(TFMessage, '/tf_static', LATCHED)
+        self._static_pub.publish(TFMessage(transforms=[convert.map_to_map_ned()]))
+        self.create_subscription(RecorderStatus, '/recorder/status', self._on_recorder, EVERY_TICK)
+        self.on_room: Callable[[], None] = _nothing
+        steady_timer(self, _STATUS_S, self._look)
+
+    @property
+    def done(self) -> bool:
+        """Whether the process shall end: some time after the run has, so that everybody hears it."""
+        return time.monotonic() - self._ended_at_s > _GRACE_S
+
+    @property
+    def ended(self) -> bool:
+        """Whether the run has come to its end, good or bad."""
+        return self._state in (FlockStatus.FINISHED, FlockStatus.ABORTED)
+
+    @property
+    def has_room(self) -> bool:
+        """Whether the recorder is near enough for another tick."""
+        return not self._recorded or self._tick - self._recorded_ticks <= _RECORDER_LEAD_TICKS
+
+    def begin_tick(self, tick: int) -> None:
+        """Announce a tick; the last one ends the run."""
+        self._tick = tick
+        self._moved_at_s = time.monotonic()
+        if self._ticks.lockstep:
+            self.clock_pub.publish(Clock(clock=convert.stamp(self._ticks.stamp_s(tick))))
+        if tick >= self._watch.duration_ticks:
+            self._end(FlockStatus.FINISHED, '')
+        elif self._state != FlockStatus.RUNNING:
+            self._state = FlockStatus.RUNNING
+            self._publish()
+
+    def _on_recorder(self, message: RecorderStatus) -> None:
+        waiting = not self.has_room
+        self._recorded_ticks = message.ticks
+        if waiting and self.has_room:
+            self.on_room()
+
+    def _look(self) -> None:
+        if not self.ended:
+            self._watch_silence()
+        self._publish()
+
+    def _watch_silence(self) -> None:
+        waiting = self._state == FlockStatus.WAITING
+        limit_s = self._watch.start_timeout_s if waiting else self._watch.answer_timeout_s
+        awaited = self._silent()
+        still_s = time.monotonic() - self._moved_at_s
+        if not awaited or ((waiting or self._ticks.lockstep) and still_s < limit_s):
+            return
+        words = f'{", ".join(awaited)}: no answer for tick {self._tick} within {limit_s:g} s'
+        self.get_logger().error(words)
+        self._state = FlockStatus.STALLED
+        self._detail = words
+        self._publish()
+        recorder_lost = '/recorder_node' in awaited
+        if waiting or recorder_lost or self._watch.on_vehicle_loss == 'stop':
+            self.exit_code = 3
+            self._end(FlockStatus.ABORTED, words)
+            return
+        self._moved_at_s = time.monotonic()
+        self._state = FlockStatus.RUNNING
+        self._lost += self._drop()
+        if len(self._lost) == self._fleet_size:
+            self.exit_code = 3
+            self._end(FlockStatus.ABORTED, 'every vehicle is lost')
+        self.on_room()
+
+    def _silent(self) -> list[str]:
+        return self._awaited() if self.has_room else ['/recorder_node']
+
+    def _end(self, state: str, detail: str) -> None:
+        self._state = state
+        self._detail = detail
+        self._ended_at_s = time.monotonic()
+        self._publish()
+
+    def _publish(self) -> None:
+        running = self._state == FlockStatus.RUNNING
+        self._status_pub.publish(
+            FlockStatus(
+                header=convert.header(self._ticks.stamp_s(self._tick), ''),
+                state=self._state,
+                tick=self._tick,
+                time_s=self._ticks.scenario_s(self._tick),
+                duration_s=self._ticks.scenario_s(self._watch.duration_ticks),
+                waiting_for=[] if running or self.ended else self._silent(),
+                lost_vehicles=self._lost,
+                detail=self._detail,
+            )
+        )
+
+
+def _nothing() -> None:
+    pass
