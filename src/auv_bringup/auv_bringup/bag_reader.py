@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,7 +35,8 @@ def read_recording(bag_dir: Path, scenario: Scenario) -> Recording:
     """Read the arrays of a run from its bag.
 
     Ticks that a bag lacks (a real-time run may miss some) hold the values of the tick before. A lost
-    vehicle's commands and estimates are NaN from its loss on. Rows of `sent` and `received` are sorted.
+    vehicle's commands and estimates are NaN from its loss on. Rows of `sent` are in the order of tick and
+    source, those of `received` of tick, destination and arrival.
 
     Parameters
     ----------
@@ -155,9 +157,11 @@ class _RunReader:
             recording.lost_at_s[i] = (max(self._command[i].values, default=-1) + 1) * self._period_s
 
     def _add_packets(self, recording: Recording) -> None:
-        """Fill in the packets of the ticks that are kept, sorted."""
-        sent = sorted(row for row in self._sent if row[0] < recording.n_ticks)
-        received = sorted(row for row in self._received if row[0] < recording.n_ticks)
+        """Fill in the packets of the ticks that are kept: by tick and vehicle, then as they came."""
+        sent = [row for row in self._sent if row[0] < recording.n_ticks]
+        sent.sort(key=itemgetter(0, 1))
+        received = [row for row in self._received if row[0] < recording.n_ticks]
+        received.sort(key=itemgetter(0, 2))
         recording.sent = np.array(sent, dtype=np.int64).reshape(-1, 3)
         recording.received = np.array([row[:4] for row in received], dtype=np.int64).reshape(-1, 4)
         recording.delay_s = np.array([row[4] for row in received], dtype=np.float64)
@@ -256,7 +260,7 @@ def compare_bags(first: Path, second: Path) -> list[str]:
         if len(messages_a) != len(messages_b):
             differences.append(f"{topic}: {len(messages_a)} messages against {len(messages_b)}")
         pairs = enumerate(zip(messages_a, messages_b, strict=False))
-        unequal = next(((k, a, b) for k, (a, b) in pairs if a != b), None)
+        unequal = next(((k, a, b) for k, (a, b) in pairs if a[1] != b[1]), None)
         if unequal is not None:
             differences.append(_describe_difference(topic, *unequal))
     return differences
@@ -275,12 +279,10 @@ def _content(bag: Bag) -> dict[str, list[tuple[int, bytes]]]:
 
 def _describe_difference(topic: str, index: int, a: tuple[int, bytes], b: tuple[int, bytes]) -> str:
     """Say where two messages begin to differ."""
-    (time_a_ns, data_a), (time_b_ns, data_b) = a, b
-    if data_a == data_b:
-        return f"{topic}: message {index} is of {time_a_ns / 1e9:.9f} s against {time_b_ns / 1e9:.9f} s"
-    pairs = zip(data_a, data_b, strict=False)
-    byte = next((k for k, (x, y) in enumerate(pairs) if x != y), min(len(data_a), len(data_b)))
+    (time_ns, data_a), (_, data_b) = a, b
+    pairs = enumerate(zip(data_a, data_b, strict=False))
+    byte = next((k for k, (x, y) in pairs if x != y), min(len(data_a), len(data_b)))
     return (
-        f"{topic}: message {index} at {time_a_ns / 1e9:.3f} s differs from byte {byte} on "
+        f"{topic}: message {index} at {time_ns * 1e-9:.3f} s differs from byte {byte} on "
         f"({len(data_a)} bytes against {len(data_b)})"
     )

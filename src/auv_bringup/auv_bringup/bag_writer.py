@@ -130,7 +130,6 @@ class BagWriter:
         self._topics: list[Topic] = []
         self._counts: list[int] = []
         self._schema_ids: dict[str, int] = {}
-        self._bytes = 0
         self._file = self._create()
         self._mcap = Writer(self._file, chunk_size=chunk_bytes, compression=CompressionType.ZSTD)
         self._mcap.start(profile="ros2", library="shoal")
@@ -144,8 +143,8 @@ class BagWriter:
 
     @property
     def byte_count(self) -> int:
-        """Number of message bytes taken so far, before compression."""
-        return self._bytes
+        """Size of the MCAP file so far; the chunk in progress is not in it."""
+        return self._file.tell()
 
     def add_topic(self, topic: Topic) -> int:
         """Register a topic and return its channel id."""
@@ -180,7 +179,6 @@ class BagWriter:
         """
         self._mcap.add_message(channel, time_ns, data, time_ns, self._counts[channel - 1])
         self._counts[channel - 1] += 1
-        self._bytes += len(data)
         tally = self._tally
         tally.count += 1
         if time_ns < tally.first_ns:

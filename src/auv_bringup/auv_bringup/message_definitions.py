@@ -20,7 +20,8 @@ SEPARATOR = "=" * 80
 _FIELD_TYPE = re.compile(r"(?:^|\n)\s*([a-zA-Z0-9_/]+)(?:\[[^\]]*\])?\s+")
 _FIRST_FIELD = re.compile(r"^\s*([a-zA-Z0-9_/]+)(\[[^\]]*\])?\s+[a-zA-Z]\w*\b(?!\s*=)", re.MULTILINE)
 _PRIMITIVES = frozenset(
-    ["bool", "byte", "char", "float32", "float64", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "string"]
+    {"bool", "byte", "char", "string", "float32", "float64"}
+    | {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
 )
 _STAMPED_FIRST_FIELDS = frozenset({"std_msgs/Header", "Header", "builtin_interfaces/Time", "Time"})
 _STAMP = struct.Struct("<iI")

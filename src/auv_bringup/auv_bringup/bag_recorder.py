@@ -1,0 +1,109 @@
+"""Give each received message its time and put it into the bag: the recorder without ROS.
+
+The time of a message in the bag is scenario time, never the wall clock's, so that two lock-step runs make the
+same bag:
+
+* a message with a stamp (its header, or that of its first element) has the stamp's time;
+* one without (an empty list of markers, a log line stamped by the wall clock) has that of the newest /clock,
+  or of the newest stamp where there is no /clock;
+* latched messages with stamp 0, and all without a stamp that come before the first message with one, have the
+  time of that first message.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from auv_bringup.bag_writer import BagWriter, Qos, Topic
+from auv_bringup.message_definitions import load_message_type, read_stamp_ns, stamp_offset
+from auv_bringup.recorded_topics import CLOCK_TOPIC, TopicSpec
+
+
+class BagRecorder:
+    """Feeds a :class:`BagWriter` from the topics of a graph.
+
+    Parameters
+    ----------
+    writer
+        The bag, empty.
+    offered_qos
+        Returns the QoS that the publishers of a topic offer; asked when its first message comes.
+    """
+
+    def __init__(self, writer: BagWriter, offered_qos: Callable[[str], tuple[Qos, ...]]) -> None:
+        self._writer = writer
+        self._offered_qos = offered_qos
+        self._first_ns: int | None = None
+        self._now_ns = 0
+        self._untimed: list[tuple[int, bytes]] = []
+        self.ticks = 0
+        """Number of /clock messages in the bag."""
+
+    @property
+    def now_ns(self) -> int:
+        """Scenario time reached: that of the newest /clock, or of the newest stamp without one (ns)."""
+        return self._now_ns
+
+    def sink(self, spec: TopicSpec) -> Callable[[bytes], None]:
+        """Return the function that takes the messages of one topic.
+
+        The topic enters the bag with its first message.
+
+        Raises
+        ------
+        DefinitionError
+            If the message type is not installed.
+        """
+        message_type = load_message_type(spec.type_name)
+        offset = stamp_offset(message_type.definition) if spec.stamped else None
+        is_clock = spec.name == CLOCK_TOPIC
+        channel = 0
+
+        def take(data: bytes) -> None:
+            nonlocal channel
+            if not channel:
+                qos = self._offered_qos(spec.name) or (_usual_qos(spec),)
+                channel = self._writer.add_topic(Topic(spec.name, message_type, qos))
+            stamp_ns = None if offset is None else read_stamp_ns(data, offset)
+            if stamp_ns is None or (spec.latched and stamp_ns == 0):
+                self._write_untimed(channel, data, at_start=stamp_ns == 0)
+            else:
+                self._write_timed(channel, data, stamp_ns, is_clock=is_clock)
+
+        return take
+
+    def finish(self) -> None:
+        """Write what still waits for a first stamp and close the bag."""
+        self._release_untimed(0)
+        self._writer.close()
+
+    def _write_timed(self, channel: int, data: bytes, stamp_ns: int, *, is_clock: bool) -> None:
+        """Write a message with a stamp of its own."""
+        time_ns = max(stamp_ns, 0)
+        if self._first_ns is None:
+            self._release_untimed(time_ns)
+        self._writer.write(channel, data, time_ns)
+        if is_clock:
+            self.ticks += 1
+            self._now_ns = time_ns
+        elif self.ticks == 0 and time_ns > self._now_ns:
+            self._now_ns = time_ns
+
+    def _write_untimed(self, channel: int, data: bytes, *, at_start: bool) -> None:
+        """Write a message without a time, or keep it until there is one."""
+        if self._first_ns is None:
+            self._untimed.append((channel, data))
+        else:
+            self._writer.write(channel, data, self._first_ns if at_start else self._now_ns)
+
+    def _release_untimed(self, first_ns: int) -> None:
+        """Write the messages that came before the first stamp."""
+        self._first_ns = first_ns
+        for channel, data in self._untimed:
+            self._writer.write(channel, data, first_ns)
+        self._untimed.clear()
+
+
+def _usual_qos(spec: TopicSpec) -> Qos:
+    """Return what a topic's publishers should offer, for one whose publisher has gone already."""
+    return Qos(durability="transient_local" if spec.latched else "volatile")

@@ -1,0 +1,174 @@
+"""Node that records every topic of the graph into a rosbag2 bag, without deserialising anything."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+from rclpy.time import Time
+
+from auv_bringup.bag_recorder import BagRecorder
+from auv_bringup.bag_writer import BagError, BagWriter, Qos
+from auv_bringup.message_definitions import DefinitionError
+from auv_bringup.recorded_topics import CLOCK_TOPIC, topics_of_graph
+from auv_bringup.ros_types import message_class, qos_of_profile
+from auv_core.node_main import LATCHED, main_loop, steady_timer
+from auv_core.node_params import declare_config
+from auv_core.params import ConfigError, param
+from auv_msgs.msg import RecorderStatus
+
+EXIT_INTERNAL = 1
+TICKS_PER_STATUS = 20
+CHECKPOINT_PERIOD_S = 1.0
+QUIET_BEFORE_CLOSE_S = 0.3
+DRAIN_LIMIT_S = 20.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecorderConfig:
+    """What to record, and where to."""
+
+    bag_dir: str = param("folder of the bag; it must not exist yet")
+    topics_vehicles: tuple[str, ...] = param("ids of the vehicles whose topics are recorded")
+    kinematic: bool = param("whether the vehicles take cmd_vel instead of cmd_wrench", default=False)
+    period_s: float = param("control period (s)", default=0.1, above=0.0)
+
+
+class RecorderNode(Node):
+    """Records until it is told to stop, then takes what has already arrived and closes the bag."""
+
+    def __init__(self) -> None:
+        super().__init__("recorder_node")
+        self.done = False
+        self.exit_code = 0
+        config = declare_config(self, RecorderConfig)
+        self._bag_dir = Path(config.bag_dir)
+        self._status = self.create_publisher(RecorderStatus, "/recorder/status", LATCHED)
+        self._taken: list[Subscription] = []
+        try:
+            self._writer = BagWriter(self._bag_dir)
+            self._recorder = BagRecorder(self._writer, self._offered_qos)
+            self._subscribe(config)
+        except (BagError, DefinitionError) as error:
+            raise ConfigError(str(error)) from None
+        steady_timer(self, CHECKPOINT_PERIOD_S, self._checkpoint)
+        self._publish_status()
+
+    def on_stop(self) -> None:
+        """Record what has arrived, close the bag, say so."""
+        self._drain()
+        if self.done:
+            return
+        try:
+            self._recorder.finish()
+        except OSError as error:
+            self._fail(error)
+        else:
+            self._publish_status(closed=True)
+
+    def _subscribe(self, config: RecorderConfig) -> None:
+        """Subscribe to everything, raw."""
+        for spec in topics_of_graph(config.topics_vehicles, kinematic=config.kinematic):
+            take = self._guarded(self._recorder.sink(spec))
+            if spec.name == CLOCK_TOPIC:
+                take = partial(self._take_clock, take)
+            kind, qos = message_class(spec.type_name), _keep_all(latched=spec.latched)
+            self._taken.append(self.create_subscription(kind, spec.name, take, qos, raw=True))
+
+    def _guarded(self, take: Callable[[bytes], None]) -> Callable[[bytes], None]:
+        """Stop the node, with one error, when the bag cannot be written any more."""
+
+        def guarded(data: bytes) -> None:
+            if self.done:
+                return
+            try:
+                take(data)
+            except OSError as error:
+                self._fail(error)
+
+        return guarded
+
+    def _take_clock(self, take: Callable[[bytes], None], data: bytes) -> None:
+        """Record a tick, and say now and then how far the recorder is."""
+        take(data)
+        if self._recorder.ticks % TICKS_PER_STATUS == 0:
+            self._publish_status()
+
+    def _checkpoint(self) -> None:
+        """Bring the files up to date."""
+        if self.done:
+            return
+        try:
+            self._writer.checkpoint()
+        except OSError as error:
+            self._fail(error)
+        else:
+            self._publish_status()
+
+    def _drain(self) -> None:
+        """Take messages until none has come for a while: some may still be on their way."""
+        limit = time.monotonic() + DRAIN_LIMIT_S
+        quiet_at = time.monotonic() + QUIET_BEFORE_CLOSE_S
+        pause = threading.Event()
+        while time.monotonic() < min(quiet_at, limit) and not self.done:
+            if sum(_take_pending(each) for each in self._taken):
+                quiet_at = time.monotonic() + QUIET_BEFORE_CLOSE_S
+            else:
+                pause.wait(0.01)
+
+    def _offered_qos(self, topic: str) -> tuple[Qos, ...]:
+        """Return what the publishers of a topic offer."""
+        return tuple(qos_of_profile(each.qos_profile) for each in self.get_publishers_info_by_topic(topic))
+
+    def _publish_status(self, *, closed: bool = False) -> None:
+        status = RecorderStatus(
+            ticks=self._recorder.ticks,
+            messages=self._writer.message_count,
+            bytes=self._writer.byte_count,
+            closed=closed,
+        )
+        status.header.stamp = Time(nanoseconds=self._recorder.now_ns).to_msg()
+        self._status.publish(status)
+
+    def _fail(self, error: OSError) -> None:
+        """End the recording with one error: what is in the file stays readable."""
+        self.get_logger().error(f"cannot write the bag {self._bag_dir}: {error.strerror}")
+        self.exit_code = EXIT_INTERNAL
+        self.done = True
+        self._writer.abandon()
+
+
+def _take_pending(subscription: Subscription) -> int:
+    """Take every message that waits in a subscription; return how many there were."""
+    count = 0
+    handle = subscription.handle
+    with handle:
+        while (item := handle.take_message(subscription.msg_type, True)) is not None:
+            subscription.callback(item[0])
+            count += 1
+    return count
+
+
+def _keep_all(*, latched: bool) -> QoSProfile:
+    """Return a reliable profile that drops nothing."""
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_ALL,
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def main() -> None:
+    """Record until stopped."""
+    raise SystemExit(main_loop(lambda: [RecorderNode()]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,120 @@
+"""Run the neighbour filters of every agent again, from a bag's received packets, and compare.
+
+Only the acoustic packets that an agent received go in: no truth, no simulator, no estimate of another agent.
+The filters are those of :mod:`auv_flocking.neighbours`, set as in the scenario beside the bag: any
+difference means that the recorded estimates were not made from the recorded packets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from auv_bringup.bag import Bag
+from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable
+from auv_flocking.report import ReportError, decode
+
+TOLERANCE = 1e-9
+
+
+@dataclass
+class Comparison:
+    """Largest absolute differences between recorded and repeated estimates.
+
+    Attributes
+    ----------
+    estimates, ticks
+        Number of estimates compared, and of vehicle ticks that they belong to.
+    position_m, velocity_mps
+        Per component, NED.
+    covariance
+        Over all elements (m^2, m^2/s, m^2/s^2).
+    unmatched
+        Estimates that only one side has.
+    unused_ticks
+        Recorded ticks that could not be repeated, since the packets before them are not all in the bag.
+    """
+
+    estimates: int = 0
+    ticks: int = 0
+    position_m: float = 0.0
+    velocity_mps: float = 0.0
+    covariance: float = 0.0
+    unmatched: int = 0
+    unused_ticks: int = 0
+
+    @property
+    def agrees(self) -> bool:
+        """Everything was matched, something was compared, and no difference is above 1e-9."""
+        worst = max(self.position_m, self.velocity_mps, self.covariance)
+        return self.unmatched == 0 and self.estimates > 0 and worst <= TOLERANCE
+
+
+def re_estimate(bag: Bag, vehicle_ids: Sequence[str], config: NeighbourConfig, period_s: float) -> Comparison:
+    """Repeat the estimates of all agents.
+
+    Parameters
+    ----------
+    bag
+        The recording.
+    vehicle_ids
+        Names of the vehicles.
+    config
+        Settings of the filters.
+    period_s
+        Control period (s); the estimates of tick k are for k * period_s.
+    """
+    result = Comparison()
+    for vehicle_id in vehicle_ids:
+        _compare_agent(bag, vehicle_id, NeighbourTable(config), period_s, result)
+    return result
+
+
+def _compare_agent(
+    bag: Bag, vehicle_id: str, table: NeighbourTable, period_s: float, result: Comparison
+) -> None:
+    """Repeat one agent's estimates and add their differences to the result."""
+    inboxes = _by_tick(bag, f"/{vehicle_id}/acoustic/rx")
+    recorded = _by_tick(bag, f"/{vehicle_id}/neighbours")
+    known = next((tick for tick in range(len(inboxes)) if tick not in inboxes), len(inboxes))
+    result.unused_ticks += sum(tick >= known for tick in recorded)
+    for tick in range(known):
+        for reception in inboxes[tick].receptions:
+            try:
+                table.receive(decode(reception.packet.payload.tobytes()))
+            except ReportError:
+                continue  # as the agent does: not a report, not used
+        if tick in recorded:
+            _compare_tick(recorded[tick].neighbours, table.estimates(tick * period_s), result)
+
+
+def _by_tick(bag: Bag, topic: str) -> dict[int, Any]:
+    """Return the decoded messages of a topic by their tick."""
+    messages = (bag.decode(message) for message in bag.messages({topic}))
+    return {message.tick: message for message in messages}
+
+
+def _compare_tick(recorded: Sequence[Any], repeated: Sequence[NeighbourEstimate], result: Comparison) -> None:
+    """Compare the estimates of one agent at one tick."""
+    result.ticks += 1
+    ours = {estimate.address: estimate for estimate in repeated}
+    theirs = {estimate.address: estimate for estimate in recorded}
+    result.unmatched += len(ours.keys() ^ theirs.keys())
+    for address in ours.keys() & theirs.keys():
+        mine, other = ours[address], theirs[address]
+        result.estimates += 1
+        theirs_m = [other.position.x, other.position.y, other.position.z]
+        theirs_mps = [other.velocity.x, other.velocity.y, other.velocity.z]
+        result.position_m = max(result.position_m, _difference(mine.position, theirs_m))
+        result.velocity_mps = max(result.velocity_mps, _difference(mine.velocity, theirs_mps))
+        covariance = np.asarray(mine.covariance).reshape(-1)
+        result.covariance = max(result.covariance, _difference(covariance, other.covariance))
+
+
+def _difference(a: ArrayLike, b: ArrayLike) -> float:
+    """Return the largest difference of two elements; what is not a number differs without bound."""
+    return float(np.nan_to_num(np.abs(np.asarray(a) - np.asarray(b)), nan=np.inf).max())

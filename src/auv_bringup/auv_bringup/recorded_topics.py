@@ -1,0 +1,73 @@
+"""What the recorder records: every topic of the graph, with its type and how it is published."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+CLOCK_TOPIC = "/clock"
+
+
+@dataclass(frozen=True)
+class TopicSpec:
+    """One topic of the graph.
+
+    Attributes
+    ----------
+    name, type_name
+        Full topic name and full type name.
+    latched
+        Published transient local: what was published before the recorder came is recorded too.
+    stamped
+        The stamp in its messages is scenario time; if not, it is the wall clock's.
+    """
+
+    name: str
+    type_name: str
+    latched: bool = False
+    stamped: bool = True
+
+
+_VEHICLE_TOPICS = (
+    TopicSpec("state", "auv_msgs/msg/VehicleState"),
+    TopicSpec("nav", "auv_msgs/msg/VehicleState"),
+    TopicSpec("odom", "nav_msgs/msg/Odometry"),
+    TopicSpec("acoustic/tx", "auv_msgs/msg/AcousticOutbox"),
+    TopicSpec("acoustic/rx", "auv_msgs/msg/AcousticInbox"),
+    TopicSpec("reference", "geometry_msgs/msg/TwistStamped"),
+    TopicSpec("flocking_centre", "auv_msgs/msg/FlockingCentre"),
+    TopicSpec("neighbours", "auv_msgs/msg/NeighbourEstimates"),
+    TopicSpec("path", "nav_msgs/msg/Path", latched=True),
+)
+_WRENCH_TOPIC = TopicSpec("cmd_wrench", "geometry_msgs/msg/WrenchStamped")
+_VELOCITY_TOPIC = TopicSpec("cmd_vel", "geometry_msgs/msg/TwistStamped")
+_GLOBAL_TOPICS = (
+    TopicSpec(CLOCK_TOPIC, "rosgraph_msgs/msg/Clock"),
+    TopicSpec("/acoustic/stats", "auv_msgs/msg/AcousticStats"),
+    TopicSpec("/flock/status", "auv_msgs/msg/FlockStatus", latched=True),
+    TopicSpec("/tf", "tf2_msgs/msg/TFMessage"),
+    TopicSpec("/tf_static", "tf2_msgs/msg/TFMessage", latched=True),
+    TopicSpec("/markers", "visualization_msgs/msg/MarkerArray"),
+    TopicSpec("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"),
+    TopicSpec("/rosout", "rcl_interfaces/msg/Log", latched=True, stamped=False),
+)
+
+
+def topics_of_graph(vehicle_ids: Sequence[str], *, kinematic: bool) -> list[TopicSpec]:
+    """Return the topics of a run, without the recorder's own status.
+
+    Parameters
+    ----------
+    vehicle_ids
+        Names, and namespaces, of the vehicles.
+    kinematic
+        The vehicles take ``cmd_vel``, not ``cmd_wrench``.
+    """
+    per_vehicle = (*_VEHICLE_TOPICS, _VELOCITY_TOPIC if kinematic else _WRENCH_TOPIC)
+    specs = list(_GLOBAL_TOPICS)
+    for vehicle_id in vehicle_ids:
+        specs += [
+            TopicSpec(f"/{vehicle_id}/{each.name}", each.type_name, each.latched, each.stamped)
+            for each in per_vehicle
+        ]
+    return specs
