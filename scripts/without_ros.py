@@ -1,0 +1,26 @@
+"""
+Pytest plugin that hides ROS 2: `pytest -p without_ros`, with this folder on PYTHONPATH.
+
+The pure tests run under it, so that pure code which imports ROS by any detour fails there, on every machine.
+"""
+
+import sys
+
+ROS_MODULES = (
+    "ament_index_python",
+    "auv_msgs",
+    "builtin_interfaces",
+    "diagnostic_msgs",
+    "geometry_msgs",
+    "launch",
+    "launch_ros",
+    "nav_msgs",
+    "rclpy",
+    "rosgraph_msgs",
+    "std_msgs",
+    "tf2_msgs",
+    "visualization_msgs",
+)
+
+# Python raises ModuleNotFoundError for a module that is None here.
+sys.modules.update(dict.fromkeys(ROS_MODULES))
