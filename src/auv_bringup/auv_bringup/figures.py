@@ -21,10 +21,29 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
-from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
-from auv_bringup import metrics, plotting
+from auv_bringup import metrics
+from auv_bringup.plotting import (
+    MAX_COLUMNS,
+    STYLE,
+    band_handle,
+    colour,
+    equal_box,
+    legend_below,
+    log_scale,
+    mark,
+    marker,
+    plot_band,
+    plot_obstacle,
+    plot_plan_line,
+    plot_sphere,
+    plot_thinned,
+    round_step,
+    two_sigma_handle,
+    vehicle_style,
+    wilson_interval,
+)
 from auv_bringup.recording import FloatArray, Recording
 
 if TYPE_CHECKING:
@@ -120,7 +139,7 @@ def draw_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> lis
     out_dir.mkdir(parents=True, exist_ok=True)
     figures = []
     for name, draw in _DRAWERS.items():
-        with matplotlib.rc_context(plotting.STYLE):
+        with matplotlib.rc_context(STYLE):
             drawing = draw(run)
             if drawing is None:
                 continue
@@ -140,21 +159,17 @@ def _draw_plan(run: _Run) -> _Drawing | None:
         return None
     canvas = Canvas(figsize=(WIDTH_IN, 6.2), layout="constrained")
     axes = canvas.add_subplot()
-    plotting.plot_plan_line(axes, run.path_ned_m, color="0.55", linewidth=3.0, alpha=0.55, zorder=1)
-    plotting.plot_plan_line(
-        axes, run.centroid_ned_m, color="0.35", linewidth=1.4, linestyle=(0, (2, 1)), zorder=3
-    )
+    plot_plan_line(axes, run.path_ned_m, color="0.55", linewidth=3.0, alpha=0.55, zorder=1)
+    plot_plan_line(axes, run.centroid_ned_m, color="0.35", linewidth=1.4, linestyle=(0, (2, 1)), zorder=3)
     for i in range(run.recording.n_vehicles):
-        style = plotting.vehicle_style(i)
+        style = vehicle_style(i)
         track = run.recording.position_ned_m[:, i]
-        plotting.plot_plan_line(axes, run.flock_ned_m[:, i], linewidth=0.9, zorder=4, **style)
-        plotting.plot_plan_line(
-            axes, _only_lost(run, i), color=style["color"], linewidth=0.5, alpha=0.5, zorder=4
-        )
-        plotting.mark(axes, track[0], style["color"], plotting.marker(i), is_filled=False)
-        plotting.mark(axes, track[-1], style["color"], plotting.marker(i), is_filled=True)
+        plot_plan_line(axes, run.flock_ned_m[:, i], linewidth=0.9, zorder=4, **style)
+        plot_plan_line(axes, _only_lost(run, i), color=style["color"], linewidth=0.5, alpha=0.5, zorder=4)
+        mark(axes, track[0], i, is_filled=False)
+        mark(axes, track[-1], i, is_filled=True)
     for obstacle in run.scenario.environment.obstacles:
-        plotting.plot_obstacle(axes, obstacle)
+        plot_obstacle(axes, obstacle)
     instants = _instants(run.t_s)
     for k in instants:
         _plot_hulls(axes, run, k)
@@ -162,7 +177,7 @@ def _draw_plan(run: _Run) -> _Drawing | None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("east (m)")
     axes.set_ylabel("north (m)")
-    plotting.legend_below(canvas, _plan_legend(run))
+    legend_below(canvas, _plan_legend(run))
     times = ", ".join(f"{run.t_s[k]:.0f}" for k in instants)
     caption = (
         "Tracks seen from above, north up. The wide grey line is the path that the flock is to follow, the "
@@ -182,28 +197,26 @@ def _draw_space(run: _Run) -> _Drawing | None:
     if not np.isfinite(positions).any():
         return None
     canvas = Canvas(figsize=(WIDTH_IN, 5.2))
-    axes: Any = canvas.add_axes(Axes3D(canvas, (0.0, 0.12, 0.94, 0.88)))
+    axes: Any = canvas.add_axes((0.0, 0.12, 0.94, 0.88), projection="3d")
     north, east, down = run.path_ned_m.T
     axes.plot(east, north, down, color="0.55", linewidth=3.0, alpha=0.55)
-    every = max(1, run.recording.n_ticks // (2 * plotting.MAX_COLUMNS))
+    every = max(1, run.recording.n_ticks // (2 * MAX_COLUMNS))
     for i in range(run.recording.n_vehicles):
         north, east, down = run.flock_ned_m[::every, i].T
-        axes.plot(east, north, down, linewidth=0.9, **plotting.vehicle_style(i))
-        for k, fill in ((0, "white"), (-1, plotting.colour(i))):
+        axes.plot(east, north, down, linewidth=0.9, **vehicle_style(i))
+        for k, fill in ((0, "white"), (-1, colour(i))):
             north, east, down = positions[k, i]
-            axes.plot(
-                [east], [north], [down], plotting.marker(i), color=plotting.colour(i), markerfacecolor=fill
-            )
+            axes.plot([east], [north], [down], marker(i), color=colour(i), markerfacecolor=fill)
     for obstacle in run.scenario.environment.obstacles:
-        plotting.plot_sphere(axes, obstacle.position_ned_m, obstacle.safety_distance_m)
-    plotting.equal_box(axes)
+        plot_sphere(axes, obstacle.position_ned_m, obstacle.safety_distance_m)
+    equal_box(axes)
     axes.invert_zaxis()
     axes.set_xlabel("east (m)")
     axes.set_ylabel("north (m)")
     axes.set_zlabel("depth (m)")
     axes.locator_params(axis="z", nbins=4)
     axes.view_init(elev=32, azim=-58)
-    plotting.legend_below(canvas, [_path_handle(), *_vehicle_handles(run)])
+    legend_below(canvas, [_path_handle(), *_vehicle_handles(run)])
     caption = (
         "Tracks in space, depth downwards, one scale on all axes. Hollow marks: starts; full marks: ends."
     )
@@ -237,8 +250,8 @@ def _draw_pair_distances(run: _Run) -> _Drawing | None:
         rest.axhline(contact_m, color="0.4", linewidth=1.2)
     _plot_spacing((first, rest), run.scenario)
     handles, labels = first.get_legend_handles_labels()
-    handles.append(plotting.band_handle())
-    plotting.legend_below(canvas, handles, [*labels, f"hulls touch (under {contact_m:g} m)"])
+    handles.append(band_handle())
+    legend_below(canvas, handles, [*labels, f"hulls touch (under {contact_m:g} m)"])
     smallest = np.nanargmin(np.nanmin(distances_m, axis=1))
     caption = (
         f"Distance of every pair. The smallest of the whole run is {np.nanmin(distances_m):.2f} m, at "
@@ -257,11 +270,9 @@ def _draw_path_error(run: _Run) -> _Drawing | None:
         return None
     canvas, axes = _time_axes("distance to the reference point (m)")
     _plot_vehicles(axes, run, run.t_s, vehicle_m)
-    plotting.plot_thinned(
-        axes, run.t_s, centroid_m, color="black", linewidth=2.0, label="mean of the vehicles"
-    )
-    plotting.log_scale(axes, np.concatenate([vehicle_m.ravel(), centroid_m]))
-    plotting.legend_below(canvas, *axes.get_legend_handles_labels())
+    plot_thinned(axes, run.t_s, centroid_m, color="black", linewidth=2.0, label="mean of the vehicles")
+    log_scale(axes, np.concatenate([vehicle_m.ravel(), centroid_m]))
+    legend_below(canvas, *axes.get_legend_handles_labels())
     caption = (
         "Distance to the moving reference point on the path, logarithmic. The thick line, the mean of the "
         "vehicles, is what is to stay small; a single vehicle keeps its place in the flock, so a distance."
@@ -276,8 +287,8 @@ def _draw_consensus_error(run: _Run) -> _Drawing | None:
     t_s = run.t_s[:-1]
     canvas, axes = _time_axes("|own estimate − true mean| (m)")
     _plot_vehicles(axes, run, t_s, error_m)
-    plotting.log_scale(axes, error_m)
-    plotting.legend_below(canvas, *axes.get_legend_handles_labels())
+    log_scale(axes, error_m)
+    legend_below(canvas, *axes.get_legend_handles_labels())
     caption = (
         "Distance between each vehicle's own estimate of the flocking centre and the true mean of the "
         "positions, logarithmic. It does not go to zero: the consensus filter pulls every estimate a "
@@ -299,25 +310,23 @@ def _draw_estimate_error(run: _Run) -> _Drawing | None:
     grid = canvas.subplots(4, 2, width_ratios=(5, 3), sharex="col", sharey="row")
     for row, component in enumerate(("north", "east", "down")):
         for axes, shown in zip(grid[row], (slice(None), window), strict=True):
-            plotting.plot_band(axes, t_s[shown], 2.0 * sigma_m[shown, i, j, row])
-            plotting.plot_thinned(axes, t_s[shown], error_m[shown, i, j, row], color="black", linewidth=0.8)
+            plot_band(axes, t_s[shown], 2.0 * sigma_m[shown, i, j, row])
+            plot_thinned(axes, t_s[shown], error_m[shown, i, j, row], color="black", linewidth=0.8)
         grid[row, 0].set_ylabel(f"{component} error (m)")
         limit_m = 1.08 * _largest_of_band(error_m[:, i, j, row], 2.0 * sigma_m[:, i, j, row], t_s)
         grid[row, 0].set_ylim(-limit_m, limit_m)
     rms_m = _rms_over_pairs(square_m2)
     for axes, shown in zip(grid[3], (slice(None), window), strict=True):
-        plotting.plot_thinned(axes, t_s[shown], rms_m[shown], color="black", linewidth=0.9)
+        plot_thinned(axes, t_s[shown], rms_m[shown], color="black", linewidth=0.9)
         axes.set_xlabel("time (s)")
         axes.set_xlim(t_s[shown][0], t_s[shown][-1])
-    plotting.log_scale(grid[3, 0], rms_m)
+    log_scale(grid[3, 0], rms_m)
     grid[3, 0].set_ylabel("rms, all pairs (m)")
     ids = run.recording.vehicle_ids
     grid[0, 0].set_title(f"{ids[i]} estimates {ids[j]}: the worst pair")
     grid[0, 1].set_title(f"detail: {t_s[window][0]:.0f} to {t_s[window][-1]:.0f} s")
-    handles = [Line2D([], [], color="black", linewidth=0.9), plotting.two_sigma_handle()]
-    plotting.legend_below(
-        canvas, handles, ["estimate minus truth", "two of the filter's own standard deviations"]
-    )
+    handles = [Line2D([], [], color="black", linewidth=0.9), two_sigma_handle()]
+    legend_below(canvas, handles, ["estimate minus truth", "two of the filter's own standard deviations"])
     caption = (
         f"What {ids[i]} believes of {ids[j]} between packets, minus the truth: the ordered pair with the "
         "largest error. Grey is plus and minus two standard deviations as the filter itself states them; a "
@@ -338,12 +347,12 @@ def _draw_speed(run: _Run) -> _Drawing | None:
     _plot_vehicles(lower, run, run.t_s, flown_mps)
     for axes, values in ((upper, asked_mps), (lower, flown_mps)):
         if np.nanmax(values) > 20.0 * np.nanmedian(values):
-            plotting.log_scale(axes, values)
+            log_scale(axes, values)
         axes.set_xlim(run.t_s[0], run.t_s[-1])
     upper.set_ylabel("speed asked for (m/s)")
     lower.set_ylabel("speed flown (m/s)")
     lower.set_xlabel("time (s)")
-    plotting.legend_below(canvas, *upper.get_legend_handles_labels())
+    legend_below(canvas, *upper.get_legend_handles_labels())
     caption = (
         "Above, the speed that the flocking law asks for; below, the true speed over ground. "
         "Where the two differ the vehicle or its inner loop cannot follow."
@@ -410,7 +419,7 @@ def _plot_delivery_bands(
     rows = np.arange(len(links))
     counts = np.array([(delivered[link], expected[link]) for link in links])
     ratio = counts[:, 0] / counts[:, 1]
-    low, high = plotting.wilson_interval(counts[:, 0], counts[:, 1])
+    low, high = wilson_interval(counts[:, 0], counts[:, 1])
     widths = (np.maximum(ratio - low, 0.0), np.maximum(high - ratio, 0.0))
     axes.errorbar(ratio, rows, xerr=widths, fmt="o", color="black", capsize=2.5, linewidth=0.9)
     axes.axvline(overall, color="0.35", linewidth=1.0, linestyle="dashed")
@@ -437,13 +446,11 @@ def _plot_hulls(axes: Any, run: _Run, k: int) -> None:
     radius_m = run.scenario.hull_radius_m
     positions = run.recording.position_ned_m[k]
     for i, (north, east, _) in enumerate(positions):
-        axes.add_patch(
-            Circle((east, north), radius_m, facecolor=plotting.colour(i), edgecolor="white", zorder=5)
-        )
+        axes.add_patch(Circle((east, north), radius_m, facecolor=colour(i), edgecolor="white", zorder=5))
         w, x, y, z = run.recording.attitude_quat_wxyz[k, i]
         ahead = np.array([2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z)])  # body x axis: east, north
         tip = np.array([east, north]) + 2.0 * radius_m * ahead
-        axes.plot([east, tip[0]], [north, tip[1]], color=plotting.colour(i), linewidth=1.0, zorder=5)
+        axes.plot([east, tip[0]], [north, tip[1]], color=colour(i), linewidth=1.0, zorder=5)
     middle = run.centroid_ned_m[k, [1, 0]]
     inward = np.nanmean(run.path_ned_m[:, [1, 0]], axis=0) - middle
     label_at = middle + inward / max(float(np.hypot(*inward)), 1e-9) * (2.4 + 2.0 * radius_m)
@@ -455,7 +462,7 @@ def _plot_hulls(axes: Any, run: _Run, k: int) -> None:
 
 def _instants(t_s: FloatArray) -> list[int]:
     """Return the ticks of some six round times after the start."""
-    step_s = plotting.round_step(float(t_s[-1]) / 6.0)
+    step_s = round_step(float(t_s[-1]) / 6.0)
     times_s = np.arange(step_s, t_s[-1] + 1e-9, step_s)
     ticks: list[int] = np.unique(np.clip(np.searchsorted(t_s, times_s - 1e-9), 0, len(t_s) - 1)).tolist()
     return ticks
@@ -489,32 +496,25 @@ def _plot_pairs(axes: Any, run: _Run, t_s: FloatArray, distances_m: FloatArray) 
     if len(pairs) > MAX_LINES:
         low_m, high_m = np.nanmin(distances_m, axis=1), np.nanmax(distances_m, axis=1)
         axes.fill_between(t_s, low_m, high_m, color="0.75", linewidth=0, label=f"range of {len(pairs)} pairs")
-        plotting.plot_thinned(axes, t_s, np.nanmedian(distances_m, axis=1), color="black", label="median")
-        plotting.plot_thinned(axes, t_s, low_m, color="black", linestyle="dashed", label="smallest")
+        plot_thinned(axes, t_s, np.nanmedian(distances_m, axis=1), color="black", label="median")
+        plot_thinned(axes, t_s, low_m, color="black", linestyle="dashed", label="smallest")
         return
     for p, (i, j) in enumerate(pairs):
         label = f"{run.recording.vehicle_ids[i]} – {run.recording.vehicle_ids[j]}"
-        style = {
-            "color": plotting.colour(p),
-            "linestyle": _DASHES[p % len(_DASHES)],
-            "marker": plotting.marker(p),
-        }
-        plotting.plot_thinned(
-            axes, t_s, distances_m[:, p], label=label, n_marks=7, first_mark=p / len(pairs), **style
-        )
+        style = {**vehicle_style(p), "marker": marker(p)}
+        plot_thinned(axes, t_s, distances_m[:, p], label=label, n_marks=7, first_mark=p / len(pairs), **style)
 
 
 def _plot_vehicles(axes: Any, run: _Run, t_s: FloatArray, values: FloatArray) -> None:
+    """Plot one line for each vehicle, grey and without a name where there are too many."""
     n = run.recording.n_vehicles
     if n > MAX_LINES:
         for i in range(n):
-            plotting.plot_thinned(axes, t_s, values[:, i], color="0.5", linewidth=0.4)
+            plot_thinned(axes, t_s, values[:, i], color="0.5", linewidth=0.4)
         return
     for i in range(n):
-        style = {**plotting.vehicle_style(i), "marker": plotting.marker(i), "linewidth": 0.8}
-        plotting.plot_thinned(
-            axes, t_s, values[:, i], label=run.labels[i], n_marks=7, first_mark=i / n, **style
-        )
+        style = {**vehicle_style(i), "marker": marker(i), "linewidth": 0.8}
+        plot_thinned(axes, t_s, values[:, i], label=run.labels[i], n_marks=7, first_mark=i / n, **style)
 
 
 def _time_axes(ylabel: str) -> tuple[Canvas, Any]:
@@ -566,7 +566,7 @@ def _vehicle_handles(run: _Run) -> list[Line2D]:
     if run.recording.n_vehicles > MAX_LINES:
         return []
     return [
-        Line2D([], [], marker=plotting.marker(i), label=label, **plotting.vehicle_style(i))
+        Line2D([], [], marker=marker(i), label=label, **vehicle_style(i))
         for i, label in enumerate(run.labels)
     ]
 

@@ -1,7 +1,8 @@
 """
 Parts of which figures are made: styles that can be read in grey, thinned lines, scales, legends, patches.
 
-Nothing here knows what is drawn. Positions are in map_ned (m); plan views have east to the right and north up.
+Nothing here knows what is drawn. Positions are in map_ned (m); plan views have east to the right and north
+up.
 """
 
 from __future__ import annotations
@@ -40,27 +41,33 @@ _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 
 def colour(i: int) -> str:
+    """Return the colour of line i."""
     return _COLOURS[i % len(_COLOURS)]
 
 
 def marker(i: int) -> str:
+    """Return the marker of line i."""
     return _MARKERS[i % len(_MARKERS)]
 
 
 def vehicle_style(i: int) -> dict[str, Any]:
+    """Return colour and line style of line i."""
     return {"color": colour(i), "linestyle": _DASHES[i % len(_DASHES)]}
 
 
 def plot_plan_line(axes: Any, ned_m: FloatArray, **style: Any) -> None:
+    """Plot an (n, 3) track as seen from above."""
     axes.plot(ned_m[:, 1], ned_m[:, 0], **style)
 
 
-def mark(axes: Any, ned_m: FloatArray, colour: str, marker: str, *, is_filled: bool) -> None:
-    fill = colour if is_filled else "white"
-    axes.plot(ned_m[1], ned_m[0], marker, color=colour, markerfacecolor=fill, markersize=6, zorder=6)
+def mark(axes: Any, ned_m: FloatArray, i: int, *, is_filled: bool) -> None:
+    """Mark one position of vehicle i, seen from above, hollow or full."""
+    fill = colour(i) if is_filled else "white"
+    axes.plot(ned_m[1], ned_m[0], marker(i), color=colour(i), markerfacecolor=fill, markersize=6, zorder=6)
 
 
 def plot_obstacle(axes: Any, obstacle: Any) -> None:
+    """Plot an obstacle and its safety distance, seen from above."""
     north, east, _ = obstacle.position_ned_m
     axes.add_patch(
         Circle(
@@ -76,6 +83,7 @@ def plot_obstacle(axes: Any, obstacle: Any) -> None:
 
 
 def plot_sphere(axes: Any, centre_ned_m: Any, radius_m: float) -> None:
+    """Plot a translucent sphere into axes in space."""
     azimuth, polar = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 25), np.linspace(0.0, np.pi, 13))
     north, east, down = centre_ned_m
     axes.plot_surface(
@@ -89,11 +97,13 @@ def plot_sphere(axes: Any, centre_ned_m: Any, radius_m: float) -> None:
 
 
 def equal_box(axes: Any) -> None:
+    """Give axes in space one scale on all axes."""
     limits = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()])
     axes.set_box_aspect(np.maximum(np.ptp(limits, axis=1), 1e-6), zoom=1.06)
 
 
 def round_step(value: float) -> float:
+    """Return the largest of 1, 2 and 5 times a power of ten that is not above the value."""
     if value <= 0.0:
         return 1.0
     power = 10.0 ** math.floor(math.log10(value))
@@ -162,20 +172,24 @@ def log_scale(axes: Any, values: FloatArray) -> None:
 
 
 def plot_band(axes: Any, t_s: FloatArray, two_sigma_m: FloatArray) -> None:
+    """Plot the band between minus and plus two_sigma_m."""
     shown = thin_indices(two_sigma_m)
     band = two_sigma_m[shown]
     axes.fill_between(t_s[shown], -band, band, facecolor="0.78", linewidth=0.0)
 
 
 def band_handle() -> Any:
+    """Return what stands for forbidden distances in a legend."""
     return Patch(facecolor="0.8", hatch="////", edgecolor="0.6", linewidth=0.0)
 
 
 def two_sigma_handle() -> Any:
+    """Return what stands for the band of two standard deviations in a legend."""
     return Patch(facecolor="0.78", linewidth=0.0)
 
 
 def legend_below(canvas: Canvas, handles: list[Any], labels: list[str] | None = None) -> None:
+    """Put a legend below all axes of a figure; labels default to those of the handles."""
     if not handles:
         return
     names = labels if labels is not None else [str(handle.get_label()) for handle in handles]
