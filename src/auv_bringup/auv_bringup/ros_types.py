@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,9 @@ from auv_bringup.bag_writer import BagError, Qos
 
 if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
+
+_DEPTH = 1000
+_LATCHED_DEPTH = 100
 
 
 def message_class(type_name: str) -> Any:
@@ -47,19 +51,40 @@ def qos_of_profile(profile: QoSProfile) -> Qos:
     )
 
 
+def is_latched(offered_qos: tuple[Mapping[str, Any], ...]) -> bool:
+    """Return whether a recorded topic was published transient local (by name, or number in older bags)."""
+    return bool(offered_qos) and str(offered_qos[0].get("durability")) in ("transient_local", "1")
+
+
 def offer_like_recorded(offered_qos: tuple[Mapping[str, Any], ...]) -> QoSProfile:
     """Return the profile with which to publish a recorded topic again.
 
-    Reliability and durability are those of the first recorded publisher (names, or the numbers of older
-    bags); the history keeps everything, so that a reliable reader misses nothing.
+    Reliability and durability are those of the first recorded publisher; the history is long, but not
+    endless: a reader that has stopped must not stop the replay. One publisher stands for all recorded ones, so
+    a latched topic keeps more than its last message.
     """
     from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-    recorded = offered_qos[0] if offered_qos else {}
-    best_effort = str(recorded.get("reliability")) in ("best_effort", "2")
-    latched = str(recorded.get("durability")) in ("transient_local", "1")
+    latched = is_latched(offered_qos)
+    best_effort = bool(offered_qos) and str(offered_qos[0].get("reliability")) in ("best_effort", "2")
     return QoSProfile(
-        history=HistoryPolicy.KEEP_ALL,
+        history=HistoryPolicy.KEEP_LAST,
+        depth=_LATCHED_DEPTH if latched else _DEPTH,
         reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
     )
+
+
+def use_discovery_range(choice: str) -> None:
+    """Set who hears this process's ROS traffic; to be called before ROS starts.
+
+    Parameters
+    ----------
+    choice
+        ``localhost`` or ``subnet``.
+    """
+    os.environ.pop("ROS_LOCALHOST_ONLY", None)  # the old word for it; it would override the new one
+    if choice == "localhost":
+        os.environ.pop("ROS_STATIC_PEERS", None)
+        os.environ.pop("ROS_DISCOVERY_SERVER", None)
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = choice.upper()

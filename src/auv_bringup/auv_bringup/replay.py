@@ -1,0 +1,285 @@
+"""Command `./scripts/replay`: publish a recorded bag again, or run its neighbour filters again."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+
+from auv_bringup.bag import Bag, RecordedMessage
+from auv_bringup.bag_writer import BagError
+from auv_bringup.re_estimate import Comparison, re_estimate
+from auv_bringup.recorded_topics import CLOCK_TOPIC
+from auv_bringup.ros_types import is_latched, message_class, offer_like_recorded, use_discovery_range
+from auv_bringup.scenario import load_scenario
+from auv_core.params import ConfigError
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+EXIT_DONE, EXIT_DIFFERENT, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
+DEFAULT_CLOCK_HZ = 40.0
+DISCOVERY_S = 0.5
+ACKNOWLEDGE_LIMIT_S = 2.0
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; return its exit status."""
+    options = _parse(argv)
+    try:
+        bag = Bag(options.bag)
+        if not bag.complete:
+            _tell(f"note: the recorder was killed before it finished {bag.folder}; what it wrote is used")
+        return _re_estimate(bag) if options.re_estimate else _replay(bag, options)
+    except (BagError, ConfigError) as error:
+        _tell(f"error: {error}")
+        return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        _tell("interrupted")
+        return EXIT_INTERRUPTED
+
+
+def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(
+        prog="./scripts/replay",
+        description="Publish a recorded bag again, with the recorded types, QoS and timing.",
+        epilog="A recorded /clock is published as it was, unless --clock makes a new one.",
+    )
+    parser.add_argument(
+        "bag", type=Path, metavar="BAG", help="bag folder, or results folder with a bag in it"
+    )
+    parser.add_argument("--rate", type=_positive, default=1.0, metavar="R", help="speed, 1 is as recorded")
+    parser.add_argument(
+        "--start", type=_offset, default=0.0, metavar="S", help="seconds into the bag to start at"
+    )
+    parser.add_argument(
+        "--clock",
+        type=_positive,
+        nargs="?",
+        const=DEFAULT_CLOCK_HZ,
+        metavar="HZ",
+        help=f"make a /clock from the time of the bag, so often per second of wall time ({DEFAULT_CLOCK_HZ:g})",
+    )
+    parser.add_argument("--topics", nargs="+", default=[], metavar="T", help="publish these topics only")
+    parser.add_argument(
+        "--discovery",
+        choices=("localhost", "subnet"),
+        default="localhost",
+        help="who may hear it: this machine (default), or the whole subnet",
+    )
+    parser.add_argument(
+        "--re-estimate",
+        action="store_true",
+        help="do not publish: run the neighbour filters again from the recorded packets and compare",
+    )
+    return parser.parse_args(argv)
+
+
+def _positive(text: str) -> float:
+    """Return a finite number above zero."""
+    value = float(text)
+    if not (math.isfinite(value) and value > 0.0):
+        raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
+    return value
+
+
+def _offset(text: str) -> float:
+    """Return a finite number that is not negative."""
+    value = float(text)
+    if not (math.isfinite(value) and value >= 0.0):
+        raise argparse.ArgumentTypeError(f"{text} is not a number from 0")
+    return value
+
+
+def _re_estimate(bag: Bag) -> int:
+    """Run the filters again and report the differences."""
+    scenario_file = bag.folder.parent / "scenario.yaml"
+    if not scenario_file.is_file():
+        raise BagError(f"{scenario_file} is missing; --re-estimate takes the filter settings from it")
+    scenario = load_scenario(str(scenario_file))
+    vehicle_ids = [vehicle.id for vehicle in scenario.vehicles]
+    result = re_estimate(bag, vehicle_ids, scenario.agent.neighbours, scenario.period_s)
+    _report_comparison(result, len(vehicle_ids))
+    return EXIT_DONE if result.agrees else EXIT_DIFFERENT
+
+
+def _report_comparison(result: Comparison, n_vehicles: int) -> None:
+    """Print what the comparison found."""
+    print(f"{result.estimates} estimates of {n_vehicles} vehicles in {result.ticks} vehicle ticks compared")
+    print(f"  position     max difference {result.position_m:.3g} m")
+    print(f"  velocity     max difference {result.velocity_mps:.3g} m/s")
+    print(f"  covariance   max difference {result.covariance:.3g}")
+    if result.unmatched:
+        print(f"  {result.unmatched} estimates are on one side only")
+    if result.unused_ticks:
+        print(f"  {result.unused_ticks} vehicle ticks left out: the bag lacks packets before them")
+    print(
+        "the recorded packets give the recorded estimates"
+        if result.agrees
+        else "they DIFFER by more than 1e-9"
+    )
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """What to publish, and from when."""
+
+    publishers: dict[str, Any]
+    latched: frozenset[str]
+    first_ns: int
+    last_ns: int
+
+
+def _replay(bag: Bag, options: argparse.Namespace) -> int:
+    """Publish the bag."""
+    use_discovery_range(options.discovery)
+    import rclpy
+    from rclpy.signals import SignalHandlerOptions
+
+    topics = _wanted_topics(bag, options.topics, own_clock=options.clock is not None)
+    begin_ns, last_ns = bag.span_ns()
+    first_ns = begin_ns + round(options.start * 1e9)
+    if first_ns > last_ns:
+        raise BagError(
+            f"--start {options.start:g} is past the end: the bag is {(last_ns - begin_ns) * 1e-9:.3f} s long"
+        )
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        node = rclpy.create_node("replay", enable_rosout=False, start_parameter_services=False)
+        latched = frozenset(name for name in topics if is_latched(bag.topics[name].offered_qos))
+        plan = _Plan(_make_publishers(node, bag, topics), latched, first_ns, last_ns)
+        clock = _ClockSource(node, options.clock) if options.clock is not None else None
+        _pause(DISCOVERY_S)
+        count = _publish(bag, plan, _Pace(first_ns, options.rate), clock)
+        _finish(plan)
+    finally:
+        rclpy.try_shutdown()
+    played_s = (last_ns - first_ns) * 1e-9
+    print(f"{count} messages of {len(plan.publishers)} topics replayed, {played_s:.3f} s of the bag")
+    return EXIT_DONE
+
+
+def _wanted_topics(bag: Bag, names: Sequence[str], *, own_clock: bool) -> list[str]:
+    """Return the topics to publish."""
+    unknown = [name for name in names if name not in bag.topics]
+    if unknown:
+        raise BagError(f"the bag has no topic {', '.join(unknown)}; it has: {', '.join(bag.topics)}")
+    topics = [name for name in names or bag.topics if not (own_clock and name == CLOCK_TOPIC)]
+    if not topics:
+        raise BagError(f"{bag.folder} holds nothing to publish")
+    return topics
+
+
+def _make_publishers(node: Node, bag: Bag, topics: Sequence[str]) -> dict[str, Any]:
+    """Return a publisher for each topic whose message type is installed."""
+    publishers = {}
+    for name in topics:
+        topic = bag.topics[name]
+        try:
+            kind = message_class(topic.type_name)
+        except BagError as error:
+            _tell(f"note: {name} is left out: {error}")
+            continue
+        publishers[name] = node.create_publisher(kind, name, offer_like_recorded(topic.offered_qos))
+    if not publishers:
+        raise BagError(f"no message type of {bag.folder} is installed here")
+    return publishers
+
+
+class _Pace:
+    """When a moment of the bag is due, by the steady wall clock."""
+
+    def __init__(self, first_ns: int, rate: float) -> None:
+        self._first_ns, self._rate = first_ns, rate
+        self._began_s = time.monotonic()
+
+    def due_s(self, time_ns: int) -> float:
+        """Return the wall time (s) of a moment of the bag."""
+        return self._began_s + (time_ns - self._first_ns) * 1e-9 / self._rate
+
+    def bag_time_ns(self, wall_s: float) -> int:
+        """Return the moment of the bag (ns) at a wall time."""
+        return self._first_ns + round((wall_s - self._began_s) * self._rate * 1e9)
+
+
+class _ClockSource:
+    """Publishes /clock at a steady rate of wall time."""
+
+    def __init__(self, node: Node, rate_hz: float) -> None:
+        from rosgraph_msgs.msg import Clock
+
+        self._message = Clock()
+        self._publisher = node.create_publisher(Clock, CLOCK_TOPIC, 10)
+        self._period_s = 1.0 / rate_hz
+        self._next_s = 0.0
+
+    def run_until(self, due_s: float, pace: _Pace) -> None:
+        """Publish the ticks up to a wall time, each when it is due."""
+        self._next_s = self._next_s or time.monotonic()
+        while self._next_s <= due_s:
+            _pause(self._next_s - time.monotonic())
+            seconds, nanoseconds = divmod(max(pace.bag_time_ns(self._next_s), 0), 1_000_000_000)
+            self._message.clock.sec, self._message.clock.nanosec = seconds, nanoseconds
+            self._publisher.publish(self._message)
+            self._next_s += self._period_s
+
+
+def _publish(bag: Bag, plan: _Plan, pace: _Pace, clock: _ClockSource | None) -> int:
+    """Publish every message when it is due; return how many there were."""
+    count = 0
+    bar_format = "{l_bar}{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}]"
+    total_s = (plan.last_ns - plan.first_ns) * 1e-9
+    with tqdm(total=total_s, desc="replay", bar_format=bar_format, disable=None) as bar:
+        for message in _messages(bag, plan):
+            due_s = pace.due_s(message.time_ns)
+            if clock is not None:
+                clock.run_until(due_s, pace)
+            _pause(due_s - time.monotonic())
+            plan.publishers[message.topic].publish(message.data)
+            count += 1
+            reached_s = max(0.0, (message.time_ns - plan.first_ns) * 1e-9)
+            if reached_s > bar.n:
+                bar.update(reached_s - bar.n)
+    return count
+
+
+def _messages(bag: Bag, plan: _Plan) -> Iterator[RecordedMessage]:
+    """Yield what to publish: first what was latched before the start, then everything from there on."""
+    for message in bag.messages(plan.latched & plan.publishers.keys()):
+        if message.time_ns >= plan.first_ns:
+            break
+        yield message
+    yield from bag.messages(plan.publishers.keys(), plan.first_ns)
+
+
+def _finish(plan: _Plan) -> None:
+    """Wait, within a limit, until every reliable reader has everything."""
+    from rclpy.duration import Duration
+
+    limit_s = time.monotonic() + ACKNOWLEDGE_LIMIT_S
+    for publisher in plan.publishers.values():
+        publisher.wait_for_all_acked(Duration(seconds=max(0.0, limit_s - time.monotonic())))
+
+
+def _pause(duration_s: float) -> None:
+    """Wait on the wall clock; Ctrl-C ends it at once."""
+    if duration_s > 0.0:
+        threading.Event().wait(duration_s)
+
+
+def _tell(line: str) -> None:
+    """Print a line for the user, beside the progress bar."""
+    print(line, file=sys.stderr)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
