@@ -1,0 +1,474 @@
+"""`./scripts/run`: fly a scenario, then say what came of it."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import math
+import os
+import shutil
+import signal
+import sys
+import tempfile
+import time
+import traceback
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from auv_bringup import results
+from auv_bringup.domains import DomainClaim, DomainError, claim_domain
+from auv_core.params import ConfigError
+
+if TYPE_CHECKING:
+    from auv_bringup.scenario import Scenario
+
+DEFAULT_SCENARIO = "flock_acoustic"
+ROS_MODES = ("lockstep", "realtime")
+MODES = (*ROS_MODES, "inprocess")
+
+DONE, INTERNAL_ERROR, BAD_INPUT, LOST, COLLISION, INTERRUPTED = 0, 1, 2, 3, 4, 130
+
+_HELP = """\
+Fly a flock of autonomous underwater vehicles, and say in numbers and figures what came
+of it.
+
+SCENARIO is a name of --list or the path of a YAML file; without one, flock_acoustic is
+flown: four vehicles that share what they know only through an acoustic channel that
+delays and loses packets.
+"""
+
+_EPILOG = """\
+three ways to fly the same scenario:
+  lockstep    every vehicle is two ROS 2 processes, and time advances when all have
+              answered: one seed, one result, to the last bit
+  realtime    the same nodes run freely on the wall clock, as on vehicles: every run is
+              a little different
+  inprocess   the same objects in one process, without ROS: the numbers of lockstep,
+              much faster
+  A scenario with `sampling: continuous` is flown in one process unless --mode says
+  otherwise; in lockstep or realtime its laws are held over the control period
+  (sampling: sampled).
+
+results:
+  DIR/<scenario>-<seed>-<mode>, with -<hash of the overrides> when --set or --duration
+  is given, and with -2, -3, ... when that exists: nothing is ever overwritten. In it:
+  scenario.yaml (resolved), provenance.json, bag/ (or recording.npz), logs/,
+  metrics.json, figures/ and report.html; --report makes the last three again from what
+  was recorded.
+
+ROS 2:
+  The run uses $ROS_DOMAIN_ID (0 if unset), or the next domain that no other run holds,
+  and says which. Traffic stays on this machine; --discovery subnet lets it out, and
+  only then are ROS_STATIC_PEERS and ROS_DISCOVERY_SERVER heeded. Look in from another
+  shell with `ros2 topic list`, `ros2 topic echo /auv_1/odom`, ... or, where there is no
+  ros2 command, `./scripts/topic list`.
+
+Ctrl-C once ends every node in order and closes the bag; twice hurries it. What was flown
+until then is in the bag: --report shows it.
+
+exit status:
+  0    done (also where the scenario lets a flight go on without a lost vehicle)
+  1    internal error; the traceback is in the logs
+  2    bad input; nothing was started, nothing was written
+  3    a vehicle or node was lost, and the flight was stopped
+  4    two hulls touched; the flight was completed
+  130  Ctrl-C
+
+examples:
+  ./scripts/run                                  the main job: 650 s, four vehicles
+  ./scripts/run --list                           what else there is
+  ./scripts/run --seed 7 --set acoustics.outage.params.loss_prob=0.5
+  ./scripts/run --set 'environment.current_ned_mps=[0.2, 0, 0]' --duration 60
+  ./scripts/run ch5_one_leader                   a table of the thesis, in one process
+  ./scripts/run my_scenario.yaml --mode inprocess --out /tmp/results
+  ./scripts/run --report results/flock_acoustic-1-lockstep
+"""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A validated run: what is flown, how, and where its results go."""
+
+    scenario: Scenario
+    mode: str
+    parent: Path
+    name: str
+    overrides: tuple[str, ...]
+    duration_s: float | None
+    with_bag: bool
+    with_figures: bool
+    discovery: str
+
+
+class _OneLineParser(argparse.ArgumentParser):
+    """A parser whose complaints are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(BAD_INPUT, f"error: {message} (./scripts/run --help says more)\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return the exit status."""
+    _make_signals_interrupt()
+    place = _TracebackPlace()
+    try:
+        options = _parser().parse_args(arguments)
+        return _run(options, place)
+    except (ConfigError, DomainError, results.ResultsError) as error:
+        return _fail(BAD_INPUT, str(error))
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, "interrupted")
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return INTERNAL_ERROR
+    except Exception as error:
+        return _fail(
+            INTERNAL_ERROR, f"{type(error).__name__}: {_one_line(error)}; the traceback is in {place.write()}"
+        )
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _OneLineParser(
+        prog="./scripts/run",
+        description=_HELP,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "scenario",
+        nargs="?",
+        default=DEFAULT_SCENARIO,
+        metavar="SCENARIO",
+        help=f"name or YAML file (default: {DEFAULT_SCENARIO})",
+    )
+    parser.add_argument(
+        "--mode",
+        choices=MODES,
+        help="how to fly it (default: lockstep; inprocess for a scenario with sampling: continuous)",
+    )
+    parser.add_argument(
+        "--seed", type=int, metavar="N", help="seed of every random number (default: the scenario's)"
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="PATH=VALUE",
+        dest="overrides",
+        help="override a key of the scenario, with its dotted path; the value is YAML; may be repeated",
+    )
+    parser.add_argument(
+        "--duration", type=float, metavar="S", help="length of the flight (s), instead of duration_s"
+    )
+    parser.add_argument(
+        "--out", default="results", metavar="DIR", type=Path, help="folder of the results (default: results)"
+    )
+    parser.add_argument(
+        "--no-bag",
+        action="store_true",
+        help="store no recording; a run with nodes then has no metrics or figures: they are made from it",
+    )
+    parser.add_argument("--no-figures", action="store_true", help="metrics and a report of them, no figures")
+    parser.add_argument(
+        "--discovery",
+        choices=("localhost", "subnet"),
+        default="localhost",
+        help="who may see the nodes: this machine only (default), or the network it is in",
+    )
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("--list", action="store_true", help="list the scenarios, one line each, and stop")
+    group.add_argument(
+        "--report", metavar="DIR", type=Path, help="make metrics, figures and report of a finished run again"
+    )
+    return parser
+
+
+def _run(options: argparse.Namespace, place: _TracebackPlace) -> int:
+    if options.list:
+        return _list()
+    if options.report is not None:
+        place.folder = options.report / results.LOGS
+        return _report_again(options.report, with_figures=not options.no_figures)
+    plan = _plan(options)
+    with ExitStack() as stack:
+        claim: DomainClaim | None = None
+        if plan.mode in ROS_MODES:
+            _check_ros()
+            claim = stack.enter_context(claim_domain(os.environ))
+        folder = results.make_results_dir(plan.parent, plan.name)
+        (folder / results.LOGS).mkdir()
+        place.folder = folder / results.LOGS
+        _start_results(plan, folder)
+        _introduce(plan, folder)
+        if claim is None:
+            return _fly_in_process(plan, folder)
+        return _fly_with_nodes(plan, folder, claim)
+
+
+def _plan(options: argparse.Namespace) -> Plan:
+    """Validate everything that the user asked for. Nothing is started, nothing is written."""
+    from auv_bringup.scenario import load_scenario
+
+    if options.duration is not None and not math.isfinite(options.duration):
+        raise ConfigError(
+            f"--duration {options.duration!r} is not allowed; allowed: a finite number of seconds"
+        )
+
+    def load(extra: Sequence[str] = ()) -> Scenario:
+        return load_scenario(
+            options.scenario,
+            overrides=[*options.overrides, *extra],
+            seed=options.seed,
+            duration_s=options.duration,
+        )
+
+    scenario = load()
+    mode = options.mode or ("inprocess" if scenario.sampling == "continuous" else "lockstep")
+    if scenario.sampling == "continuous" and mode in ROS_MODES:
+        scenario = load(["sampling=sampled"])
+        print(f"{scenario.name}: in {mode} its laws are held over the control period (sampling: sampled)")
+    digest = results.overrides_hash(options.overrides, options.duration)
+    return Plan(
+        scenario=scenario,
+        mode=mode,
+        parent=options.out,
+        name=results.results_name(scenario.name, scenario.seed, mode, digest),
+        overrides=tuple(options.overrides),
+        duration_s=options.duration,
+        with_bag=not options.no_bag,
+        with_figures=not options.no_figures,
+        discovery=options.discovery,
+    )
+
+
+def _check_ros() -> None:
+    missing = [name for name in ("rclpy", "auv_msgs") if importlib.util.find_spec(name) is None]
+    if missing:
+        raise ConfigError(
+            f"{' and '.join(missing)} cannot be imported, so no ROS 2 node can run; "
+            "start this through ./scripts/run, "
+            "source the workspace (install/setup.bash), or use --mode inprocess"
+        )
+
+
+def _start_results(plan: Plan, folder: Path) -> None:
+    from auv_bringup.scenario import scenario_to_yaml
+
+    (folder / results.SCENARIO_FILE).write_text(scenario_to_yaml(plan.scenario), encoding="utf-8")
+    record = results.provenance(
+        plan.scenario, mode=plan.mode, overrides=plan.overrides, duration_s=plan.duration_s
+    )
+    results.write_json(folder / results.PROVENANCE_FILE, record)
+
+
+def _introduce(plan: Plan, folder: Path) -> None:
+    scenario = plan.scenario
+    count = len(scenario.vehicles)
+    print(f"{scenario.name}: {scenario.title}")
+    print(
+        f"{count} vehicle{'s' if count > 1 else ''}, {scenario.duration_s:g} s, "
+        f"seed {scenario.seed}, {plan.mode}"
+    )
+    if folder.name != plan.name:
+        print(f"{plan.parent / plan.name} exists and is left alone")
+    print(f"results go to {folder}", flush=True)
+
+
+def _fly_in_process(plan: Plan, folder: Path) -> int:
+    from auv_bringup.experiment import run_in_process
+    from auv_bringup.progress import Progress
+
+    try:
+        with Progress(plan.scenario.duration_s) as progress:
+            start_s = time.monotonic()
+            recording = run_in_process(plan.scenario, on_progress=progress.update)
+            wall_s = time.monotonic() - start_s
+    except KeyboardInterrupt:
+        shutil.rmtree(folder)  # made by this run a moment ago; there is nothing of the flight in it
+        return _fail(
+            INTERRUPTED,
+            "interrupted: a run in one process keeps nothing before its end (lockstep records as it flies)",
+        )
+    factor = float(recording.t_s[-1]) / wall_s
+    if plan.with_bag:
+        recording.save(folder / results.RECORDING_FILE)
+    metrics = _show_results(
+        folder, plan.scenario, recording, plan.mode, factor, with_figures=plan.with_figures
+    )
+    return COLLISION if metrics["collision"] else DONE
+
+
+def _fly_with_nodes(plan: Plan, folder: Path, claim: DomainClaim) -> int:
+    from auv_bringup.launcher import fly
+    from auv_bringup.node_start import export_line
+    from auv_bringup.processes import Interrupts
+    from auv_bringup.progress import Progress
+
+    if claim.is_moved:
+        print(
+            f"ROS domain {claim.asked_id} is in use by another run; this one takes domain {claim.domain_id}"
+        )
+    print(f"to look in from another shell:  {export_line(claim.domain_id, plan.discovery)}", flush=True)
+    with Interrupts() as interrupts, Progress(plan.scenario.duration_s) as progress:
+        flight = fly(
+            plan.scenario,
+            mode=plan.mode,
+            results_dir=folder,
+            with_bag=plan.with_bag,
+            domain_id=claim.domain_id,
+            discovery=plan.discovery,
+            interrupts=interrupts,
+            progress=progress,
+        )
+    claim.release()
+    record = results.read_json(folder / results.PROVENANCE_FILE)
+    record.update(
+        domain_id=claim.domain_id,
+        exit_status=flight.exit_status,
+        stopped_because=flight.reason or None,
+        lost_vehicles=list(flight.lost_vehicles),
+        simulated_s=flight.simulated_s,
+        real_time_factor=flight.real_time_factor,
+        start_up_s=flight.start_up_s,
+    )
+    results.write_json(folder / results.PROVENANCE_FILE, {k: _json_number(v) for k, v in record.items()})
+    if flight.exit_status == INTERRUPTED:
+        where = (
+            f"; the bag is {folder / results.BAG}, and its report: ./scripts/run --report {folder}"
+            if plan.with_bag
+            else ""
+        )
+        return _fail(INTERRUPTED, f"{flight.reason}{where}")
+    status = _report_flight(plan, folder, flight.real_time_factor, flight.exit_status)
+    if flight.lost_vehicles:
+        print(f"lost on the way: {', '.join(flight.lost_vehicles)}", file=sys.stderr)
+    if flight.reason:
+        _fail(flight.exit_status, f"{flight.reason}; logs are in {folder / results.LOGS}")
+    return status
+
+
+def _report_flight(plan: Plan, folder: Path, real_time_factor: float, exit_status: int) -> int:
+    """Report on what the nodes recorded; return the exit status of the run."""
+    if not plan.with_bag:
+        print("nothing was recorded (--no-bag), so there are no metrics and no figures")
+        return exit_status
+    try:
+        print("reading the bag ...", file=sys.stderr, flush=True)
+        recording = results.load_recording(folder, plan.scenario)
+    except results.ResultsError as error:
+        if exit_status == DONE:
+            raise RuntimeError(str(error)) from None
+        return _fail(exit_status, str(error))  # a flight that was stopped early may have recorded nothing yet
+    metrics = _show_results(
+        folder, plan.scenario, recording, plan.mode, real_time_factor, with_figures=plan.with_figures
+    )
+    return COLLISION if exit_status == DONE and metrics["collision"] else exit_status
+
+
+def _report_again(folder: Path, *, with_figures: bool) -> int:
+    """Make metrics, figures and report of a results folder again."""
+    from auv_bringup.scenario import load_scenario
+
+    if not (folder / results.SCENARIO_FILE).is_file():
+        raise results.ResultsError(
+            f"--report {str(folder)!r}: no {results.SCENARIO_FILE} in it; allowed: a folder of results"
+        )
+    scenario = load_scenario(str(folder / results.SCENARIO_FILE))
+    known = {
+        **results.read_json(folder / results.PROVENANCE_FILE),
+        **results.read_json(folder / results.METRICS_FILE),
+    }
+    factor = known.get("real_time_factor")
+    recording = results.load_recording(folder, scenario)
+    _show_results(
+        folder,
+        scenario,
+        recording,
+        str(known.get("mode", "lockstep")),
+        math.nan if factor is None else float(factor),
+        with_figures=with_figures,
+    )
+    return DONE
+
+
+def _show_results(
+    folder: Path,
+    scenario: Scenario,
+    recording: Any,
+    mode: str,
+    real_time_factor: float,
+    *,
+    with_figures: bool,
+) -> dict[str, Any]:
+    """Write metrics, figures and report; print the metrics and where the report is; return the metrics."""
+    from auv_bringup.metrics_table import metrics_table
+
+    metrics = results.write_results(
+        folder,
+        scenario,
+        recording,
+        mode=mode,
+        real_time_factor=real_time_factor,
+        with_figures=with_figures,
+        on_step=lambda step: print(f"{step} ...", file=sys.stderr, flush=True),
+    )
+    print()
+    print(metrics_table(metrics))
+    print(f"\nreport: {folder / results.REPORT_FILE}", flush=True)
+    return metrics
+
+
+def _list() -> int:
+    from auv_bringup.scenario import list_scenarios
+
+    scenarios = list_scenarios()
+    width = max(len(name) for name, _ in scenarios)
+    for name, title in scenarios:
+        print(f"{name:<{width}}  {title}")
+    return DONE
+
+
+class _TracebackPlace:
+    """Where an internal error's traceback goes: the run's logs, or a temporary file before there are any."""
+
+    def __init__(self) -> None:
+        self.folder: Path | None = None
+
+    def write(self) -> Path:
+        """Write the traceback of the exception being handled; return its file."""
+        text = traceback.format_exc()
+        if self.folder is not None and self.folder.is_dir():
+            path = self.folder / "traceback.txt"
+            path.write_text(text, encoding="utf-8")
+            return path
+        with tempfile.NamedTemporaryFile(
+            "w", prefix="shoal-", suffix=".traceback.txt", delete=False
+        ) as stream:
+            stream.write(text)
+            return Path(stream.name)
+
+
+def _make_signals_interrupt() -> None:
+    """Let SIGINT, SIGTERM and SIGHUP raise KeyboardInterrupt, even in a shell's background."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.default_int_handler)
+
+
+def _fail(status: int, line: str) -> int:
+    print(f"error: {line}", file=sys.stderr, flush=True)
+    return status
+
+
+def _one_line(error: BaseException) -> str:
+    return " ".join(str(error).split()) or "no message"
+
+
+def _json_number(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,267 @@
+"""
+Flying a scenario as ROS 2 nodes: start them, watch them, end them.
+
+Every node is a process of its own (the relay's holds the clock too). The launcher starts them all at once,
+listens to ``/flock/status`` with a small node of its own, asks the `Supervisor` what to make of what it
+sees, and ends the processes in order: vehicles, agents and relay first, which hand over their last
+messages, then the recorder, which writes what it has received and closes the bag. No wait in here is
+without an end.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from auv_bringup.compose import NodeSpec, node_specs
+from auv_bringup.node_start import (
+    command_line,
+    log_name,
+    node_environment,
+    realtime_epoch_s,
+    write_params_file,
+)
+from auv_bringup.processes import ChildProcesses, Interrupts, last_lines
+from auv_bringup.progress import Progress
+from auv_bringup.results import BAG, LOGS
+from auv_bringup.scenario import Scenario
+from auv_bringup.supervision import LOST_STATUS, Status, Supervisor
+
+INTERRUPTED_STATUS = 130
+RECORDER_GRACE_S = 30.0
+"""The recorder drains for at most 20 s before it closes the bag."""
+_LOOK_S = 0.1
+_MOST_AWAKE_S = 0.5
+"""Longer pauses mean that the launcher itself was suspended; the nodes are not to blame for them."""
+
+
+@dataclass(frozen=True)
+class Flight:
+    """
+    How a flight ended.
+
+    `exit_status` is 0, 3 (vehicle or node lost, flight stopped) or 130 (interrupted); `reason` says why it
+    was stopped; `real_time_factor` counts the flight only and is NaN when it was too short to tell.
+    """
+
+    exit_status: int
+    reason: str
+    lost_vehicles: tuple[str, ...]
+    simulated_s: float
+    real_time_factor: float
+    start_up_s: float
+
+
+def fly(
+    scenario: Scenario,
+    *,
+    mode: str,
+    results_dir: Path,
+    with_bag: bool,
+    domain_id: int,
+    discovery: str,
+    interrupts: Interrupts,
+    progress: Progress,
+) -> Flight:
+    """
+    Fly a scenario with ROS 2 nodes and return how it ended.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Resolved, sampled scenario.
+    mode : str
+        'lockstep' or 'realtime'.
+    results_dir : Path
+        The run's folder, which gets `bag/` and `logs/`.
+    with_bag : bool
+        Whether a recorder runs.
+    domain_id, discovery
+        ROS domain held for this run, and 'localhost' or 'subnet'.
+    interrupts : Interrupts
+        Entered; its count asks for the end.
+    progress : Progress
+        Where to show how far it is, and messages.
+
+    """
+    epoch_s = realtime_epoch_s(scenario) if mode == "realtime" else 0.0
+    bag_dir = results_dir / BAG if with_bag else None
+    specs = node_specs(scenario, mode=mode, bag_dir=bag_dir, epoch_s=epoch_s)
+    environ = node_environment(
+        os.environ, domain_id=domain_id, discovery=discovery, log_dir=results_dir / LOGS / "ros"
+    )
+    return fly_nodes(
+        specs,
+        on_vehicle_loss=scenario.on_vehicle_loss,
+        logs_dir=results_dir / LOGS,
+        environ=environ,
+        interrupts=interrupts,
+        progress=progress,
+    )
+
+
+def fly_nodes(
+    specs: Sequence[NodeSpec],
+    *,
+    on_vehicle_loss: str,
+    logs_dir: Path,
+    environ: dict[str, str],
+    interrupts: Interrupts,
+    progress: Progress,
+    arguments: Callable[[NodeSpec, Path], list[str]] = command_line,
+) -> Flight:
+    """Start nodes, watch them until the flight is over, end them; `arguments` makes their command lines."""
+    params_dir = logs_dir / "params"
+    params_dir.mkdir(parents=True, exist_ok=True)
+    start_s = time.monotonic()
+    with ChildProcesses() as children:
+        for spec in specs:
+            children.start(
+                spec.name,
+                arguments(spec, write_params_file(spec, params_dir)),
+                log=logs_dir / f"{log_name(spec)}.log",
+                environ=environ,
+            )
+        supervisor = Supervisor(specs, on_vehicle_loss=on_vehicle_loss)
+        # rclpy comes after the children are started: it brings threads, and forking is for processes without.
+        with StatusListener(environ) as listener:
+            start_up_s = _watch(supervisor, children, listener, interrupts, progress, start_s)
+            was_interrupted = interrupts.count > 0 and not supervisor.is_over
+            if was_interrupted:
+                progress.message("ending the run; press Ctrl-C again to hurry it")
+            bag_is_closed = _end_in_order(specs, children, interrupts, progress)
+    return _flight(supervisor, was_interrupted, bag_is_closed, start_up_s)
+
+
+def _watch(
+    supervisor: Supervisor,
+    children: ChildProcesses,
+    listener: StatusListener,
+    interrupts: Interrupts,
+    progress: Progress,
+    start_s: float,
+) -> float:
+    """Watch until the flight is over or interrupted; return how long the start took (s, NaN: no start)."""
+    start_up_s = math.nan
+    last_s = time.monotonic()
+    while not supervisor.is_over and not interrupts.count:
+        for status in listener.listen(_LOOK_S):
+            now_s = time.monotonic()
+            supervisor.status_arrived(status, now_s)
+            if status.state == "waiting":
+                continue
+            if math.isnan(start_up_s):
+                start_up_s = now_s - start_s
+                progress.message(f"all nodes are up after {start_up_s:.1f} s")
+            progress.update(status.time_s)
+        for exit_ in children.collect_exits():
+            log = children.log(exit_.name)
+            supervisor.process_ended(exit_, last_lines(log), str(log))
+        now_s = time.monotonic()
+        supervisor.time_passed(min(now_s - last_s, _MOST_AWAKE_S))
+        last_s = now_s
+        for line in supervisor.take_messages():
+            progress.message(line if line.startswith(" ") else f"warning: {line}")
+        children.kill(supervisor.take_processes_to_end())
+    return start_up_s
+
+
+def _end_in_order(
+    specs: Sequence[NodeSpec], children: ChildProcesses, interrupts: Interrupts, progress: Progress
+) -> bool:
+    """End all nodes, the recorder last; return whether every recorder closed its bag."""
+    first = [spec.name for spec in specs if spec.role != "recorder"]
+    recorders = [spec.name for spec in specs if spec.role == "recorder"]
+    exits = children.end(first, is_hurried=lambda: interrupts.is_hurried)
+    recorder_exits = children.end(
+        recorders, grace_s=RECORDER_GRACE_S, is_hurried=lambda: interrupts.is_hurried
+    )
+    for exit_ in exits + recorder_exits:
+        if exit_.returncode != 0:
+            progress.message(
+                f"warning: {exit_.name} did not end cleanly: {exit_.words}; "
+                f"its log is {children.log(exit_.name)}"
+            )
+    return set(recorders) <= {exit_.name for exit_ in recorder_exits if exit_.returncode == 0}
+
+
+def _flight(supervisor: Supervisor, was_interrupted: bool, bag_is_closed: bool, start_up_s: float) -> Flight:
+    exit_status, reason = supervisor.exit_status, supervisor.reason
+    if was_interrupted:
+        exit_status, reason = INTERRUPTED_STATUS, f"interrupted at {supervisor.simulated_s:.1f} s"
+    elif exit_status == 0 and not bag_is_closed:
+        exit_status, reason = LOST_STATUS, "/recorder_node did not close its bag"
+    return Flight(
+        exit_status=exit_status,
+        reason=reason,
+        lost_vehicles=tuple(supervisor.lost_vehicles),
+        simulated_s=supervisor.simulated_s,
+        real_time_factor=supervisor.real_time_factor,
+        start_up_s=start_up_s,
+    )
+
+
+class StatusListener:
+    """A small ROS node that hears /flock/status; hidden from `ros2 node list` by its name."""
+
+    def __init__(self, environ: dict[str, str]) -> None:
+        self._environ = environ
+        self._heard: list[Status] = []
+
+    def __enter__(self) -> StatusListener:
+        _adopt(self._environ)
+        import rclpy
+        from rclpy.executors import SingleThreadedExecutor
+        from rclpy.signals import SignalHandlerOptions
+
+        from auv_core.node_main import LATCHED
+        from auv_msgs.msg import FlockStatus
+
+        self._context = rclpy.Context()
+        rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        self._node = rclpy.create_node(
+            "_shoal_launcher", context=self._context, enable_rosout=False, start_parameter_services=False
+        )
+        self._node.create_subscription(FlockStatus, "/flock/status", self._hear, LATCHED)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        return self
+
+    def listen(self, timeout_s: float) -> list[Status]:
+        """Wait at most `timeout_s` for a status; return those that came, oldest first."""
+        self._executor.spin_once(timeout_sec=timeout_s)
+        heard, self._heard = self._heard, []
+        return heard
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self._executor.shutdown(timeout_sec=1.0)
+        self._node.destroy_node()
+        self._context.try_shutdown()
+
+    def _hear(self, message: Any) -> None:
+        self._heard.append(
+            Status(
+                state=message.state,
+                tick=message.tick,
+                time_s=message.time_s,
+                duration_s=message.duration_s,
+                waiting_for=tuple(message.waiting_for),
+                lost_vehicles=tuple(message.lost_vehicles),
+                detail=message.detail,
+            )
+        )
+
+
+def _adopt(environ: dict[str, str]) -> None:
+    """Give this process the environment of the nodes: DDS reads it when the first participant is made."""
+    for name in set(os.environ) - set(environ):
+        del os.environ[name]
+    os.environ.update(environ)

@@ -1,0 +1,230 @@
+"""
+Child processes that never outlive their parent.
+
+Every child leads a session of its own: Ctrl-C in a terminal reaches only the parent, which then ends its
+children in order. If the parent is killed, the kernel kills the children (PR_SET_PDEATHSIG, Linux). Nothing
+here knows ROS.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import subprocess
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType, TracebackType
+from typing import Any
+
+SIGINT_GRACE_S = 6.0
+SIGTERM_GRACE_S = 2.0
+HURRY_GRACE_S = 1.0
+_WAIT_SLICE_S = 0.05
+_KILL_TIMEOUT_S = 10.0
+_PR_SET_PDEATHSIG = 1
+_libc = ctypes.CDLL(None, use_errno=True)
+
+
+@dataclass(frozen=True)
+class Exit:
+    """A child that has ended: its name and how (exit status, or minus the number of the signal)."""
+
+    name: str
+    returncode: int
+
+    @property
+    def words(self) -> str:
+        """How it ended, for people."""
+        if self.returncode < 0:
+            return f"killed by {signal_name(-self.returncode)}"
+        return f"exit status {self.returncode}"
+
+
+class ChildProcesses:
+    """The children of this process, by name. A context manager: on leaving, whatever still runs is killed."""
+
+    def __init__(self) -> None:
+        self._running: dict[str, subprocess.Popen[bytes]] = {}
+        self._logs: dict[str, Path] = {}
+
+    def start(self, name: str, arguments: Sequence[str], *, log: Path, environ: Mapping[str, str]) -> None:
+        """Start a child whose output goes to the file `log`."""
+        with log.open("ab") as output:
+            self._running[name] = subprocess.Popen(
+                list(arguments),
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=dict(environ),
+                start_new_session=True,
+                preexec_fn=_child_setup(os.getpid()),
+            )
+        self._logs[name] = log
+
+    @property
+    def running(self) -> list[str]:
+        """Names of the children that have not been seen to end."""
+        return list(self._running)
+
+    def pid(self, name: str) -> int:
+        """Return the process id of a running child."""
+        return self._running[name].pid
+
+    def log(self, name: str) -> Path:
+        """Return the log of a child, running or not."""
+        return self._logs[name]
+
+    def collect_exits(self) -> list[Exit]:
+        """Return the children that have ended since the last call, each once."""
+        exits = []
+        for name, process in list(self._running.items()):
+            returncode = process.poll()
+            if returncode is not None:
+                del self._running[name]
+                exits.append(Exit(name, returncode))
+        return exits
+
+    def end(
+        self,
+        names: Iterable[str],
+        *,
+        grace_s: float = SIGINT_GRACE_S,
+        is_hurried: Callable[[], bool] = lambda: False,
+    ) -> list[Exit]:
+        """
+        End children: SIGINT, after a grace SIGTERM, after another SIGKILL.
+
+        Parameters
+        ----------
+        names : iterable of str
+            Children; those that have ended already are passed over.
+        grace_s : float
+            Time between SIGINT and SIGTERM (s).
+        is_hurried : callable
+            Asked all the time; once True the graces shrink to `HURRY_GRACE_S`.
+
+        Returns
+        -------
+        exits : list of Exit
+            One per child that was still running.
+
+        """
+        wanted = [name for name in names if name in self._running]
+        exits: list[Exit] = []
+        for number, patience_s in ((signal.SIGINT, grace_s), (signal.SIGTERM, SIGTERM_GRACE_S)):
+            self._signal(wanted, number)
+            exits += self._wait(wanted, patience_s, is_hurried)
+        return exits + self.kill(wanted)
+
+    def kill(self, names: Iterable[str]) -> list[Exit]:
+        """End children at once."""
+        wanted = [name for name in names if name in self._running]
+        self._signal(wanted, signal.SIGKILL)
+        return self._wait(wanted, _KILL_TIMEOUT_S, lambda: False)
+
+    def __enter__(self) -> ChildProcesses:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.kill(self.running)
+
+    def _signal(self, names: Iterable[str], number: signal.Signals) -> None:
+        for name in names:
+            process = self._running.get(name)
+            # A child that was not reaped keeps its process id, so the group cannot be somebody else's.
+            if process is not None and process.poll() is None:
+                os.killpg(process.pid, number)
+
+    def _wait(self, names: Iterable[str], grace_s: float, is_hurried: Callable[[], bool]) -> list[Exit]:
+        """Wait until the children have ended, at most `grace_s`; return those that did."""
+        exits = []
+        start_s = time.monotonic()
+        for name in names:
+            process = self._running.get(name)
+            while process is not None:
+                left_s = start_s + grace_s - time.monotonic()
+                if is_hurried():
+                    left_s = min(left_s, start_s + HURRY_GRACE_S - time.monotonic())
+                try:
+                    returncode = process.wait(timeout=min(max(left_s, 0.0), _WAIT_SLICE_S))
+                except subprocess.TimeoutExpired:
+                    if left_s <= 0.0:
+                        break
+                    continue
+                del self._running[name]
+                exits.append(Exit(name, returncode))
+                break
+        return exits
+
+
+class Interrupts:
+    """
+    Counts requests to end (Ctrl-C, SIGTERM, SIGHUP) while entered, in place of Python's own handling.
+
+    The first asks for a clean end, the second for a quick one.
+    """
+
+    SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._previous: dict[signal.Signals, Any] = {}
+
+    @property
+    def is_hurried(self) -> bool:
+        """Whether the end was asked for more than once."""
+        return self.count > 1
+
+    def __enter__(self) -> Interrupts:
+        for number in self.SIGNALS:
+            self._previous[number] = signal.signal(number, self._on_signal)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        for number, handler in self._previous.items():
+            signal.signal(number, handler)
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        self.count += 1
+
+
+def signal_name(number: int) -> str:
+    """Return 'SIGKILL' for 9, and so on."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
+def last_lines(log: Path, count: int = 5, most_bytes: int = 8192) -> list[str]:
+    """Return the last lines of a log that are not blank, [] if there are none."""
+    try:
+        with log.open("rb") as stream:
+            stream.seek(0, os.SEEK_END)
+            stream.seek(max(0, stream.tell() - most_bytes))
+            text = stream.read().decode("utf-8", errors="replace")
+    except OSError:
+        return []
+    return list(deque((line.rstrip() for line in text.splitlines() if line.strip()), maxlen=count))
+
+
+def _child_setup(parent_pid: int) -> Callable[[], None]:
+    """Return what a child does between fork and exec."""
+
+    def setup() -> None:
+        _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent_pid:  # the parent died before the line above
+            os._exit(1)
+        # A parent started in the background by a shell ignores SIGINT, and a child would inherit that.
+        for number in Interrupts.SIGNALS:
+            signal.signal(number, signal.SIG_DFL)
+
+    return setup

@@ -1,0 +1,228 @@
+"""
+Judging a flight while it lasts: who was lost, whether to go on, when it is over.
+
+Fed with what the launcher sees (processes that ended, status messages of the clock, time that passed), it
+decides and keeps what to tell the user. It starts nothing, ends nothing and knows no ROS, so every case is
+tested without a process.
+
+The rules: losing a vehicle (its vehicle_node or agent_node) stops the flight or takes that vehicle out of
+it, as the scenario says; losing relay, clock or recorder always stops it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from auv_bringup.compose import NodeSpec
+from auv_bringup.processes import Exit
+
+NO_STATUS_S = 60.0
+"""Longest wait for the first word of the clock."""
+SILENCE_S = 4.0
+"""The clock sends about five statuses a second; after so long without one it does not answer any more."""
+STALL_S = 4.5
+"""Longest stall to be waited out; the clock, which notices it, acts well before."""
+RELAY_EXIT_GRACE_S = 1.0
+"""The last status of a relay that ended may arrive after its end was seen."""
+SLOW_START_S = 15.0
+"""After so long the user is told for whom the start waits."""
+
+LOST_STATUS = 3
+
+
+@dataclass(frozen=True)
+class Status:
+    """What the clock says about the run: the fields of auv_msgs/FlockStatus."""
+
+    state: str
+    tick: int = 0
+    time_s: float = 0.0
+    duration_s: float = 0.0
+    waiting_for: tuple[str, ...] = ()
+    lost_vehicles: tuple[str, ...] = ()
+    detail: str = ""
+
+
+class Supervisor:
+    """
+    The judge of one flight.
+
+    Attributes
+    ----------
+    status : Status, optional
+        The last one that arrived.
+    is_over : bool
+        Whether to end the nodes now.
+    exit_status : int
+        0, or 3 when the flight was stopped because of a loss.
+    reason : str
+        Why it was stopped, one line; '' if it was not.
+    lost_vehicles : list of str
+        Vehicles that the flight went on without, in the order of loss.
+
+    """
+
+    def __init__(self, specs: Sequence[NodeSpec], *, on_vehicle_loss: str) -> None:
+        self._specs = {spec.name: spec for spec in specs}
+        self._goes_on = on_vehicle_loss == "continue"
+        self._stopwatch = _Stopwatch()
+        self._messages: list[str] = []
+        self._to_end: list[str] = []
+        self._stalled: tuple[str, ...] = ()
+        self._stalled_for_s = 0.0
+        self._silent_s = 0.0
+        self._relay_exit: Exit | None = None
+        self._relay_gone_s = 0.0
+        self._waiting_s = 0.0
+        self.status: Status | None = None
+        self.is_over = False
+        self.exit_status = 0
+        self.reason = ""
+        self.lost_vehicles: list[str] = []
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the flight came to its planned end."""
+        return self.status is not None and self.status.state == "finished"
+
+    @property
+    def simulated_s(self) -> float:
+        """Scenario time reached (s)."""
+        return self.status.time_s if self.status is not None else 0.0
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated seconds per second of wall time, of the flight only; NaN if it was too short to tell."""
+        return self._stopwatch.factor
+
+    def take_messages(self) -> list[str]:
+        """Return the lines for the user since the last call."""
+        messages, self._messages = self._messages, []
+        return messages
+
+    def take_processes_to_end(self) -> list[str]:
+        """Return the names of the processes to end since the last call: those of vehicles just lost."""
+        names, self._to_end = self._to_end, []
+        return names
+
+    def status_arrived(self, status: Status, wall_s: float) -> None:
+        """Take a status of the clock, received at `wall_s` on any steady clock (s)."""
+        self._silent_s = 0.0
+        self.status = status
+        if status.state in ("running", "finished"):
+            self._stopwatch.lap(status.time_s, wall_s)
+        for vehicle_id in status.lost_vehicles:
+            self._lose_vehicle(vehicle_id, status.detail or f"{vehicle_id} does not answer")
+        if status.state == "finished":
+            self.is_over = True
+        elif status.state == "aborted":
+            self._stop(
+                status.detail or f"the clock ended the run; it waited for {_listed(status.waiting_for)}"
+            )
+        elif status.state == "stalled":
+            self._stall(status)
+        else:
+            self._stalled, self._stalled_for_s = (), 0.0
+
+    def process_ended(self, exit_: Exit, log_lines: Sequence[str], log: str) -> None:
+        """Take the end of a process, with the last lines and the path of its log."""
+        spec = self._specs[exit_.name]
+        if spec.vehicle_id in self.lost_vehicles or (self.is_finished and exit_.returncode == 0):
+            return
+        if spec.role == "relay" and exit_.returncode == 0 and self._relay_exit is None:
+            self._relay_exit = exit_
+            return
+        self._messages.append(f"{exit_.name} has ended early: {exit_.words}; its log is {log}")
+        self._messages += [f"    {line}" for line in log_lines]
+        self._lose(spec, f"{exit_.name} has ended early ({exit_.words})")
+
+    def time_passed(self, awake_s: float) -> None:
+        """Let `awake_s` of wall time pass in which a status could have been seen (s)."""
+        if self.is_over:
+            return
+        self._silent_s += awake_s
+        if self._relay_exit is not None:
+            self._relay_gone_s += awake_s
+            if self._relay_gone_s > RELAY_EXIT_GRACE_S:
+                self._stop(f"{self._relay_exit.name} has ended before the flight did")
+        elif self.status is None:
+            if self._silent_s > NO_STATUS_S:
+                self._stop(
+                    f"no word from /clock_node within {NO_STATUS_S:g} s: "
+                    "the nodes do not find each other, or do not start "
+                    "(their logs say more)"
+                )
+        elif self._silent_s > SILENCE_S:
+            self._stop(f"/clock_node (process of /acoustic_relay_node) has not answered for {SILENCE_S:g} s")
+        elif self._stalled:
+            self._stalled_for_s += awake_s
+            if self._stalled_for_s > STALL_S:
+                self._stop(f"{_listed(self._stalled)} stopped answering")
+        self._mention_slow_start(awake_s)
+
+    def _mention_slow_start(self, awake_s: float) -> None:
+        if self.status is None or self.status.state != "waiting":
+            return
+        before_s, self._waiting_s = self._waiting_s, self._waiting_s + awake_s
+        if before_s <= SLOW_START_S < self._waiting_s:
+            self._messages.append(f"still waiting for {_listed(self.status.waiting_for)}")
+
+    def _stall(self, status: Status) -> None:
+        if status.waiting_for == self._stalled:
+            return
+        self._stalled, self._stalled_for_s = status.waiting_for, 0.0
+        for name in status.waiting_for:
+            self._messages.append(f"{name} does not answer (at {status.time_s:.1f} s of the flight)")
+        if any(self._is_vital(name) for name in status.waiting_for):
+            self._stop(f"{_listed(status.waiting_for)} stopped answering")
+
+    def _is_vital(self, name: str) -> bool:
+        spec = self._specs.get(name)
+        return spec is None or not spec.vehicle_id
+
+    def _lose(self, spec: NodeSpec, why: str) -> None:
+        if spec.vehicle_id and self._goes_on:
+            self._lose_vehicle(spec.vehicle_id, why)
+        else:
+            self._stop(why)
+
+    def _lose_vehicle(self, vehicle_id: str, why: str) -> None:
+        if vehicle_id in self.lost_vehicles:
+            return
+        self.lost_vehicles.append(vehicle_id)
+        self._to_end += [name for name, spec in self._specs.items() if spec.vehicle_id == vehicle_id]
+        self._messages.append(
+            f"{why}: {vehicle_id} is lost at {self.simulated_s:.1f} s; the flight goes on without it"
+        )
+
+    def _stop(self, reason: str) -> None:
+        if not self.is_over:
+            self.is_over = True
+            self.exit_status = LOST_STATUS
+            self.reason = reason
+
+
+class _Stopwatch:
+    """Scenario time against wall time, from the first lap to the last that brought progress."""
+
+    def __init__(self) -> None:
+        self._first: tuple[float, float] | None = None
+        self._last: tuple[float, float] | None = None
+
+    def lap(self, time_s: float, wall_s: float) -> None:
+        if self._first is None:
+            self._first = (time_s, wall_s)
+        if self._last is None or time_s > self._last[0]:
+            self._last = (time_s, wall_s)
+
+    @property
+    def factor(self) -> float:
+        if self._first is None or self._last is None or self._last[1] <= self._first[1]:
+            return math.nan
+        return (self._last[0] - self._first[0]) / (self._last[1] - self._first[1])
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names) or "nobody"
