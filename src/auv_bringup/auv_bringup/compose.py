@@ -1,4 +1,7 @@
-"""The composition root: from a scenario to the configuration of every component, for one process and for ROS nodes alike."""
+"""
+The composition root: from a scenario to the configuration of every component, for one process and for ROS
+nodes alike.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from auv_bringup.scenario import Scenario
 from auv_core.params import dump
 from auv_flocking.agent import AgentConfig
 from auv_sim.vehicle import VehicleConfig
-
-from auv_bringup.scenario import Scenario
 
 ANSWER_TIMEOUT_S = 3.0
 START_TIMEOUT_S = 60.0
@@ -22,7 +24,8 @@ class NodeSpec:
     """
     One node to start.
 
-    `name` is the full node name, `params` its ROS parameters as nested plain values; `role` is vehicle, agent, relay or recorder.
+    `name` is the full node name, `params` its ROS parameters as nested plain values; `role` is vehicle,
+    agent, relay or recorder.
     """
 
     name: str
@@ -76,7 +79,9 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
     ]
 
 
-def node_specs(scenario: Scenario, *, mode: str, bag_dir: Path | None, epoch_s: float = 0.0) -> list[NodeSpec]:
+def node_specs(
+    scenario: Scenario, *, mode: str, bag_dir: Path | None, epoch_s: float = 0.0
+) -> list[NodeSpec]:
     """
     Return every node of a run.
 
@@ -92,24 +97,24 @@ def node_specs(scenario: Scenario, *, mode: str, bag_dir: Path | None, epoch_s: 
         ROS time of scenario time 0 (s), for ``realtime``.
 
     """
-    run = {'mode': mode, 'epoch_s': float(epoch_s), 'recorded': bag_dir is not None}
+    run = {"mode": mode, "epoch_s": float(epoch_s), "recorded": bag_dir is not None}
     specs = [_relay_spec(scenario, run)]
     for vehicle, agent in zip(vehicle_configs(scenario), agent_configs(scenario), strict=True):
-        specs.append(_vehicle_spec('vehicle', 'auv_sim', vehicle.vehicle_id, {**run, **_plain(vehicle)}))
-        specs.append(_vehicle_spec('agent', 'auv_flocking', agent.vehicle_id, {**run, **_plain(agent)}))
+        specs.append(_vehicle_spec("vehicle", "auv_sim", vehicle.vehicle_id, {**run, **_plain(vehicle)}))
+        specs.append(_vehicle_spec("agent", "auv_flocking", agent.vehicle_id, {**run, **_plain(agent)}))
     if bag_dir is not None:
         specs.append(_recorder_spec(scenario, bag_dir))
     return specs
 
 
 def _vehicle_spec(role: str, package: str, vehicle_id: str, params: dict[str, Any]) -> NodeSpec:
-    executable = f'{role}_node'
+    executable = f"{role}_node"
     return NodeSpec(
-        name=f'/{vehicle_id}/{executable}',
-        module=f'{package}.nodes.{executable}',
+        name=f"/{vehicle_id}/{executable}",
+        module=f"{package}.nodes.{executable}",
         package=package,
         executable=executable,
-        namespace=f'/{vehicle_id}',
+        namespace=f"/{vehicle_id}",
         role=role,
         vehicle_id=vehicle_id,
         params=params,
@@ -120,46 +125,48 @@ def _relay_spec(scenario: Scenario, run: Mapping[str, Any]) -> NodeSpec:
     params = {
         **run,
         **_plain(scenario.medium_config),
-        'vehicle_ids': [vehicle.id for vehicle in scenario.vehicles],
-        'duration_ticks': scenario.ticks,
-        'on_vehicle_loss': scenario.on_vehicle_loss,
-        'answer_timeout_s': ANSWER_TIMEOUT_S,
-        'start_timeout_s': START_TIMEOUT_S,
+        "vehicle_ids": [vehicle.id for vehicle in scenario.vehicles],
+        "duration_ticks": scenario.ticks,
+        "on_vehicle_loss": scenario.on_vehicle_loss,
+        "answer_timeout_s": ANSWER_TIMEOUT_S,
+        "start_timeout_s": START_TIMEOUT_S,
     }
-    if scenario.on_vehicle_loss == 'continue':
-        params['hulls'] = {config.vehicle_id: _plain(config) for config in vehicle_configs(scenario)}
+    if scenario.on_vehicle_loss == "continue":
+        params["hulls"] = {config.vehicle_id: _plain(config) for config in vehicle_configs(scenario)}
     return NodeSpec(
-        name='/acoustic_relay_node',
-        module='auv_sim.nodes.acoustic_relay_node',
-        package='auv_sim',
-        executable='acoustic_relay_node',
-        namespace='/',
-        role='relay',
-        vehicle_id='',
+        name="/acoustic_relay_node",
+        module="auv_sim.nodes.acoustic_relay_node",
+        package="auv_sim",
+        executable="acoustic_relay_node",
+        namespace="/",
+        role="relay",
+        vehicle_id="",
         params=params,
     )
 
 
 def _recorder_spec(scenario: Scenario, bag_dir: Path) -> NodeSpec:
     return NodeSpec(
-        name='/recorder_node',
-        module='auv_bringup.nodes.recorder_node',
-        package='auv_bringup',
-        executable='recorder_node',
-        namespace='/',
-        role='recorder',
-        vehicle_id='',
+        name="/recorder_node",
+        module="auv_bringup.nodes.recorder_node",
+        package="auv_bringup",
+        executable="recorder_node",
+        namespace="/",
+        role="recorder",
+        vehicle_id="",
         params={
-            'bag_dir': str(bag_dir),
-            'topics_vehicles': [vehicle.id for vehicle in scenario.vehicles],
-            'kinematic': scenario.kinematic,
-            'period_s': scenario.period_s,
+            "bag_dir": str(bag_dir),
+            "topics_vehicles": [vehicle.id for vehicle in scenario.vehicles],
+            "kinematic": scenario.kinematic,
+            "period_s": scenario.period_s,
         },
     )
 
 
 def _plain(config: object) -> dict[str, Any]:
-    """Return a configuration as nested ROS parameters: nothing empty, since an empty list has no type in ROS."""
+    """
+    Return a configuration as nested ROS parameters: nothing empty, since an empty list has no type in ROS.
+    """
     plain: dict[str, Any] = _without_empty(dump(config))
     return plain
 

@@ -1,22 +1,21 @@
 """
 Continuous time: the flocking law and the consensus evaluated inside every integration stage.
 
-What the thesis's figures assume: single integrators that see each other and each other's estimates without delay.  No packets,
-no filters, no control period; `period_s` is only the interval of the record.  The law and the consensus are the agents' own.
+What the thesis's figures assume: single integrators that see each other and each other's estimates without
+delay.  No packets, no filters, no control period; `period_s` is only the interval of the record.  The law
+and the consensus are the agents' own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-from auv_core.geometry import Vec3
-from auv_core.integrate import State, rk4_step
-from auv_flocking.agent import Agent
-
 from auv_bringup.compose import agent_configs
 from auv_bringup.recording import Recording
 from auv_bringup.scenario import Scenario
+from auv_core.geometry import Vec3
+from auv_core.integrate import State, rk4_step
+from auv_flocking.agent import Agent
 
 
 def run_continuous(scenario: Scenario, *, on_progress: Callable[[float], None] | None = None) -> Recording:
@@ -27,7 +26,7 @@ def run_continuous(scenario: Scenario, *, on_progress: Callable[[float], None] |
     """
     agents = [Agent(config) for config in agent_configs(scenario)]
     ids = [vehicle.id for vehicle in scenario.vehicles]
-    recording = Recording.empty(ids, np.arange(scenario.ticks + 1) * scenario.period_s)
+    recording = Recording.empty(ids, scenario.tick_times())
     starts = [vehicle.position_ned_m or (0.0, 0.0, 0.0) for vehicle in scenario.vehicles]
     state: State = tuple(x for start in (*starts, *starts) for x in start)
     substeps = round(scenario.period_s / scenario.dt_s)

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from auv_core.geometry import Vec3
-from auv_core.messages import Command, Inbox, Packet, VehicleState, Wrench
-from auv_flocking.agent import Agent
-from auv_sim.acoustics.medium import AcousticMedium
-from auv_sim.vehicle import Vehicle
 
 from auv_bringup.compose import agent_configs, vehicle_configs
 from auv_bringup.continuous import run_continuous
 from auv_bringup.recording import Recording
 from auv_bringup.scenario import Scenario
+from auv_core.geometry import Vec3
+from auv_core.messages import Command, Inbox, Packet, VehicleState, Wrench
+from auv_flocking.agent import Agent
+from auv_sim.acoustics.medium import AcousticMedium
+from auv_sim.vehicle import Vehicle
 
 Progress = Callable[[float], None]
 
@@ -31,7 +31,7 @@ def run_in_process(scenario: Scenario, *, on_progress: Progress | None = None) -
         Called now and then with the scenario time reached (s).
 
     """
-    if scenario.sampling == 'continuous':
+    if scenario.sampling == "continuous":
         return run_continuous(scenario, on_progress=on_progress)
     vehicles = [Vehicle(config) for config in vehicle_configs(scenario)]
     agents = [Agent(config) for config in agent_configs(scenario)]
@@ -61,7 +61,7 @@ class _Log:
 
     def __init__(self, scenario: Scenario) -> None:
         ids = [vehicle.id for vehicle in scenario.vehicles]
-        self._recording = Recording.empty(ids, np.arange(scenario.ticks + 1) * scenario.period_s)
+        self._recording = Recording.empty(ids, scenario.tick_times())
         self._sent: list[tuple[int, int, int]] = []
         self._received: list[tuple[int, int, int, int]] = []
         self._delays_s: list[float] = []

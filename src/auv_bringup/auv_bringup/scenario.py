@@ -1,9 +1,9 @@
 """
 Scenarios: what is flown, as data.
 
-One YAML file, `schema: 1`, loaded strictly: an unknown, missing, mistyped or impossible value is refused with one line that names
-its dotted path, the value and what is allowed.  The built-in scenarios are the files of ``auv_bringup/scenarios``; a new file there
-is a new scenario.
+One YAML file, `schema: 1`, loaded strictly: an unknown, missing, mistyped or impossible value is refused
+with one line that names its dotted path, the value and what is allowed.  The built-in scenarios are the
+files of ``auv_bringup/scenarios``; a new file there is a new scenario.
 """
 
 from __future__ import annotations
@@ -17,10 +17,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import auv_core.models
-import auv_sim.acoustics
 import numpy as np
 import yaml
+from numpy.typing import NDArray
+
+import auv_core.models
+import auv_sim.acoustics
 from auv_core.geometry import Vec3, distance
 from auv_core.params import ConfigError, Section, dump, load, param
 from auv_core.plugins import find_plugin
@@ -30,8 +32,8 @@ from auv_flocking.report import REPORT_BYTES
 from auv_sim.acoustics.medium import MAC, MODEM, OUTAGE, PROPAGATION, AcousticMedium, MediumConfig
 from auv_sim.vehicle import MODELS, substeps
 
-SCENARIOS_DIR = Path(__file__).parent / 'scenarios'
-_ID = re.compile(r'[a-z][a-z0-9_]{0,30}\Z')
+SCENARIOS_DIR = Path(__file__).parent / "scenarios"
+_ID = re.compile(r"[a-z][a-z0-9_]{0,30}\Z")
 _STARTS_STREAM = 2
 _START_TRIES = 20_000
 
@@ -40,95 +42,112 @@ _START_TRIES = 20_000
 class Obstacle:
     """A point to keep away from."""
 
-    position_ned_m: Vec3 = param('position (m; NED)')
-    safety_distance_m: float = param('distance at which vehicles begin to give way (m)', default=2.0, above=0.0)
+    position_ned_m: Vec3 = param("position (m; NED)")
+    safety_distance_m: float = param(
+        "distance at which vehicles begin to give way (m)", default=2.0, above=0.0
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Environment:
     """The water and what stands in it."""
 
-    current_ned_mps: Vec3 = param('velocity of the water (m/s; NED)', default=(0.0, 0.0, 0.0), minimum=-5.0, maximum=5.0)
-    obstacles: tuple[Obstacle, ...] = param('points to keep away from, known to every vehicle', default=())
+    current_ned_mps: Vec3 = param(
+        "velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0), minimum=-5.0, maximum=5.0
+    )
+    obstacles: tuple[Obstacle, ...] = param("points to keep away from, known to every vehicle", default=())
 
 
 @dataclass(frozen=True, kw_only=True)
 class VehicleEntry:
     """One vehicle of the scenario."""
 
-    id: str = param('name, also the ROS namespace: a lower-case letter, then letters, digits, underscores')
-    model: Section = param('equations of motion and numbers', plugins=MODELS)
-    position_ned_m: Vec3 | None = param('start (m; NED); left out, it is drawn from random_starts', default=None)
-    heading_rad: float = param('start heading (rad, from north towards east)', default=0.0, minimum=-7.0, maximum=7.0)
+    id: str = param("name, also the ROS namespace: a lower-case letter, then letters, digits, underscores")
+    model: Section = param("equations of motion and numbers", plugins=MODELS)
+    position_ned_m: Vec3 | None = param(
+        "start (m; NED); left out, it is drawn from random_starts", default=None
+    )
+    heading_rad: float = param(
+        "start heading (rad, from north towards east)", default=0.0, minimum=-7.0, maximum=7.0
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class RandomStarts:
     """Starts drawn by the seed, uniform in a ball, apart from each other and below the surface."""
 
-    centre_ned_m: Vec3 = param('centre of the ball (m; NED)')
-    radius_m: float = param('radius of the ball (m)', above=0.0)
-    separation_m: float = param('smallest distance of two starts (m)', above=0.0)
-    depth_min_m: float = param('smallest depth (m)', default=1.0, minimum=0.0)
+    centre_ned_m: Vec3 = param("centre of the ball (m; NED)")
+    radius_m: float = param("radius of the ball (m)", above=0.0)
+    separation_m: float = param("smallest distance of two starts (m)", above=0.0)
+    depth_min_m: float = param("smallest depth (m)", default=1.0, minimum=0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Acoustics:
     """The medium between the vehicles."""
 
-    preset: str = param('file of presets/ that filled in the sections left out', default='')
-    propagation: Section = param('travel time', plugins=PROPAGATION)
-    modem: Section = param('airtime and reach', plugins=MODEM)
-    mac: Section = param('medium access', plugins=MAC)
-    outage: Section = param('losses by no other cause', plugins=OUTAGE)
+    preset: str = param("file of presets/ that filled in the sections left out", default="")
+    propagation: Section = param("travel time", plugins=PROPAGATION)
+    modem: Section = param("airtime and reach", plugins=MODEM)
+    mac: Section = param("medium access", plugins=MAC)
+    outage: Section = param("losses by no other cause", plugins=OUTAGE)
 
 
 @dataclass(frozen=True, kw_only=True)
 class AgentSettings:
     """What every vehicle's computer runs."""
 
-    flocking: Section = param('flocking law', plugins=FLOCKING)
-    separation: Section = param('separation law', plugins=SEPARATION)
-    consensus: Section = param('consensus filter of the flocking centre', plugins=CONSENSUS)
-    controller: Section = param('from velocity to command', plugins=CONTROLLERS)
-    neighbours: NeighbourConfig = param('neighbour filters', default=NeighbourConfig())
-    hold_s: float = param('hold station at most so long until every neighbour was heard (s)', default=0.0, minimum=0.0)
+    flocking: Section = param("flocking law", plugins=FLOCKING)
+    separation: Section = param("separation law", plugins=SEPARATION)
+    consensus: Section = param("consensus filter of the flocking centre", plugins=CONSENSUS)
+    controller: Section = param("from velocity to command", plugins=CONTROLLERS)
+    neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
+    hold_s: float = param(
+        "hold station at most so long until every neighbour was heard (s)", default=0.0, minimum=0.0
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
     """Everything that fixes a run; with the same seed it fixes every number of it."""
 
-    schema: int = param('version of this format', minimum=1, maximum=1)
-    name: str = param('word that names results and bags')
-    title: str = param('one line for people')
-    duration_s: float = param('length of the run (s), a whole number of control periods', above=0.0, maximum=1e6)
-    vehicles: tuple[VehicleEntry, ...] = param('the vehicles; their order gives the acoustic addresses 1, 2, ...')
-    leaders: tuple[str, ...] = param('ids of the vehicles that know the path')
-    reference: Section = param('path of the flock', plugins=REFERENCES)
-    agent: AgentSettings = param("what every vehicle's computer runs")
-    acoustics: Acoustics = param('the medium between the vehicles')
-    environment: Environment = param('the water and its obstacles', default=Environment())
-    random_starts: RandomStarts | None = param('starts for vehicles without one', default=None)
-    seed: int = param('seed of every random number', default=1, minimum=0, maximum=2**31 - 1)
-    dt_s: float = param('physics step (s)', default=0.02, above=0.0, maximum=10.0)
-    period_s: float = param('control period (s), a whole number of physics steps', default=0.1, above=0.0, maximum=10.0)
-    sampling: str = param(
-        'laws held over the control period, or evaluated in every integration stage',
-        default='sampled',
-        choices=('sampled', 'continuous'),
+    schema: int = param("version of this format", minimum=1, maximum=1)
+    name: str = param("word that names results and bags")
+    title: str = param("one line for people")
+    duration_s: float = param(
+        "length of the run (s), a whole number of control periods", above=0.0, maximum=1e6
     )
-    on_vehicle_loss: str = param('when a vehicle is lost', default='stop', choices=('stop', 'continue'))
+    vehicles: tuple[VehicleEntry, ...] = param(
+        "the vehicles; their order gives the acoustic addresses 1, 2, ..."
+    )
+    leaders: tuple[str, ...] = param("ids of the vehicles that know the path")
+    reference: Section = param("path of the flock", plugins=REFERENCES)
+    agent: AgentSettings = param("what every vehicle's computer runs")
+    acoustics: Acoustics = param("the medium between the vehicles")
+    environment: Environment = param("the water and its obstacles", default=Environment())
+    random_starts: RandomStarts | None = param("starts for vehicles without one", default=None)
+    seed: int = param("seed of every random number", default=1, minimum=0, maximum=2**31 - 1)
+    dt_s: float = param("physics step (s)", default=0.02, above=0.0, maximum=10.0)
+    period_s: float = param(
+        "control period (s), a whole number of physics steps", default=0.1, above=0.0, maximum=10.0
+    )
+    sampling: str = param(
+        "laws held over the control period, or evaluated in every integration stage",
+        default="sampled",
+        choices=("sampled", "continuous"),
+    )
+    on_vehicle_loss: str = param("when a vehicle is lost", default="stop", choices=("stop", "continue"))
 
     def __post_init__(self) -> None:
         """Check what no single value shows; messages begin with the field."""
         if not _ID.match(self.name):
-            raise ValueError(f'name: {self.name!r} is not allowed; allowed: {_ID_WORDS}')
+            raise ValueError(f"name: {self.name!r} is not allowed; allowed: {_ID_WORDS}")
         substeps(self.period_s, self.dt_s)
         ticks = self.duration_s / self.period_s
         if round(ticks) < 1 or abs(ticks - round(ticks)) > 1e-6:
             raise ValueError(
-                f'duration_s: {self.duration_s!r} is not allowed; allowed: a whole multiple of period_s = {self.period_s!r}'
+                f"duration_s: {self.duration_s!r} is not allowed; allowed: a whole "
+                f"multiple of period_s = {self.period_s!r}"
             )
         self._check_vehicles()
         self._check_leaders()
@@ -142,6 +161,10 @@ class Scenario:
         """Number K of control periods."""
         return round(self.duration_s / self.period_s)
 
+    def tick_times(self) -> NDArray[np.float64]:
+        """Return the scenario times of the ticks 0 ... K (s)."""
+        return np.arange(self.ticks + 1, dtype=np.float64) * self.period_s
+
     @property
     def hull_radius_m(self) -> float:
         """Largest hull radius of the fleet (m)."""
@@ -150,7 +173,7 @@ class Scenario:
     @property
     def kinematic(self) -> bool:
         """Whether the vehicles take velocity commands."""
-        return bool(find_plugin(MODELS, self.vehicles[0].model.kind).Model.command == 'velocity')
+        return bool(find_plugin(MODELS, self.vehicles[0].model.kind).Model.command == "velocity")
 
     @property
     def medium_config(self) -> MediumConfig:
@@ -174,20 +197,23 @@ class Scenario:
 
     def _check_vehicles(self) -> None:
         if not 1 <= len(self.vehicles) <= 254:
-            raise ValueError(f'vehicles: {len(self.vehicles)} vehicles are not allowed; allowed: 1 to 254')
+            raise ValueError(f"vehicles: {len(self.vehicles)} vehicles are not allowed; allowed: 1 to 254")
         seen: set[str] = set()
         for index, vehicle in enumerate(self.vehicles):
             if not _ID.match(vehicle.id):
-                raise ValueError(f'vehicles[{index}].id: {vehicle.id!r} is not allowed; allowed: {_ID_WORDS}')
+                raise ValueError(f"vehicles[{index}].id: {vehicle.id!r} is not allowed; allowed: {_ID_WORDS}")
             if vehicle.id in seen:
-                raise ValueError(f'vehicles[{index}].id: {vehicle.id!r} is not allowed; allowed: an id that no other vehicle has')
+                raise ValueError(
+                    f"vehicles[{index}].id: {vehicle.id!r} is not allowed; "
+                    "allowed: an id that no other vehicle has"
+                )
             seen.add(vehicle.id)
 
     def _check_leaders(self) -> None:
         ids = [vehicle.id for vehicle in self.vehicles]
         for index, leader in enumerate(self.leaders):
             if leader not in ids:
-                raise ValueError(f'leaders[{index}]: {leader!r} is not allowed; allowed: {", ".join(ids)}')
+                raise ValueError(f"leaders[{index}]: {leader!r} is not allowed; allowed: {', '.join(ids)}")
 
     def _check_commands(self) -> None:
         given = find_plugin(CONTROLLERS, self.agent.controller.kind).Controller.command
@@ -195,53 +221,65 @@ class Scenario:
             taken = find_plugin(MODELS, vehicle.model.kind).Model.command
             if taken != given:
                 raise ValueError(
-                    f'agent.controller.kind: {self.agent.controller.kind!r} is not allowed; allowed: a controller that gives '
-                    f'the {taken} command that the model of vehicles[{index}] takes'
+                    f"agent.controller.kind: {self.agent.controller.kind!r} is not allowed; "
+                    "allowed: a controller that gives "
+                    f"the {taken} command that the model of vehicles[{index}] takes"
                 )
         if self.kinematic and any(self.environment.current_ned_mps):
             raise ValueError(
-                'environment.current_ned_mps: a current is not allowed; allowed: [0, 0, 0] with kinematic vehicles, '
-                'whose velocity command is over ground'
+                "environment.current_ned_mps: a current is not allowed; allowed: [0, 0, 0] with "
+                "kinematic vehicles, "
+                "whose velocity command is over ground"
             )
 
     def _check_starts(self) -> None:
         placed = [(i, v.position_ned_m) for i, v in enumerate(self.vehicles) if v.position_ned_m is not None]
         if len(placed) < len(self.vehicles) and self.random_starts is None:
             index = next(i for i, v in enumerate(self.vehicles) if v.position_ned_m is None)
-            raise ValueError(f'vehicles[{index}].position_ned_m: missing; allowed: a position here, or random_starts')
+            raise ValueError(
+                f"vehicles[{index}].position_ned_m: missing; allowed: a position here, or random_starts"
+            )
         for index, start in placed:
             if start[2] < 0.0:
-                raise ValueError(f'vehicles[{index}].position_ned_m: depth {start[2]!r} m is not allowed; allowed: at least 0')
+                raise ValueError(
+                    f"vehicles[{index}].position_ned_m: depth {start[2]!r} m is not allowed; "
+                    "allowed: at least 0"
+                )
             for other, place in placed:
                 if other < index and distance(start, place) <= 2.0 * self.hull_radius_m:
                     raise ValueError(
-                        f'vehicles[{index}].position_ned_m: touches vehicles[{other}]; allowed: more than '
-                        f'{2.0 * self.hull_radius_m:g} m between hull centres'
+                        f"vehicles[{index}].position_ned_m: touches vehicles[{other}]; allowed: more than "
+                        f"{2.0 * self.hull_radius_m:g} m between hull centres"
                     )
             for number, obstacle in enumerate(self.environment.obstacles):
                 if distance(start, obstacle.position_ned_m) <= self.hull_radius_m:
                     raise ValueError(
-                        f'environment.obstacles[{number}].position_ned_m: lies in the hull of vehicles[{index}]; '
-                        'allowed: a place outside every hull'
+                        f"environment.obstacles[{number}].position_ned_m: lies in the hull "
+                        f"of vehicles[{index}]; "
+                        "allowed: a place outside every hull"
                     )
 
     def _check_continuous(self) -> None:
-        if self.sampling != 'continuous':
+        if self.sampling != "continuous":
             return
         if not self.kinematic:
-            raise ValueError("sampling: 'continuous' is not allowed; allowed: sampled, for vehicles that are not kinematic")
-        ideal = self.acoustics.propagation.kind == 'instant' and self.acoustics.outage.kind == 'none'
-        if not ideal or self.acoustics.mac.kind != 'unlimited' or self.acoustics.modem.kind != 'ideal':
-            raise ValueError("sampling: 'continuous' is not allowed; allowed: sampled, unless acoustics.preset is ideal")
+            raise ValueError(
+                "sampling: 'continuous' is not allowed; allowed: sampled, for vehicles that are not kinematic"
+            )
+        ideal = self.acoustics.propagation.kind == "instant" and self.acoustics.outage.kind == "none"
+        if not ideal or self.acoustics.mac.kind != "unlimited" or self.acoustics.modem.kind != "ideal":
+            raise ValueError(
+                "sampling: 'continuous' is not allowed; allowed: sampled, unless acoustics.preset is ideal"
+            )
 
     def _check_medium(self) -> None:
         try:
             AcousticMedium(self.medium_config).check_payload(REPORT_BYTES)
         except ValueError as error:
-            raise ValueError(f'acoustics.{error}') from None
+            raise ValueError(f"acoustics.{error}") from None
 
 
-_ID_WORDS = 'a lower-case letter, then at most 30 lower-case letters, digits or underscores'
+_ID_WORDS = "a lower-case letter, then at most 30 lower-case letters, digits or underscores"
 
 
 def load_scenario(
@@ -257,7 +295,8 @@ def load_scenario(
     Parameters
     ----------
     name_or_path : str
-        Name of a built-in scenario, or path of a YAML file (anything with a slash or ending in .yaml or .yml).
+        Name of a built-in scenario, or path of a YAML file (anything with a slash or ending in .yaml or
+        .yml).
     overrides : sequence of str
         ``path.to.key=value``, the value in YAML; a number addresses an item of a list.
     seed, duration_s : int, float
@@ -273,21 +312,23 @@ def load_scenario(
     for override in overrides:
         _override(raw, override)
     if seed is not None:
-        raw['seed'] = seed
+        raw["seed"] = seed
     if duration_s is not None:
-        raw['duration_s'] = duration_s
-    scenario = load(Scenario, _with_presets(raw), 'scenario')
+        raw["duration_s"] = duration_s
+    scenario = load(Scenario, _with_presets(raw), "scenario")
     return _with_starts(scenario)
 
 
 def list_scenarios() -> list[tuple[str, str]]:
     """Return name and title of every built-in scenario, sorted by name."""
-    return sorted((path.stem, str(_read(path).get('title', ''))) for path in SCENARIOS_DIR.glob('*.yaml'))
+    return sorted((path.stem, str(_read(path).get("title", ""))) for path in SCENARIOS_DIR.glob("*.yaml"))
 
 
 def scenario_to_yaml(scenario: Scenario) -> str:
     """Return the scenario as YAML from which `load_scenario` makes an equal one."""
-    return yaml.safe_dump(dump(scenario), sort_keys=False, allow_unicode=True, default_flow_style=None, width=120)
+    return yaml.safe_dump(
+        dump(scenario), sort_keys=False, allow_unicode=True, default_flow_style=None, width=120
+    )
 
 
 class _StrictYaml(yaml.SafeLoader):
@@ -297,12 +338,16 @@ class _StrictYaml(yaml.SafeLoader):
         keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
         for key in keys:
             if keys.count(key) > 1:
-                raise yaml.constructor.ConstructorError(None, None, f'the key {key!r} stands twice', node.start_mark)
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"the key {key!r} stands twice", node.start_mark
+                )
         return super().construct_mapping(node, deep)
 
 
 _StrictYaml.add_implicit_resolver(
-    'tag:yaml.org,2002:float', re.compile(r'[-+]?[0-9][0-9_]*(\.[0-9_]*)?[eE][-+]?[0-9]+\Z'), list('-+0123456789')
+    "tag:yaml.org,2002:float",
+    re.compile(r"[-+]?[0-9][0-9_]*(\.[0-9_]*)?[eE][-+]?[0-9]+\Z"),
+    list("-+0123456789"),
 )
 
 
@@ -311,54 +356,64 @@ def _parse_yaml(text: str, where: str) -> Any:
         return yaml.load(text, Loader=_StrictYaml)  # noqa: S506 (a SafeLoader)
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 0
-        raise ConfigError(f'{where}: not YAML: {error.problem} (line {line})') from None
+        raise ConfigError(f"{where}: not YAML: {error.problem} (line {line})") from None
     except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
-        reason = ' '.join(str(error).split()) or 'nested too deeply'
-        raise ConfigError(f'{where}: not YAML: {reason}') from None
+        reason = " ".join(str(error).split()) or "nested too deeply"
+        raise ConfigError(f"{where}: not YAML: {reason}") from None
 
 
 def _find(name_or_path: str) -> Path:
-    if '/' in name_or_path or name_or_path.endswith(('.yaml', '.yml')):
+    if "/" in name_or_path or name_or_path.endswith((".yaml", ".yml")):
         return Path(name_or_path)
-    path = SCENARIOS_DIR / f'{name_or_path}.yaml'
+    path = SCENARIOS_DIR / f"{name_or_path}.yaml"
     if not _ID.match(name_or_path) or not path.is_file():
-        names = ', '.join(sorted(p.stem for p in SCENARIOS_DIR.glob('*.yaml')))
-        raise ConfigError(f'scenario: {name_or_path!r} is not allowed; allowed: {names}, or the path of a .yaml file')
+        names = ", ".join(sorted(p.stem for p in SCENARIOS_DIR.glob("*.yaml")))
+        raise ConfigError(
+            f"scenario: {name_or_path!r} is not allowed; allowed: {names}, or the path of a .yaml file"
+        )
     return path
 
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        text = path.read_text(encoding='utf-8')
+        text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError, ValueError) as error:
-        reason = getattr(error, 'strerror', None) or 'not UTF-8 text'
-        raise ConfigError(f'scenario: {str(path)!r} cannot be read ({reason}); allowed: a readable YAML file') from None
-    raw = _parse_yaml(text, 'scenario')
+        reason = getattr(error, "strerror", None) or "not UTF-8 text"
+        raise ConfigError(
+            f"scenario: {str(path)!r} cannot be read ({reason}); allowed: a readable YAML file"
+        ) from None
+    raw = _parse_yaml(text, "scenario")
     if not isinstance(raw, dict):
-        raise ConfigError(f'scenario: {reprlib.repr(raw)} is not allowed; allowed: a mapping of scenario keys')
+        raise ConfigError(
+            f"scenario: {reprlib.repr(raw)} is not allowed; allowed: a mapping of scenario keys"
+        )
     return raw
 
 
 def _override(raw: dict[str, Any], override: str) -> None:
     """Put ``path.to.key=value`` into the raw scenario."""
-    path, equals, text = override.partition('=')
-    keys = path.split('.')
+    path, equals, text = override.partition("=")
+    keys = path.split(".")
     if not equals or not all(keys):
-        raise ConfigError(f'--set {override!r} is not allowed; allowed: path.to.key=value')
+        raise ConfigError(f"--set {override!r} is not allowed; allowed: path.to.key=value")
     target: Any = raw
     for index, key in enumerate(keys):
         last = index == len(keys) - 1
         where: Any = key
         if isinstance(target, list):
             if not key.isdecimal() or int(key) >= len(target):
-                raise ConfigError(f'--set {path}: {key!r} is not allowed; allowed: a number from 0 to {len(target) - 1}')
+                raise ConfigError(
+                    f"--set {path}: {key!r} is not allowed; allowed: a number from 0 to {len(target) - 1}"
+                )
             where = int(key)
         elif not isinstance(target, dict):
-            raise ConfigError(f'--set {path}: {".".join(keys[:index])} has no keys; it is {reprlib.repr(target)}')
+            raise ConfigError(
+                f"--set {path}: {'.'.join(keys[:index])} has no keys; it is {reprlib.repr(target)}"
+            )
         elif not last and target.get(key) is None:
             target[key] = {}
         if last:
-            target[where] = _parse_yaml(text, f'--set {path}')
+            target[where] = _parse_yaml(text, f"--set {path}")
         else:
             target = target[where]
 
@@ -366,43 +421,45 @@ def _override(raw: dict[str, Any], override: str) -> None:
 def _with_presets(raw: dict[str, Any]) -> dict[str, Any]:
     """Return the raw scenario with the presets of models and acoustics filled in."""
     filled = dict(raw)
-    vehicles = raw.get('vehicles')
+    vehicles = raw.get("vehicles")
     if isinstance(vehicles, list):
-        filled['vehicles'] = [_vehicle_with_preset(v, f'scenario.vehicles[{i}].model') for i, v in enumerate(vehicles)]
-    acoustics = raw.get('acoustics')
-    if isinstance(acoustics, Mapping) and acoustics.get('preset') not in (None, ''):
-        preset = _preset(auv_sim.acoustics, acoustics['preset'], 'scenario.acoustics.preset')
+        filled["vehicles"] = [
+            _vehicle_with_preset(v, f"scenario.vehicles[{i}].model") for i, v in enumerate(vehicles)
+        ]
+    acoustics = raw.get("acoustics")
+    if isinstance(acoustics, Mapping) and acoustics.get("preset") not in (None, ""):
+        preset = _preset(auv_sim.acoustics, acoustics["preset"], "scenario.acoustics.preset")
         sections = {key: _merged(preset.get(key), value) for key, value in acoustics.items()}
-        filled['acoustics'] = {**preset, **sections}
+        filled["acoustics"] = {**preset, **sections}
     return filled
 
 
 def _vehicle_with_preset(vehicle: Any, path: str) -> Any:
-    model = vehicle.get('model') if isinstance(vehicle, Mapping) else None
-    if not isinstance(model, Mapping) or 'preset' not in model:
+    model = vehicle.get("model") if isinstance(vehicle, Mapping) else None
+    if not isinstance(model, Mapping) or "preset" not in model:
         return vehicle
-    preset = _preset(auv_core.models, model['preset'], f'{path}.preset')
-    explicit = {key: value for key, value in model.items() if key != 'preset'}
-    return {**vehicle, 'model': _merged(preset, explicit)}
+    preset = _preset(auv_core.models, model["preset"], f"{path}.preset")
+    explicit = {key: value for key, value in model.items() if key != "preset"}
+    return {**vehicle, "model": _merged(preset, explicit)}
 
 
 def _preset(package: ModuleType, name: object, path: str) -> dict[str, Any]:
-    folder = Path(str(package.__file__)).parent / 'presets'
-    names = sorted(file.stem for file in folder.glob('*.yaml'))
+    folder = Path(str(package.__file__)).parent / "presets"
+    names = sorted(file.stem for file in folder.glob("*.yaml"))
     if not isinstance(name, str) or name not in names:
-        raise ConfigError(f'{path}: {reprlib.repr(name)} is not allowed; allowed: {", ".join(names)}')
-    return _read(folder / f'{name}.yaml')
+        raise ConfigError(f"{path}: {reprlib.repr(name)} is not allowed; allowed: {', '.join(names)}")
+    return _read(folder / f"{name}.yaml")
 
 
 def _merged(preset: Any, explicit: Any) -> Any:
     """Return a plugin section: the explicit keys over the preset's, unless they name another kind."""
     if not isinstance(preset, Mapping) or not isinstance(explicit, Mapping):
         return explicit
-    if 'kind' in explicit and explicit['kind'] != preset.get('kind'):
+    if "kind" in explicit and explicit["kind"] != preset.get("kind"):
         return explicit
     merged = {**preset, **explicit}
-    if isinstance(preset.get('params'), Mapping) and isinstance(explicit.get('params'), Mapping):
-        merged['params'] = {**preset['params'], **explicit['params']}
+    if isinstance(preset.get("params"), Mapping) and isinstance(explicit.get("params"), Mapping):
+        merged["params"] = {**preset["params"], **explicit["params"]}
     return merged
 
 
@@ -423,7 +480,7 @@ def _with_starts(scenario: Scenario) -> Scenario:
     try:
         return replace(scenario, vehicles=tuple(vehicles))
     except ValueError as error:
-        raise ConfigError(f'scenario.{error}') from None
+        raise ConfigError(f"scenario.{error}") from None
 
 
 def _draw_start(rng: np.random.Generator, starts: RandomStarts, taken: Sequence[Vec3]) -> Vec3:
@@ -434,8 +491,7 @@ def _draw_start(rng: np.random.Generator, starts: RandomStarts, taken: Sequence[
         if inside and all(distance((x, y, z), other) >= starts.separation_m for other in taken):
             return (x, y, z)
     raise ConfigError(
-        f'scenario.random_starts: no room for {len(taken) + 1} vehicles; allowed: a larger radius_m ({starts.radius_m:g}), '
-        f'a smaller separation_m ({starts.separation_m:g}) or a smaller depth_min_m ({starts.depth_min_m:g})'
+        f"scenario.random_starts: no room for {len(taken) + 1} vehicles; "
+        f"allowed: a larger radius_m ({starts.radius_m:g}), "
+        f"a smaller separation_m ({starts.separation_m:g}) or a smaller depth_min_m ({starts.depth_min_m:g})"
     )
-
-

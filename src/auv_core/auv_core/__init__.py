@@ -1,1 +1,4 @@
-"""Shared vocabulary of Shoal: geometry, vehicle models, messages between components, strict loading; no simulator, no law."""
+"""
+Shared vocabulary of Shoal: geometry, vehicle models, messages between components, strict loading; no
+simulator, no law.
+"""

@@ -1,12 +1,12 @@
-"""Records to ROS messages and back: the one place where frames, quaternion order and stamps are translated."""
+"""
+Records to ROS messages and back: the one place where frames, quaternion order and stamps are translated.
+"""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from auv_msgs.msg import AcousticInbox, AcousticOutbox, AcousticPacket, AcousticReception
-from auv_msgs.msg import VehicleState as VehicleStateMsg
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, TransformStamped, TwistStamped, Vector3, WrenchStamped
 from nav_msgs.msg import Odometry
@@ -14,13 +14,15 @@ from std_msgs.msg import Header
 
 from auv_core.geometry import Quat, Vec3
 from auv_core.messages import Command, Inbox, Packet, Reception, VehicleState, VelocityCommand, Wrench
+from auv_msgs.msg import AcousticInbox, AcousticOutbox, AcousticPacket, AcousticReception
+from auv_msgs.msg import VehicleState as VehicleStateMsg
 
-WORLD_FRAME = 'map_ned'
+WORLD_FRAME = "map_ned"
 
 
 def body_frame(vehicle_id: str) -> str:
     """Return the frame id of a vehicle's body (forward, right, down)."""
-    return f'{vehicle_id}/base_link_frd'
+    return f"{vehicle_id}/base_link_frd"
 
 
 def stamp(t_s: float) -> Time:
@@ -85,8 +87,11 @@ def state_to_transform(state: VehicleState, t_s: float, vehicle_id: str) -> Tran
 
 
 def map_to_map_ned() -> TransformStamped:
-    """Return the transform map -> map_ned: east-north-up to north-east-down, half a turn about the north-east diagonal."""
-    message = TransformStamped(header=header(0.0, 'map'), child_frame_id=WORLD_FRAME)
+    """
+    Return the transform map -> map_ned: east-north-up to north-east-down, half a turn about the north-east
+    diagonal.
+    """
+    message = TransformStamped(header=header(0.0, "map"), child_frame_id=WORLD_FRAME)
     message.transform.rotation = quaternion((0.0, math.sqrt(0.5), math.sqrt(0.5), 0.0))
     return message
 
@@ -120,7 +125,7 @@ def command_from_msg(message: WrenchStamped | TwistStamped) -> Command:
         values = (v.x, v.y, v.z, 0.0, 0.0, message.twist.angular.z)
         command = VelocityCommand((v.x, v.y, v.z), message.twist.angular.z)
     if not all(map(math.isfinite, values)):
-        raise ValueError(f'a command with a number that is not finite: {values}')
+        raise ValueError(f"a command with a number that is not finite: {values}")
     return command
 
 
@@ -148,14 +153,18 @@ def packet_from_msg(message: AcousticPacket) -> Packet:
 def outbox_to_msg(tick: int, packets: list[Packet], t_s: float, vehicle_id: str) -> AcousticOutbox:
     """Return what an agent hands to its modem in a tick."""
     return AcousticOutbox(
-        header=header(t_s, body_frame(vehicle_id)), tick=tick, packets=[packet_to_msg(packet) for packet in packets]
+        header=header(t_s, body_frame(vehicle_id)),
+        tick=tick,
+        packets=[packet_to_msg(packet) for packet in packets],
     )
 
 
 def inbox_to_msg(inbox: Inbox, t_s: float, vehicle_id: str) -> AcousticInbox:
     """Return what a modem tells its vehicle at a tick."""
     receptions = [
-        AcousticReception(packet=packet_to_msg(r.packet), sent_s=r.sent_s, arrival_s=r.arrival_s, snr_db=r.snr_db)
+        AcousticReception(
+            packet=packet_to_msg(r.packet), sent_s=r.sent_s, arrival_s=r.arrival_s, snr_db=r.snr_db
+        )
         for r in inbox.receptions
     ]
     return AcousticInbox(

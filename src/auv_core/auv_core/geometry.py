@@ -1,9 +1,9 @@
 """
 Attitude and vectors on plain floats.
 
-Frames: world is NED (north, east, down), body is FRD (forward, right, down).  A quaternion ``(w, x, y, z)`` is a unit
-quaternion that maps body to NED.  Everything here is written on tuples of floats, so that one vehicle steps fast without
-array overhead and Numba can compile the same source.
+Frames: world is NED (north, east, down), body is FRD (forward, right, down).  A quaternion ``(w, x, y, z)``
+is a unit quaternion that maps body to NED.  Everything here is written on tuples of floats, so that one
+vehicle steps fast without array overhead and Numba can compile the same source.
 """
 
 from __future__ import annotations

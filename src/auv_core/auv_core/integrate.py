@@ -28,8 +28,5 @@ def rk4_step(derivative: Callable[[float, State], State], t_s: float, state: Sta
     k4 = derivative(t_s + dt_s, tuple([x + dt_s * k for x, k in zip(state, k3, strict=True)]))
     sixth = dt_s / 6.0
     return tuple(
-        [
-            x + sixth * (a + 2.0 * (b + c) + d)
-            for x, a, b, c, d in zip(state, k1, k2, k3, k4, strict=True)
-        ]
+        [x + sixth * (a + 2.0 * (b + c) + d) for x, a, b, c, d in zip(state, k1, k2, k3, k4, strict=True)]
     )

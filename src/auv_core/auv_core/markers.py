@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from auv_core.conversions import WORLD_FRAME, header, point
-from auv_core.geometry import Vec3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
+
+from auv_core.conversions import WORLD_FRAME, header, point
+from auv_core.geometry import Vec3
 
 MARKER_TICKS = 5
 
@@ -17,7 +18,9 @@ LOST_HULL: Colour = (0.4, 0.4, 0.4, 1.0)
 LINK: Colour = (0.2, 0.8, 0.9, 0.8)
 
 
-def sphere(namespace: str, number: int, t_s: float, centre: Vec3, diameter_m: float, colour: Colour) -> Marker:
+def sphere(
+    namespace: str, number: int, t_s: float, centre: Vec3, diameter_m: float, colour: Colour
+) -> Marker:
     """Return a sphere (m; NED)."""
     marker = _marker(namespace, number, t_s, Marker.SPHERE, colour)
     marker.pose.position = point(centre)
@@ -25,7 +28,9 @@ def sphere(namespace: str, number: int, t_s: float, centre: Vec3, diameter_m: fl
     return marker
 
 
-def lines(namespace: str, number: int, t_s: float, points: Sequence[Vec3], colour: Colour, *, joined: bool) -> Marker:
+def lines(
+    namespace: str, number: int, t_s: float, points: Sequence[Vec3], colour: Colour, *, joined: bool
+) -> Marker:
     """Return a line through all points, or (not joined) one line per pair of points (m; NED)."""
     marker = _marker(namespace, number, t_s, Marker.LINE_STRIP if joined else Marker.LINE_LIST, colour)
     marker.scale.x = 0.03

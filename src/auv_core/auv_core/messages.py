@@ -1,8 +1,8 @@
 """
 The records that cross components: plain, frozen, without ROS.
 
-Positions are NED (m), attitudes are unit quaternions body to NED, nu is the body velocity [u, v, w, p, q, r] (m/s, rad/s,
-FRD).  `tick` counts control periods from the start of the scenario.
+Positions are NED (m), attitudes are unit quaternions body to NED, nu is the body velocity [u, v, w, p, q, r]
+(m/s, rad/s, FRD).  `tick` counts control periods from the start of the scenario.
 """
 
 from __future__ import annotations
@@ -55,7 +55,10 @@ class Packet:
 
 @dataclass(frozen=True, slots=True)
 class Reception:
-    """A packet that arrived: start of its transmission and end of its reception (s), SNR (dB; NaN where not modelled)."""
+    """
+    A packet that arrived: start of its transmission and end of its reception (s), SNR (dB; NaN where not
+    modelled).
+    """
 
     packet: Packet
     sent_s: float
@@ -68,7 +71,8 @@ class Inbox:
     """
     What a modem tells its vehicle at a tick.
 
-    `transmit_ready`: the modem asks for data; a packet handed over in this tick goes on the air before the next.
+    `transmit_ready`: the modem asks for data; a packet handed over in this tick goes on the air before the
+    next.
     """
 
     tick: int

@@ -1,9 +1,10 @@
 """
 The life of a ROS process of this project: start, spin, stop.
 
-Spinning is done by rclpy's EventsExecutor with finite time-outs (without one it spins for ever in the wheels that are published),
-and by the SingleThreadedExecutor where that one is missing.  SIGINT and SIGTERM only set a flag, however often they come, so that
-a node always finishes what it is doing, hands over what it has published, and leaves with its own exit status.
+Spinning is done by rclpy's EventsExecutor with finite time-outs (without one it spins for ever in the wheels
+that are published), and by the SingleThreadedExecutor where that one is missing.  SIGINT and SIGTERM only
+set a flag, however often they come, so that a node always finishes what it is doing, hands over what it has
+published, and leaves with its own exit status.
 """
 
 from __future__ import annotations
@@ -52,13 +53,14 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]]) -> int:
     Parameters
     ----------
     make_nodes : callable
-        Makes the nodes, after ``rclpy.init``.  A node may have ``done`` (true when the process shall end), ``exit_code`` and
-        ``on_stop()``, which is called once, before the node is destroyed.
+        Makes the nodes, after ``rclpy.init``.  A node may have ``done`` (true when the process shall end),
+        ``exit_code`` and ``on_stop()``, which is called once, before the node is destroyed.
 
     Returns
     -------
     status : int
-        2 after a parameter that cannot be used (one line on standard error), else the largest ``exit_code`` of the nodes.
+        2 after a parameter that cannot be used (one line on standard error), else the largest ``exit_code``
+        of the nodes.
 
     """
     stopping: list[int] = []
@@ -71,14 +73,14 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]]) -> int:
         executor = make_executor()
         for node in nodes:
             executor.add_node(node)
-        while not stopping and not any(getattr(node, 'done', False) for node in nodes):
+        while not stopping and not any(getattr(node, "done", False) for node in nodes):
             executor.spin_until_future_complete(Future(), timeout_sec=_WAKE_S)
         for node in nodes:
-            getattr(node, 'on_stop', _nothing)()
+            getattr(node, "on_stop", _nothing)()
         _hand_over(nodes)
-        return max((getattr(node, 'exit_code', 0) for node in nodes), default=0)
+        return max((getattr(node, "exit_code", 0) for node in nodes), default=0)
     except ConfigError as error:
-        sys.stderr.write(f'error: {error}\n')
+        sys.stderr.write(f"error: {error}\n")
         return 2
     finally:
         for node in nodes:
@@ -118,8 +120,8 @@ class Rendezvous:
     """
     Waits until every publisher of a node is matched with those who must hear it, then calls `on_ready` once.
 
-    A reliable writer that has matched a reader delivers everything from then on; so nothing of a run is lost, however slowly its
-    processes find each other.
+    A reliable writer that has matched a reader delivers everything from then on; so nothing of a run is
+    lost, however slowly its processes find each other.
     """
 
     def __init__(self, node: Node, audiences: Iterable[Audience], on_ready: Callable[[], None]) -> None:
@@ -149,7 +151,7 @@ class Rendezvous:
 
     def _subscribers(self, audience: Audience) -> list[str]:
         infos = self._node.get_subscriptions_info_by_topic(audience.publisher.topic_name)
-        return [f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in infos]
+        return [f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos]
 
 
 def _hand_over(nodes: Sequence[Node]) -> None:

@@ -1,9 +1,9 @@
 """
 Configuration dataclasses as ROS parameters.
 
-Every field of a configuration becomes one declared, read-only parameter with its type, description and range; nested
-configurations and plugin sections become dotted names (``outage.kind``, ``outage.params.loss_prob``).  The values go through the
-same strict loader as a scenario.
+Every field of a configuration becomes one declared, read-only parameter with its type, description and
+range; nested configurations and plugin sections become dotted names (``outage.kind``,
+``outage.params.loss_prob``).  The values go through the same strict loader as a scenario.
 """
 
 from __future__ import annotations
@@ -15,25 +15,33 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
-from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException, ParameterUninitializedException
+from rclpy.exceptions import (
+    InvalidParameterTypeException,
+    InvalidParameterValueException,
+    ParameterUninitializedException,
+)
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from auv_core.params import ConfigError, Section, dump, load
 from auv_core.plugins import PluginError, find_plugin, list_plugins
 
-T = TypeVar('T')
+T = TypeVar("T")
 _TYPES = {
     bool: Parameter.Type.BOOL,
     int: Parameter.Type.INTEGER,
     float: Parameter.Type.DOUBLE,
     str: Parameter.Type.STRING,
 }
-_ARRAYS = {float: Parameter.Type.DOUBLE_ARRAY, int: Parameter.Type.INTEGER_ARRAY, str: Parameter.Type.STRING_ARRAY}
+_ARRAYS = {
+    float: Parameter.Type.DOUBLE_ARRAY,
+    int: Parameter.Type.INTEGER_ARRAY,
+    str: Parameter.Type.STRING_ARRAY,
+}
 _HUGE = 1e300
 
 
-def declare_config(node: Node, cls: type[T], prefix: str = '') -> T:
+def declare_config(node: Node, cls: type[T], prefix: str = "") -> T:
     """
     Declare the parameters of a configuration on `node` and return the configuration that their values make.
 
@@ -53,7 +61,7 @@ def declare_config(node: Node, cls: type[T], prefix: str = '') -> T:
 
     """
     raw = _declare_fields(node, cls, prefix)
-    return load(cls, raw, prefix.rstrip('.') or f'parameters of {node.get_name()}')
+    return load(cls, raw, prefix.rstrip(".") or f"parameters of {node.get_name()}")
 
 
 def _declare_fields(node: Node, cls: Any, prefix: str) -> dict[str, Any]:
@@ -65,7 +73,7 @@ def _declare_fields(node: Node, cls: Any, prefix: str) -> dict[str, Any]:
         if hint is Section:
             value = _declare_section(node, name, field)
         elif dataclasses.is_dataclass(hint):
-            value = _declare_fields(node, hint, name + '.')
+            value = _declare_fields(node, hint, name + ".")
         else:
             value = _declare_value(node, name, hint, field.default, field.metadata)
         if value is not None:
@@ -74,22 +82,25 @@ def _declare_fields(node: Node, cls: Any, prefix: str) -> dict[str, Any]:
 
 
 def _declare_section(node: Node, name: str, field: dataclasses.Field[Any]) -> dict[str, Any] | None:
-    folder = field.metadata['plugins']
-    doc = f'{field.metadata["doc"]}; one of: {", ".join(list_plugins(folder))}'
-    kind = _declare_value(node, f'{name}.kind', str, dataclasses.MISSING, {'doc': doc})
+    folder = field.metadata["plugins"]
+    doc = f"{field.metadata['doc']}; one of: {', '.join(list_plugins(folder))}"
+    kind = _declare_value(node, f"{name}.kind", str, dataclasses.MISSING, {"doc": doc})
     if kind is None:
         return None
     try:
         params = find_plugin(folder, kind).Params
     except PluginError as error:
-        raise ConfigError(f'{name}.kind: {error}') from None
-    return {'kind': kind, 'params': _declare_fields(node, params, f'{name}.params.')}
+        raise ConfigError(f"{name}.kind: {error}") from None
+    return {"kind": kind, "params": _declare_fields(node, params, f"{name}.params.")}
 
 
 def _declare_value(node: Node, name: str, hint: Any, default: Any, metadata: Mapping[str, Any]) -> Any:
     kind, array = _ros_type(hint)
     descriptor = ParameterDescriptor(
-        name=name, description=_description(metadata), read_only=True, additional_constraints=_constraints(metadata)
+        name=name,
+        description=_description(metadata),
+        read_only=True,
+        additional_constraints=_constraints(metadata),
     )
     if not array:
         _add_range(descriptor, kind, metadata)
@@ -100,7 +111,7 @@ def _declare_value(node: Node, name: str, hint: Any, default: Any, metadata: Map
     except ParameterUninitializedException:
         return None
     except (InvalidParameterTypeException, InvalidParameterValueException) as error:
-        raise ConfigError(' '.join(str(error).split())) from None
+        raise ConfigError(" ".join(str(error).split())) from None
     return list(value) if array and value is not None else value
 
 
@@ -117,18 +128,18 @@ def _ros_type(hint: Any) -> tuple[Parameter.Type, bool]:
 
 
 def _description(metadata: Mapping[str, Any]) -> str:
-    return str(metadata.get('doc', ''))
+    return str(metadata.get("doc", ""))
 
 
 def _constraints(metadata: Mapping[str, Any]) -> str:
-    choices = metadata.get('choices')
+    choices = metadata.get("choices")
     if choices:
-        return 'one of: ' + ', '.join(choices)
-    return f'greater than {metadata["above"]:g}' if metadata.get('above') is not None else ''
+        return "one of: " + ", ".join(choices)
+    return f"greater than {metadata['above']:g}" if metadata.get("above") is not None else ""
 
 
 def _add_range(descriptor: ParameterDescriptor, kind: Parameter.Type, metadata: Mapping[str, Any]) -> None:
-    low, high, above = (metadata.get(key) for key in ('minimum', 'maximum', 'above'))
+    low, high, above = (metadata.get(key) for key in ("minimum", "maximum", "above"))
     if low is None and high is None and above is None:
         return
     low = above if low is None else low

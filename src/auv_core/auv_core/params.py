@@ -1,12 +1,13 @@
 """
 Strict loading of configuration into frozen dataclasses.
 
-A configuration class is a frozen dataclass whose fields are made with :func:`param`.  :func:`load` turns a plain mapping (from
-YAML or from ROS parameters) into an instance and refuses, with one line that names the dotted path, the value and what is
-allowed: unknown keys, missing keys, wrong types, values out of range, not-a-number.  :func:`dump` is its inverse.
+A configuration class is a frozen dataclass whose fields are made with :func:`param`.  :func:`load` turns a
+plain mapping (from YAML or from ROS parameters) into an instance and refuses, with one line that names the
+dotted path, the value and what is allowed: unknown keys, missing keys, wrong types, values out of range,
+not-a-number. :func:`dump` is its inverse.
 
-A field of type :class:`Section` chooses a plugin: ``{kind: tdma, params: {...}}`` names the file ``tdma.py`` in the plugin
-folder of the field, and ``params`` is loaded into that file's ``Params``.
+A field of type :class:`Section` chooses a plugin: ``{kind: tdma, params: {...}}`` names the file ``tdma.py``
+in the plugin folder of the field, and ``params`` is loaded into that file's ``Params``.
 """
 
 from __future__ import annotations
@@ -95,7 +96,9 @@ def load(cls: type[T], raw: object, path: str) -> T:
 
     """
     if not isinstance(raw, Mapping):
-        raise ConfigError(f"{path}: {_shown(raw)} is not allowed; allowed: a mapping with the keys {_keys(cls)}")
+        raise ConfigError(
+            f"{path}: {_shown(raw)} is not allowed; allowed: a mapping with the keys {_keys(cls)}"
+        )
     fields = {field.name: field for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
     unknown = [str(key) for key in raw if key not in fields]
     if unknown:
@@ -127,7 +130,9 @@ def dump(value: object) -> Any:
 def check_number(value: float, path: str, bounds: Mapping[str, Any]) -> None:
     """Raise `ConfigError` when `value` is not finite or lies outside the bounds of a `param`."""
     low, high, above = bounds.get("minimum"), bounds.get("maximum"), bounds.get("above")
-    inside = (low is None or value >= low) and (high is None or value <= high) and (above is None or value > above)
+    inside = (
+        (low is None or value >= low) and (high is None or value <= high) and (above is None or value > above)
+    )
     if not math.isfinite(value) or not inside:
         raise ConfigError(f"{path}: {value!r} is not allowed; allowed: {allowed_range(bounds)}")
 
@@ -172,7 +177,9 @@ def _value(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> An
 def load_section(raw: object, path: str, folder: str) -> Section:
     """Return the `Section` of ``{kind: ..., params: {...}}`` for the plugin folder `folder` (import path)."""
     if not isinstance(raw, Mapping):
-        raise ConfigError(f"{path}: {_shown(raw)} is not allowed; allowed: a mapping with the keys [kind, params]")
+        raise ConfigError(
+            f"{path}: {_shown(raw)} is not allowed; allowed: a mapping with the keys [kind, params]"
+        )
     unknown = [str(key) for key in raw if key not in ("kind", "params")]
     if unknown:
         raise ConfigError(f"{path}: unknown key {unknown[0]!r}; allowed: [kind, params]")

@@ -25,7 +25,9 @@ def list_plugins(folder: str) -> list[str]:
 
     """
     package = importlib.import_module(folder)
-    return sorted(info.name for info in pkgutil.iter_modules(package.__path__) if not info.name.startswith("_"))
+    return sorted(
+        info.name for info in pkgutil.iter_modules(package.__path__) if not info.name.startswith("_")
+    )
 
 
 def find_plugin(folder: str, kind: object) -> ModuleType:

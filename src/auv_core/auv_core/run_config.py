@@ -13,25 +13,28 @@ class RunConfig:
     """Settings of a run, the same for all of its nodes."""
 
     mode: str = param(
-        'lockstep: advance when everybody has answered; realtime: free-run on the wall clock',
-        default='realtime',
-        choices=('lockstep', 'realtime'),
+        "lockstep: advance when everybody has answered; realtime: free-run on the wall clock",
+        default="realtime",
+        choices=("lockstep", "realtime"),
     )
-    epoch_s: float = param('ROS time of scenario time 0 (s); 0 means the start of the node; realtime only', default=0.0)
-    recorded: bool = param('whether a recorder must hear everything from the first tick', default=False)
+    epoch_s: float = param(
+        "ROS time of scenario time 0 (s); 0 means the start of the node; realtime only", default=0.0
+    )
+    recorded: bool = param("whether a recorder must hear everything from the first tick", default=False)
 
 
 class TickClock:
     """
     From ticks to stamps, and from the wall clock to ticks.
 
-    In lock-step a stamp is the tick's scenario time; in real time it is ROS time, and scenario time 0 is the epoch.
+    In lock-step a stamp is the tick's scenario time; in real time it is ROS time, and scenario time 0 is the
+    epoch.
     """
 
     def __init__(self, run: RunConfig, period_s: float, now_s: Callable[[], float]) -> None:
         self._period_s = period_s
         self._now_s = now_s
-        self.lockstep = run.mode == 'lockstep'
+        self.lockstep = run.mode == "lockstep"
         self.epoch_s = 0.0 if self.lockstep else (run.epoch_s or now_s())
 
     def scenario_s(self, tick: int) -> float:

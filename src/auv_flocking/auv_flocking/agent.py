@@ -1,8 +1,10 @@
 """
-The agent: one vehicle's computer.  No clock, no ROS, no randomness; the same object runs in a node and in one process.
+The agent: one vehicle's computer.  No clock, no ROS, no randomness; the same object runs in a node and in
+one process.
 
-Once per control period: read the packets, carry the neighbours to now, ask the flocking law for a velocity, the controller for a
-command, hand a report to the modem when it asks for one, and advance the consensus on the flocking centre.
+Once per control period: read the packets, carry the neighbours to now, ask the flocking law for a velocity,
+the controller for a command, hand a report to the modem when it asks for one, and advance the consensus on
+the flocking centre.
 """
 
 from __future__ import annotations
@@ -14,7 +16,6 @@ from auv_core.geometry import Vec3, body_to_ned
 from auv_core.messages import Command, Inbox, Packet, VehicleState
 from auv_core.params import Section, param
 from auv_core.plugins import find_plugin
-
 from auv_flocking.flocking import PathPoint, View
 from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable
 from auv_flocking.report import Report, ReportError, decode, encode
@@ -37,9 +38,13 @@ class AgentConfig:
     fleet_size: int = param("number of vehicles", minimum=1, maximum=254)
     is_leader: bool = param("whether this vehicle knows the path", default=False)
     period_s: float = param("control period (s)", default=0.1, above=0.0)
-    hold_s: float = param("hold station at most so long until every neighbour was heard (s)", default=0.0, minimum=0.0)
+    hold_s: float = param(
+        "hold station at most so long until every neighbour was heard (s)", default=0.0, minimum=0.0
+    )
     obstacles_ned_m: tuple[float, ...] = param("obstacle positions, three numbers each (m; NED)", default=())
-    obstacle_safety_distances_m: tuple[float, ...] = param("safety distance of each obstacle (m)", default=(), above=0.0)
+    obstacle_safety_distances_m: tuple[float, ...] = param(
+        "safety distance of each obstacle (m)", default=(), above=0.0
+    )
     reference: Section = param("path to follow", plugins=REFERENCES)
     flocking: Section = param("flocking law", plugins=FLOCKING)
     separation: Section = param("separation law", plugins=SEPARATION)
@@ -50,7 +55,8 @@ class AgentConfig:
     def __post_init__(self) -> None:
         if len(self.obstacles_ned_m) != 3 * len(self.obstacle_safety_distances_m):
             raise ValueError(
-                f"obstacles_ned_m: {len(self.obstacles_ned_m)} numbers are not allowed; allowed: three for each of the "
+                f"obstacles_ned_m: {len(self.obstacles_ned_m)} numbers are not allowed; "
+                "allowed: three for each of the "
                 f"{len(self.obstacle_safety_distances_m)} safety distances"
             )
 
@@ -68,8 +74,9 @@ class Agent:
     """
     One vehicle's computer.
 
-    After a step, for people to look at: `centre` and `centre_rate` (own estimate of the flocking centre, m and m/s; NED),
-    `flock_velocity` (m/s; NED), `reference` (what the law asked) and `neighbours` (the estimates that the step used).
+    After a step, for people to look at: `centre` and `centre_rate` (own estimate of the flocking centre, m
+    and m/s; NED), `flock_velocity` (m/s; NED), `reference` (what the law asked) and `neighbours` (the
+    estimates that the step used).
     """
 
     def __init__(self, config: AgentConfig) -> None:
@@ -140,7 +147,10 @@ class Agent:
         return PathPoint(self._path.position(t_s), self._path.velocity(t_s))
 
     def velocity(self, path: PathPoint, position: Vec3, centre: Vec3, neighbours: tuple[Vec3, ...]) -> Vec3:
-        """Return what the flocking law asks (m/s; NED) of this vehicle at `position`, with its present flock velocity."""
+        """
+        Return what the flocking law asks (m/s; NED) of this vehicle at `position`, with its present flock
+        velocity.
+        """
         view = View(position, centre, self.flock_velocity, neighbours, self._obstacles, path)
         velocity: Vec3 = self._law.velocity(view)
         return velocity

@@ -1,12 +1,15 @@
 """
-What a vehicle believes of its neighbours between packets: one extended Kalman filter each, thesis Eqs. (5.29)-(5.35).
+What a vehicle believes of its neighbours between packets: one extended Kalman filter each, thesis Eqs.
+(5.29)-(5.35).
 
-State: position (m) and velocity (m/s), NED; process: constant velocity with white acceleration of spectral density q, discretised
-exactly.  A packet updates the filter at the packet's own time tag, however late it came, and the estimate is then carried to now
-with the covariance that the wait costs.  filterpy runs predict and update (Joseph form).
+State: position (m) and velocity (m/s), NED; process: constant velocity with white acceleration of spectral
+density q, discretised exactly.  A packet updates the filter at the packet's own time tag, however late it
+came, and the estimate is then carried to now with the covariance that the wait costs.  filterpy runs predict
+and update (Joseph form).
 
-A packet older than the newest one of its sender is not used, and is counted: with one packet per cycle on the air, packets of one
-sender cannot overtake each other, so this is a guard and not a filter for reordered traffic.
+A packet older than the newest one of its sender is not used, and is counted: with one packet per cycle on
+the air, packets of one sender cannot overtake each other, so this is a guard and not a filter for reordered
+traffic.
 """
 
 from __future__ import annotations
@@ -19,7 +22,6 @@ from numpy.typing import NDArray
 
 from auv_core.geometry import Vec3
 from auv_core.params import param
-
 from auv_flocking.report import Report
 
 Matrix = NDArray[np.float64]
@@ -31,9 +33,15 @@ _SAME_AXIS: Matrix = np.tile(np.eye(3), (2, 2))
 class NeighbourConfig:
     """Noise that the filter assumes, and how long silence is believed."""
 
-    acceleration_psd: float = param("spectral density of a neighbour's acceleration (m^2/s^3)", default=1e-3, above=0.0)
-    position_std_m: float = param("standard deviation of a reported position, per axis (m)", default=0.02, above=0.0)
-    velocity_std_mps: float = param("standard deviation of a reported velocity, per axis (m/s)", default=0.01, above=0.0)
+    acceleration_psd: float = param(
+        "spectral density of a neighbour's acceleration (m^2/s^3)", default=1e-3, above=0.0
+    )
+    position_std_m: float = param(
+        "standard deviation of a reported position, per axis (m)", default=0.02, above=0.0
+    )
+    velocity_std_mps: float = param(
+        "standard deviation of a reported velocity, per axis (m/s)", default=0.01, above=0.0
+    )
     timeout_s: float = param("silence after which a neighbour no longer counts (s)", default=30.0, above=0.0)
 
 
@@ -42,8 +50,8 @@ class NeighbourEstimate:
     """
     A neighbour as believed at one instant.
 
-    position (m), velocity (m/s), centre (m), flock_velocity (m/s): NED; covariance (6, 6) of position and velocity; age_s: time
-    since the time tag of its newest packet.
+    position (m), velocity (m/s), centre (m), flock_velocity (m/s): NED; covariance (6, 6) of position and
+    velocity; age_s: time since the time tag of its newest packet.
     """
 
     address: int
@@ -63,7 +71,10 @@ def transition_matrix(dt_s: float) -> Matrix:
 
 
 def process_noise(dt_s: float, acceleration_psd: float) -> Matrix:
-    """Return Q (6, 6) of white acceleration over `dt_s`: q [[dt^3/3, dt^2/2], [dt^2/2, dt]] on every axis, exact."""
+    """
+    Return Q (6, 6) of white acceleration over `dt_s`: q [[dt^3/3, dt^2/2], [dt^2/2, dt]] on every axis,
+    exact.
+    """
     position = acceleration_psd * dt_s**3 / 3.0
     both = acceleration_psd * dt_s**2 / 2.0
     velocity = acceleration_psd * dt_s
@@ -94,7 +105,9 @@ class _Track:
         age_s = t_s - report.time_s
         x: list[float] = self._filter.x.tolist()
         transition = transition_matrix(age_s)
-        covariance = transition @ self._filter.P @ transition.T + process_noise(age_s, self._config.acceleration_psd)
+        covariance = transition @ self._filter.P @ transition.T + process_noise(
+            age_s, self._config.acceleration_psd
+        )
         return NeighbourEstimate(
             report.address,
             (x[0] + age_s * x[3], x[1] + age_s * x[4], x[2] + age_s * x[5]),
@@ -115,7 +128,10 @@ def _measurement(report: Report) -> Matrix:
 
 
 class NeighbourTable:
-    """The filters of one vehicle. Fed with reports only, so that a recorded run can be estimated again without the simulator."""
+    """
+    The filters of one vehicle. Fed with reports only, so that a recorded run can be estimated again without
+    the simulator.
+    """
 
     def __init__(self, config: NeighbourConfig) -> None:
         self._config = config

@@ -1,8 +1,9 @@
 """
 The report that a vehicle broadcasts, and its bytes.
 
-Little-endian, fixed length: version (1), address (1), sequence (4), time tag (8), then fifteen 32-bit floats: position, velocity,
-flocking centre, its rate, flock velocity, all NED.  Values are rounded to 32 bits (about 1e-6 m at 10 m).
+Little-endian, fixed length: version (1), address (1), sequence (4), time tag (8), then fifteen 32-bit
+floats: position, velocity, flocking centre, its rate, flock velocity, all NED.  Values are rounded to 32
+bits (about 1e-6 m at 10 m).
 """
 
 from __future__ import annotations
@@ -62,14 +63,18 @@ def decode(payload: bytes) -> Report:
     Raises
     ------
     ReportError
-        For a wrong length, an unknown version, address 0, or a number that is not finite; never anything else.
+        For a wrong length, an unknown version, address 0, or a number that is not finite; never anything
+        else.
 
     """
     if len(payload) != REPORT_BYTES:
         raise ReportError(f"a report has {REPORT_BYTES} bytes, this has {len(payload)}")
     version, address, sequence, time_s, *v = _LAYOUT.unpack(payload)
     if version != _VERSION or address == 0:
-        raise ReportError(f"version {version}, address {address}; this program reads version {_VERSION} and addresses from 1")
+        raise ReportError(
+            f"version {version}, address {address}; "
+            f"this program reads version {_VERSION} and addresses from 1"
+        )
     if not all(map(math.isfinite, (time_s, *v))):
         raise ReportError("a number in the report is not finite")
     vectors: list[Vec3] = [(v[i], v[i + 1], v[i + 2]) for i in range(0, 15, 3)]

@@ -1,1 +1,3 @@
-"""What the water does: the true vehicle, its actuators, the current, and the acoustic medium between vehicles."""
+"""
+What the water does: the true vehicle, its actuators, the current, and the acoustic medium between vehicles.
+"""

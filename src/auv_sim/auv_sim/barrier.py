@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 class Barrier:
     """
-    Collects, for one tick k, the packets that every vehicle handed over in k and every vehicle's state at k + 1.
+    Collects, for one tick k, the packets that every vehicle handed over in k and every vehicle's state at k
+    + 1.
 
     Vehicles are counted from 0.  Before the first tick (k = -1) only states are owed.
     """
@@ -28,10 +29,13 @@ class Barrier:
         """
         Return who is awaited, as ('agent_node' or 'vehicle_node', vehicle).
 
-        A vehicle cannot answer before its agent has commanded it, so of a pair that owes both only the agent is named.
+        A vehicle cannot answer before its agent has commanded it, so of a pair that owes both only the agent
+        is named.
         """
-        agents = [('agent_node', vehicle) for vehicle in sorted(self._outboxes_owed)]
-        return agents + [('vehicle_node', vehicle) for vehicle in sorted(self._states_owed - self._outboxes_owed)]
+        agents = [("agent_node", vehicle) for vehicle in sorted(self._outboxes_owed)]
+        return agents + [
+            ("vehicle_node", vehicle) for vehicle in sorted(self._states_owed - self._outboxes_owed)
+        ]
 
     def state(self, vehicle: int, tick: int) -> bool:
         """Note the state of a vehicle at a tick; return whether it was owed."""

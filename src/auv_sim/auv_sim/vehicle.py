@@ -42,7 +42,9 @@ def substeps(period_s: float, dt_s: float) -> int:
     ratio = period_s / dt_s
     count = round(ratio)
     if count < 1 or abs(ratio - count) > 1e-9:
-        raise ValueError(f"period_s: {period_s!r} is not allowed; allowed: a whole multiple of dt_s = {dt_s!r}")
+        raise ValueError(
+            f"period_s: {period_s!r} is not allowed; allowed: a whole multiple of dt_s = {dt_s!r}"
+        )
     return count
 
 
@@ -76,7 +78,9 @@ class Vehicle:
         self._state = (*state.position, *state.attitude, *state.nu)
 
     def step(self, command: Command | None) -> VehicleState:
-        """Return the state one control period later; without a command the actuators rest and the hull drifts."""
+        """
+        Return the state one control period later; without a command the actuators rest and the hull drifts.
+        """
         values = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         if isinstance(command, VelocityCommand):
             values = (*command.velocity, 0.0, 0.0, command.yaw_rate_radps)

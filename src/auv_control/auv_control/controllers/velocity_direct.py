@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from auv_control.controllers import VelocityReference
 from auv_core.geometry import heading_from_quaternion
 from auv_core.messages import VehicleState, VelocityCommand
 from auv_core.params import param
-
-from auv_control.controllers import VelocityReference
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,9 @@
 """
 Inner loop of a fully actuated vehicle: PI on the velocity over ground, PD on the attitude.
 
-A flocking law gives a velocity; this loop makes the hull have it.  The integral, kept in NED, carries what the model does not say:
-drag and the current.  It stops while an actuator that it drives is at its limit, so that it does not wind up.
+A flocking law gives a velocity; this loop makes the hull have it.  The integral, kept in NED, carries what
+the model does not say: drag and the current.  It stops while an actuator that it drives is at its limit, so
+that it does not wind up.
 
 With mass m (added mass included), gains K_p and K_i, the loop from asked to true velocity is
 (K_p s + K_i) / (m s^2 + K_p s + K_i): bandwidth about K_p / m, damping K_p / (2 sqrt(m K_i)).
@@ -12,11 +13,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from auv_control.controllers import VelocityReference
 from auv_core.geometry import Vec3, body_to_ned, ned_to_body, quaternion_from_heading, quaternion_product
 from auv_core.messages import Vec6, VehicleState, Wrench
 from auv_core.params import param
-
-from auv_control.controllers import VelocityReference
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,9 @@ class Params:
     """Gains and the limits that the controller believes its actuators to have."""
 
     velocity_gain_nspm: float = param("force per velocity error K_p (N s/m)", default=300.0, above=0.0)
-    integral_gain_npm: float = param("force per integrated velocity error K_i (N/m)", default=75.0, minimum=0.0)
+    integral_gain_npm: float = param(
+        "force per integrated velocity error K_i (N/m)", default=75.0, minimum=0.0
+    )
     attitude_gain_nm: float = param("moment per attitude error (N m/rad)", default=20.0, minimum=0.0)
     rate_gain_nms: float = param("moment per body rate (N m s/rad)", default=25.0, minimum=0.0)
     max_force_n: float = param("force limit per body axis (N)", default=150.0, above=0.0)
@@ -57,7 +59,9 @@ class Controller:
         wanted = ned_to_body(nav.attitude, reference.velocity)
         error = (wanted[0] - nav.nu[0], wanted[1] - nav.nu[1], wanted[2] - nav.nu[2])
         held = ned_to_body(nav.attitude, self._integral)
-        asked = tuple([p.velocity_gain_nspm * e + p.integral_gain_npm * i for e, i in zip(error, held, strict=True)])
+        asked = tuple(
+            [p.velocity_gain_nspm * e + p.integral_gain_npm * i for e, i in zip(error, held, strict=True)]
+        )
         fx, fy, fz = (_clipped(value, p.max_force_n) for value in asked)
         if (fx, fy, fz) == asked:
             growth = body_to_ned(nav.attitude, error)

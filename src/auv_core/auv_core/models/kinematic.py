@@ -1,5 +1,6 @@
 """
-Single integrator: the position follows the commanded velocity at once (thesis ch. 5 and 6 simulate the flock so).
+Single integrator: the position follows the commanded velocity at once (thesis ch. 5 and 6 simulate the flock
+so).
 
 Deviation: a current is refused, since a velocity command here is over ground and nothing would drift.
 """

@@ -1,15 +1,17 @@
 """
 Rigid body in six degrees of freedom, relative to the water: Fossen's marine craft model.
 
-    M nu_r_dot + C(nu_r) nu_r + D(nu_r) nu_r + g(eta) = tau,      eta_dot = J(eta) nu,     nu_r = nu - J^-1 nu_c
+    M nu_r_dot + C(nu_r) nu_r + D(nu_r) nu_r + g(eta) = tau,      eta_dot = J(eta) nu,     nu_r = nu - J^-1
+    nu_c
 
-(Fossen 2021, Handbook of Marine Craft Hydrodynamics and Motion Control, ch. 6-8) for hulls with three planes of symmetry, the
-origin at the hull's centre (= centre of buoyancy) and the centre of gravity z_G below it.  Added mass and damping are diagonal,
-z_G couples surge with pitch and sway with roll.  Attitude is a unit quaternion, so that there is no singular pitch angle.
+(Fossen 2021, Handbook of Marine Craft Hydrodynamics and Motion Control, ch. 6-8) for hulls with three planes
+of symmetry, the origin at the hull's centre (= centre of buoyancy) and the centre of gravity z_G below it.
+Added mass and damping are diagonal, z_G couples surge with pitch and sway with roll.  Attitude is a unit
+quaternion, so that there is no singular pitch angle.
 
-Roll and pitch are states like any other, held by the righting moment z_G W and by whatever the controller adds: at the
-accelerations of a flock (a few cm/s^2) they stay within a degree, but a hull that is pushed harder does pitch, and a law
-should meet that.
+Roll and pitch are states like any other, held by the righting moment z_G W and by whatever the controller
+adds: at the accelerations of a flock (a few cm/s^2) they stay within a degree, but a hull that is pushed
+harder does pitch, and a law should meet that.
 """
 
 from __future__ import annotations
@@ -46,14 +48,20 @@ class Params:
             mass = self.mass_kg + self.added_mass[linear]
             inertia = self.inertia_kgm2[angular] + self.added_mass[3 + angular]
             if mass * inertia <= s * s:
-                raise ValueError(f"cog_z_m: {self.cog_z_m!r} is not allowed; allowed: a value for which M is positive definite ({name})")
+                raise ValueError(
+                    f"cog_z_m: {self.cog_z_m!r} is not allowed; allowed: a value for which "
+                    f"M is positive definite ({name})"
+                )
 
 
 Constants = tuple[float, ...]
 
 
 def constants(params: Params) -> Constants:
-    """Return the numbers of `derivative` as one flat tuple (3 masses, 3 inertias, m z_G, 6 + 6 dampings, W - B, z_G W)."""
+    """
+    Return the numbers of `derivative` as one flat tuple (3 masses, 3 inertias, m z_G, 6 + 6 dampings, W - B,
+    z_G W).
+    """
     masses = tuple(params.mass_kg + added for added in params.added_mass[:3])
     inertias = tuple(
         inertia + added for inertia, added in zip(params.inertia_kgm2, params.added_mass[3:], strict=True)
@@ -70,7 +78,9 @@ def constants(params: Params) -> Constants:
 
 
 def momentum(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
-    """Return M nu: linear momentum (kg m/s) and angular momentum (kg m^2/s), body frame, added mass included."""
+    """
+    Return M nu: linear momentum (kg m/s) and angular momentum (kg m^2/s), body frame, added mass included.
+    """
     u, v, w = velocity
     p, q, r = rates
     s = c[6]
@@ -79,7 +89,8 @@ def momentum(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
 
 def coriolis_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
     """
-    Return C(nu) nu as force (N) and moment (N m), body frame: Kirchhoff's equations, Fossen (2021) Eq. (3.60).
+    Return C(nu) nu as force (N) and moment (N m), body frame: Kirchhoff's equations, Fossen (2021) Eq.
+    (3.60).
 
     C is skew-symmetric, so nu . C(nu) nu == 0: it does no work.
     """
@@ -122,8 +133,8 @@ def derivative(state: State, tau: Vec6, current: Vec3, c: Constants) -> State:
 
     Notes
     -----
-    The water is irrotational and steady, so the equations hold for nu_r unchanged (Fossen 2021, property 10.1); the body sees
-    the current turn with -omega x nu_c.
+    The water is irrotational and steady, so the equations hold for nu_r unchanged (Fossen 2021, property
+    10.1); the body sees the current turn with -omega x nu_c.
 
     """
     _, _, _, qw, qx, qy, qz, u, v, w, p, q, r = state
@@ -187,7 +198,9 @@ class Model:
         return (a, b, c, d, e, f)
 
     def step(self, state: State, command: Vec6, current: Vec3, dt_s: float) -> State:
-        """Return the state `dt_s` later, the wrench `command` held; the quaternion comes back with length 1."""
+        """
+        Return the state `dt_s` later, the wrench `command` held; the quaternion comes back with length 1.
+        """
         c = self._constants
         after = rk4_step(lambda _t_s, x: derivative(x, command, current, c), 0.0, state, dt_s)
         norm = math.sqrt(after[3] ** 2 + after[4] ** 2 + after[5] ** 2 + after[6] ** 2)

@@ -3,11 +3,12 @@ Proportional dynamic-average consensus, thesis Eqs. (5.10)-(5.11) and (6.4)-(6.5
 
     c_i_dot = k [(eta_i - c_i) + sum_j a_ij (c_j - c_i)],       together  c_dot = k [-(L + I) c + eta]
 
-For vehicles at rest c -> (L + I)^-1 eta: the mean of the estimates is exact, each estimate is biased towards its own vehicle (on
-a complete graph of n by (eta_i - mean) / (n + 1)).  The proof (6.7)-(6.18) bounds the error, V_dot <= -|e|^2 + |e| n rho; it
-does not make it vanish, and neither does the filter.
+For vehicles at rest c -> (L + I)^-1 eta: the mean of the estimates is exact, each estimate is biased towards
+its own vehicle (on a complete graph of n by (eta_i - mean) / (n + 1)).  The proof (6.7)-(6.18) bounds the
+error, V_dot <= -|e|^2 + |e| n rho; it does not make it vanish, and neither does the filter.
 
-Deviation: `follow_flock` adds the flock's velocity to every c_i_dot, which takes away the lag of 1 / k behind a moving flock.
+Deviation: `follow_flock` adds the flock's velocity to every c_i_dot, which takes away the lag of 1 / k
+behind a moving flock.
 """
 
 from __future__ import annotations

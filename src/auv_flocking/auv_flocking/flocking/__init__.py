@@ -3,12 +3,13 @@ Flocking laws: from what a vehicle knows to the velocity that it asks of itself.
 
 To add one, write one file with ``Params`` and ``Flocking(params, separation, is_leader)`` with
 
-* ``flock_velocity(path, centre, heard) -> Vec3``: what this vehicle believes the flock's velocity to be (m/s; NED), from the path
-  point (leaders use it, blind followers must not), its own estimate of the centre, and the list of the neighbours' beliefs;
+* ``flock_velocity(path, centre, heard) -> Vec3``: what this vehicle believes the flock's velocity to be
+  (m/s; NED), from the path point (leaders use it, blind followers must not), its own estimate of the centre,
+  and the list of the neighbours' beliefs;
 * ``velocity(view) -> Vec3``: the velocity over ground (m/s; NED) for the `View` of one instant.
 
-Both are pure functions of their arguments, so that the sampled agent and the continuous-time runner use the same law.  The file's
-name is its ``kind``.
+Both are pure functions of their arguments, so that the sampled agent and the continuous-time runner use the
+same law.  The file's name is its ``kind``.
 """
 
 from __future__ import annotations

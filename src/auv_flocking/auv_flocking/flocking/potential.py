@@ -1,5 +1,6 @@
 """
-Flocking around a consensus centre, thesis Eqs. (5.12)-(5.43): attraction to the centre and the path, repulsion from the others.
+Flocking around a consensus centre, thesis Eqs. (5.12)-(5.43): attraction to the centre and the path,
+repulsion from the others.
 
     leader    eta_dot = g [F_c + F_d + sum F_rep + sum F_obs] + eta_d_dot        (5.22), (5.40)
     follower  eta_dot = g [F_c (+ F_d) + sum F_rep + sum F_obs]                  (5.24)
@@ -7,15 +8,18 @@ Flocking around a consensus centre, thesis Eqs. (5.12)-(5.43): attraction to the
 
 Deviations, each behind a parameter whose default is the thesis's form:
 
-* printed (5.25), (5.43) and (6.31) give followers F_d although the text says that they do not know the path: ``followers``;
+* printed (5.25), (5.43) and (6.31) give followers F_d although the text says that they do not know the path:
+  ``followers``;
 * k_c = k_d = 1, not the 10 that the extracted text reads: only 1 gives the printed distances;
-* ``bandwidth_ratio`` g scales the whole position feedback.  A law may not be faster than its information: at the update rates of
-  acoustic modems g = 1 collides;
-* ``leader_steers: centre`` makes the leader bring its estimate of the flock's centre to the path, F_d = -k_d (c - eta_d), as the
-  text asks ("the average centre of the group will follow the desired trajectory"), instead of itself;
-* ``feedforward: flock`` gives every vehicle the flock's velocity w: the leader sets it, followers take the mean of what they and
-  their neighbours believe, so that a blind flock does not trail its leader;
-* ``correction_limit_mps`` bounds the length of the position feedback and of the leader's steering, which a hull of 190 kg needs.
+* ``bandwidth_ratio`` g scales the whole position feedback.  A law may not be faster than its information: at
+  the update rates of acoustic modems g = 1 collides;
+* ``leader_steers: centre`` makes the leader bring its estimate of the flock's centre to the path, F_d = -k_d
+  (c - eta_d), as the text asks ("the average centre of the group will follow the desired trajectory"),
+  instead of itself;
+* ``feedforward: flock`` gives every vehicle the flock's velocity w: the leader sets it, followers take the
+  mean of what they and their neighbours believe, so that a blind flock does not trail its leader;
+* ``correction_limit_mps`` bounds the length of the position feedback and of the leader's steering, which a
+  hull of 190 kg needs.
 """
 
 from __future__ import annotations
@@ -26,7 +30,6 @@ from typing import Protocol
 
 from auv_core.geometry import Vec3, limited
 from auv_core.params import param
-
 from auv_flocking.flocking import PathPoint, View
 
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
@@ -41,8 +44,12 @@ class Params:
     path_gain_ps: float = param("gain k_d towards the path (1/s)", default=1.0, minimum=0.0)
     bandwidth_ratio: float = param("factor g on the position feedback", default=1.0, above=0.0, maximum=1.0)
     followers: str = param("whether followers feel the path", default="printed", choices=("printed", "blind"))
-    leader_steers: str = param("what a leader brings to the path", default="itself", choices=("itself", "centre"))
-    feedforward: str = param("who is given which velocity ahead", default="leader", choices=("leader", "flock"))
+    leader_steers: str = param(
+        "what a leader brings to the path", default="itself", choices=("itself", "centre")
+    )
+    feedforward: str = param(
+        "who is given which velocity ahead", default="leader", choices=("leader", "flock")
+    )
     correction_limit_mps: float = param(
         "longest position feedback, and longest steering of a leader (m/s)", default=1e9, above=0.0
     )

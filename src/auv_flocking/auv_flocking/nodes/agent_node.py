@@ -1,9 +1,18 @@
-"""ROS node of one agent: takes its navigation and its modem's inbox, publishes a command and what it hands to the modem."""
+"""
+ROS node of one agent: takes its navigation and its modem's inbox, publishes a command and what it hands to
+the modem.
+"""
 
 from __future__ import annotations
 
 import math
 from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
+from nav_msgs.msg import Path
+from rclpy.node import Node
+from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
 from auv_core.geometry import Vec3
@@ -13,14 +22,15 @@ from auv_core.messages import VehicleState as State
 from auv_core.node_main import EVERY_TICK, LATCHED, Audience, Rendezvous, main_loop, now_s, steady_timer
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
-from auv_msgs.msg import AcousticInbox, AcousticOutbox, FlockingCentre, NeighbourEstimate, NeighbourEstimates, VehicleState
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
-from nav_msgs.msg import Path
-from rclpy.node import Node
-from visualization_msgs.msg import MarkerArray
-
 from auv_flocking.agent import Agent, AgentConfig
+from auv_msgs.msg import (
+    AcousticInbox,
+    AcousticOutbox,
+    FlockingCentre,
+    NeighbourEstimate,
+    NeighbourEstimates,
+    VehicleState,
+)
 
 _DIAGNOSTIC_TICKS = 10
 _OLD_S = 10.0
@@ -32,7 +42,7 @@ class AgentNode(Node):
     """One `Agent` behind topics."""
 
     def __init__(self) -> None:
-        super().__init__('agent_node')
+        super().__init__("agent_node")
         run = declare_config(self, RunConfig)
         self._config = declare_config(self, AgentConfig)
         self._ticks = TickClock(run, self._config.period_s, now_s(self))
@@ -44,24 +54,24 @@ class AgentNode(Node):
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
 
     def _connect(self) -> None:
-        command = (TwistStamped, 'cmd_vel') if self._agent.takes_velocity else (WrenchStamped, 'cmd_wrench')
+        command = (TwistStamped, "cmd_vel") if self._agent.takes_velocity else (WrenchStamped, "cmd_wrench")
         self._command_pub = self.create_publisher(*command, EVERY_TICK)
-        self._outbox_pub = self.create_publisher(AcousticOutbox, 'acoustic/tx', EVERY_TICK)
-        self._reference_pub = self.create_publisher(TwistStamped, 'reference', EVERY_TICK)
-        self._centre_pub = self.create_publisher(FlockingCentre, 'flocking_centre', EVERY_TICK)
-        self._neighbours_pub = self.create_publisher(NeighbourEstimates, 'neighbours', EVERY_TICK)
-        self._marker_pub = self.create_publisher(MarkerArray, '/markers', EVERY_TICK)
-        self._diagnostics_pub = self.create_publisher(DiagnosticArray, '/diagnostics', EVERY_TICK)
-        self._path_pub = self.create_publisher(Path, 'path', LATCHED) if self._config.is_leader else None
-        self.create_subscription(VehicleState, 'nav', self._on_nav, EVERY_TICK)
-        self.create_subscription(AcousticInbox, 'acoustic/rx', self._on_inbox, EVERY_TICK)
+        self._outbox_pub = self.create_publisher(AcousticOutbox, "acoustic/tx", EVERY_TICK)
+        self._reference_pub = self.create_publisher(TwistStamped, "reference", EVERY_TICK)
+        self._centre_pub = self.create_publisher(FlockingCentre, "flocking_centre", EVERY_TICK)
+        self._neighbours_pub = self.create_publisher(NeighbourEstimates, "neighbours", EVERY_TICK)
+        self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
+        self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
+        self._path_pub = self.create_publisher(Path, "path", LATCHED) if self._config.is_leader else None
+        self.create_subscription(VehicleState, "nav", self._on_nav, EVERY_TICK)
+        self.create_subscription(AcousticInbox, "acoustic/rx", self._on_inbox, EVERY_TICK)
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
-        recorder = {'/recorder_node'} if run.recorded else set()
-        vehicle = f'{self.get_namespace().rstrip("/")}/vehicle_node'
+        recorder = {"/recorder_node"} if run.recorded else set()
+        vehicle = f"{self.get_namespace().rstrip('/')}/vehicle_node"
         listeners: dict[Any, set[str]] = {
             self._command_pub: {vehicle},
-            self._outbox_pub: {'/acoustic_relay_node'},
+            self._outbox_pub: {"/acoustic_relay_node"},
             self._reference_pub: set(),
             self._centre_pub: set(),
             self._neighbours_pub: set(),
@@ -99,7 +109,9 @@ class AgentNode(Node):
         if not self._navs or tick < self._tick or tick < 0:
             return
         nav = self._navs[max(self._navs)]
-        receptions: list[Reception] = [r for key in sorted(self._inboxes) for r in self._inboxes[key].receptions]
+        receptions: list[Reception] = [
+            r for key in sorted(self._inboxes) for r in self._inboxes[key].receptions
+        ]
         ready = [key for key, inbox in self._inboxes.items() if inbox.transmit_ready]
         self._navs = {nav.tick: nav}
         self._inboxes = {}
@@ -144,12 +156,14 @@ class AgentNode(Node):
     def _markers(self, tick: int) -> list[Any]:
         t_s = self._ticks.stamp_s(tick)
         name = self._config.vehicle_id
-        markers = [sphere(f'{name} centre', 0, t_s, self._agent.centre, 0.15, (0.9, 0.2, 0.6, 1.0))]
+        markers = [sphere(f"{name} centre", 0, t_s, self._agent.centre, 0.15, (0.9, 0.2, 0.6, 1.0))]
         if self._config.is_leader:
-            markers.append(lines(f'{name} path', 0, t_s, self._path_points(), (0.3, 0.9, 0.3, 1.0), joined=True))
+            markers.append(
+                lines(f"{name} path", 0, t_s, self._path_points(), (0.3, 0.9, 0.3, 1.0), joined=True)
+            )
             for number, (obstacle, safety_distance_m) in enumerate(self._config.obstacles):
                 colour = (0.9, 0.3, 0.2, 0.25)
-                markers.append(sphere('obstacles', number, t_s, obstacle, 2.0 * safety_distance_m, colour))
+                markers.append(sphere("obstacles", number, t_s, obstacle, 2.0 * safety_distance_m, colour))
         return markers
 
     def _diagnostics(self, t_s: float) -> DiagnosticArray:
@@ -159,16 +173,16 @@ class AgentNode(Node):
         quiet = missing > 0 or (self._config.fleet_size > 1 and oldest_s > _OLD_S)
         status = DiagnosticStatus(
             level=DiagnosticStatus.WARN if quiet else DiagnosticStatus.OK,
-            name=f'{self._config.vehicle_id}/agent_node: neighbours',
-            message=f'{missing} not heard' if missing else f'oldest packet {oldest_s:.1f} s',
+            name=f"{self._config.vehicle_id}/agent_node: neighbours",
+            message=f"{missing} not heard" if missing else f"oldest packet {oldest_s:.1f} s",
             hardware_id=self._config.vehicle_id,
             values=[
-                KeyValue(key='neighbours', value=str(len(agent.neighbours))),
-                KeyValue(key='oldest_packet_s', value=f'{oldest_s:.3f}'),
-                KeyValue(key='packets_rejected', value=str(agent.rejected)),
+                KeyValue(key="neighbours", value=str(len(agent.neighbours))),
+                KeyValue(key="oldest_packet_s", value=f"{oldest_s:.3f}"),
+                KeyValue(key="packets_rejected", value=str(agent.rejected)),
             ],
         )
-        return DiagnosticArray(header=convert.header(t_s, ''), status=[status])
+        return DiagnosticArray(header=convert.header(t_s, ""), status=[status])
 
     def _path_points(self) -> list[Vec3]:
         span_s = self._agent.path_period_s or _PATH_SPAN_S
@@ -189,5 +203,5 @@ def main() -> None:
     raise SystemExit(main_loop(lambda: [AgentNode()]))
 
 
-if __name__ == '__main__':
+if __name__ == "__main__":
     main()

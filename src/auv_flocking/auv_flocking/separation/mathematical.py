@@ -1,10 +1,11 @@
 """
 Potential-function separation, thesis Eqs. (5.26)-(5.28).
 
-U(r) = log(r^2 / d) + d^2 / r^2; its negative gradient for the vehicle at distance r is 2 (own - other) (d^2 - r^2) / r^4.
+U(r) = log(r^2 / d) + d^2 / r^2; its negative gradient for the vehicle at distance r is 2 (own - other) (d^2
+- r^2) / r^4.
 
-Deviation: printed without a cut-off the law attracts for r > d, against the text ("at a certain maximum distance the repulsive
-potential becomes zero"); here it is zero for r >= d.
+Deviation: printed without a cut-off the law attracts for r > d, against the text ("at a certain maximum
+distance the repulsive potential becomes zero"); here it is zero for r >= d.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ class Separation:
 
     def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
         """
-        Return the repulsive velocity (m/s; NED); zero at and beyond `spacing_m`, and at r = 0, where it has no direction.
+        Return the repulsive velocity (m/s; NED); zero at and beyond `spacing_m`, and at r = 0, where it has
+        no direction.
 
         Parameters
         ----------

@@ -1,9 +1,10 @@
 """
 The acoustic medium: everything between the vehicles' modems.
 
-The medium is asked once per control period: what arrives now (`deliver`), who may transmit (`ready`), and what is handed over
-(`transmit`).  Inside the period it works on continuous time: a transmission starts at its medium-access opportunity, ends after
-its airtime, and is heard range over sound speed later; it can be delivered from the next tick on.
+The medium is asked once per control period: what arrives now (`deliver`), who may transmit (`ready`), and
+what is handed over (`transmit`).  Inside the period it works on continuous time: a transmission starts at
+its medium-access opportunity, ends after its airtime, and is heard range over sound speed later; it can be
+delivered from the next tick on.
 """
 
 from __future__ import annotations
@@ -62,14 +63,16 @@ class AcousticMedium:
     """
     Carry packets between modems with delay and loss.
 
-    The same configuration and the same calls give the same deliveries: no clock, and every random number is fixed by (seed,
-    purpose, source, destination, sequence).
+    The same configuration and the same calls give the same deliveries: no clock, and every random number is
+    fixed by (seed, purpose, source, destination, sequence).
     """
 
     def __init__(self, config: MediumConfig) -> None:
         self._period_s = config.period_s
         self._addresses = range(1, config.fleet_size + 1)
-        self._propagation = find_plugin(PROPAGATION, config.propagation.kind).Propagation(config.propagation.params)
+        self._propagation = find_plugin(PROPAGATION, config.propagation.kind).Propagation(
+            config.propagation.params
+        )
         self._modem = find_plugin(MODEM, config.modem.kind).Modem(config.modem.params)
         self._mac = find_plugin(MAC, config.mac.kind).Mac(config.mac.params, config.fleet_size)
         self._outage = find_plugin(OUTAGE, config.outage.kind).Outage(config.outage.params, config.seed)
@@ -117,14 +120,18 @@ class AcousticMedium:
             if arrival_s > t_s + 1e-9:
                 waiting.append(flight)
             else:
-                arrived[flight.destination].append(Reception(flight.packet, flight.sent_s, arrival_s, math.nan))
+                arrived[flight.destination].append(
+                    Reception(flight.packet, flight.sent_s, arrival_s, math.nan)
+                )
                 self.links[flight.packet.source, flight.destination].delivered += 1
         self._flights = waiting
         return [
             Inbox(
                 tick,
                 self._mac.opportunity_s(address, tick, self._period_s) is not None,
-                tuple(sorted(arrived[address], key=lambda r: (r.arrival_s, r.packet.source, r.packet.sequence))),
+                tuple(
+                    sorted(arrived[address], key=lambda r: (r.arrival_s, r.packet.source, r.packet.sequence))
+                ),
             )
             for address in self._addresses
         ]
@@ -148,17 +155,22 @@ class AcousticMedium:
         """
         for source in sorted(packets):
             if len(packets[source]) > 1:
-                raise ValueError(f"modem {source} got {len(packets[source])} packets in one tick; it takes one at a time")
+                raise ValueError(
+                    f"modem {source} got {len(packets[source])} packets in one tick; it takes one at a time"
+                )
             for packet in packets[source]:
                 self._send(packet, positions)
 
     def _send(self, packet: Packet, positions: Sequence[Vec3]) -> None:
         start_s = self._mac.opportunity_s(packet.source, packet.tick, self._period_s)
         if start_s is None:
-            raise ValueError(f"modem {packet.source} was handed a packet in tick {packet.tick}, where it may not transmit")
+            raise ValueError(
+                f"modem {packet.source} was handed a packet in tick {packet.tick}, where it may not transmit"
+            )
         if len(packet.payload) > self._modem.max_payload_bytes:
             raise ValueError(
-                f"modem {packet.source} was handed {len(packet.payload)} bytes; it takes {self._modem.max_payload_bytes}"
+                f"modem {packet.source} was handed {len(packet.payload)} bytes; "
+                f"it takes {self._modem.max_payload_bytes}"
             )
         end_s = start_s + self._modem.airtime_s(len(packet.payload))
         origin = positions[packet.source - 1]

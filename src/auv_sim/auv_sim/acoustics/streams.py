@@ -1,4 +1,7 @@
-"""Random numbers that belong to an event: the same (seed, purpose, source, destination, sequence) gives the same number."""
+"""
+Random numbers that belong to an event: the same (seed, purpose, source, destination, sequence) gives the
+same number.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,10 @@ class Purpose(enum.IntEnum):
 
 
 def uniform(seed: int, purpose: Purpose, source: int, destination: int, sequence: int) -> float:
-    """Return a number uniform on [0, 1), fixed by its arguments on every machine (NumPy's SeedSequence hash)."""
-    words = np.random.SeedSequence((seed, int(purpose), source, destination, sequence)).generate_state(1, np.uint64)
+    """
+    Return a number uniform on [0, 1), fixed by its arguments on every machine (NumPy's SeedSequence hash).
+    """
+    words = np.random.SeedSequence((seed, int(purpose), source, destination, sequence)).generate_state(
+        1, np.uint64
+    )
     return float(words[0] >> np.uint64(11)) * 2.0**-53

@@ -1,8 +1,10 @@
 """
-ROS node of the acoustic medium; in one process with the clock node, since together they are the lock-step barrier.
+ROS node of the acoustic medium; in one process with the clock node, since together they are the lock-step
+barrier.
 
-In lock-step a tick is done when every agent has handed over its packets and every vehicle has published its next state; in real
-time the medium is asked at every control period of the wall clock.  A vehicle that the run goes on without drifts on here.
+In lock-step a tick is done when every agent has handed over its packets and every vehicle has published its
+next state; in real time the medium is asked at every control period of the wall clock.  A vehicle that the
+run goes on without drifts on here.
 """
 
 from __future__ import annotations
@@ -12,6 +14,10 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
 from auv_core.geometry import Vec3
@@ -23,10 +29,6 @@ from auv_core.params import param
 from auv_core.run_config import RunConfig, TickClock
 from auv_msgs.msg import AcousticInbox, AcousticLinkStats, AcousticOutbox, AcousticStats
 from auv_msgs.msg import VehicleState as VehicleStateMsg
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rclpy.node import Node
-from visualization_msgs.msg import MarkerArray
-
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
 from auv_sim.barrier import Barrier
 from auv_sim.nodes.clock_node import ClockNode, WatchConfig
@@ -39,19 +41,19 @@ _STATS_TICKS = 10
 class FleetConfig:
     """Names of the vehicles."""
 
-    vehicle_ids: tuple[str, ...] = param('names of the vehicles in the order of their acoustic addresses')
+    vehicle_ids: tuple[str, ...] = param("names of the vehicles in the order of their acoustic addresses")
 
     def __post_init__(self) -> None:
         """Refuse an empty fleet."""
         if not self.vehicle_ids:
-            raise ValueError('vehicle_ids: an empty list is not allowed; allowed: one name per modem')
+            raise ValueError("vehicle_ids: an empty list is not allowed; allowed: one name per modem")
 
 
 class AcousticRelayNode(Node):
     """The `AcousticMedium` behind topics; `clock` is the clock node of the same process."""
 
     def __init__(self) -> None:
-        super().__init__('acoustic_relay_node')
+        super().__init__("acoustic_relay_node")
         run = declare_config(self, RunConfig)
         medium = declare_config(self, MediumConfig)
         watch = declare_config(self, WatchConfig)
@@ -68,35 +70,49 @@ class AcousticRelayNode(Node):
         self._links: list[tuple[int, int, int]] = []
         self._adrift: dict[int, Vehicle] = {}
         self._hulls: dict[int, VehicleConfig] = {}
-        if watch.on_vehicle_loss == 'continue':
-            self._hulls = {i: declare_config(self, VehicleConfig, f'hulls.{name}.') for i, name in enumerate(self._ids)}
+        if watch.on_vehicle_loss == "continue":
+            self._hulls = {
+                i: declare_config(self, VehicleConfig, f"hulls.{name}.") for i, name in enumerate(self._ids)
+            }
         self.clock = ClockNode(
-            watch, self._ticks, fleet_size=len(self._ids), recorded=run.recorded, awaited=self._awaited, drop=self._drop
+            watch,
+            self._ticks,
+            fleet_size=len(self._ids),
+            recorded=run.recorded,
+            awaited=self._awaited,
+            drop=self._drop,
         )
         self.clock.on_room = self._try_advance
         self._connect()
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
 
     def _connect(self) -> None:
-        self._rx_pubs = [self.create_publisher(AcousticInbox, f'/{name}/acoustic/rx', EVERY_TICK) for name in self._ids]
+        self._rx_pubs = [
+            self.create_publisher(AcousticInbox, f"/{name}/acoustic/rx", EVERY_TICK) for name in self._ids
+        ]
         self._hull_pubs = {
-            i: self.create_publisher(VehicleStateMsg, f'/{self._ids[i]}/state', EVERY_TICK) for i in self._hulls
+            i: self.create_publisher(VehicleStateMsg, f"/{self._ids[i]}/state", EVERY_TICK)
+            for i in self._hulls
         }
-        self._stats_pub = self.create_publisher(AcousticStats, '/acoustic/stats', EVERY_TICK)
-        self._marker_pub = self.create_publisher(MarkerArray, '/markers', EVERY_TICK)
-        self._diagnostics_pub = self.create_publisher(DiagnosticArray, '/diagnostics', EVERY_TICK)
+        self._stats_pub = self.create_publisher(AcousticStats, "/acoustic/stats", EVERY_TICK)
+        self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
+        self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
         for index, name in enumerate(self._ids):
-            self.create_subscription(VehicleStateMsg, f'/{name}/state', partial(self._on_state, index), EVERY_TICK)
-            self.create_subscription(AcousticOutbox, f'/{name}/acoustic/tx', partial(self._on_outbox, index), EVERY_TICK)
+            self.create_subscription(
+                VehicleStateMsg, f"/{name}/state", partial(self._on_state, index), EVERY_TICK
+            )
+            self.create_subscription(
+                AcousticOutbox, f"/{name}/acoustic/tx", partial(self._on_outbox, index), EVERY_TICK
+            )
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
-        recorder = {'/recorder_node'} if run.recorded else set()
+        recorder = {"/recorder_node"} if run.recorded else set()
         publishers = [self._stats_pub, self._marker_pub, self._diagnostics_pub, *self._hull_pubs.values()]
         if self._ticks.lockstep:
             publishers.append(self.clock.clock_pub)
         audiences = [Audience(publisher, frozenset(recorder)) for publisher in publishers]
         for name, publisher in zip(self._ids, self._rx_pubs, strict=True):
-            audiences.append(Audience(publisher, frozenset(recorder | {f'/{name}/agent_node'})))
+            audiences.append(Audience(publisher, frozenset(recorder | {f"/{name}/agent_node"})))
         return audiences
 
     def _start(self) -> None:
@@ -108,7 +124,7 @@ class AcousticRelayNode(Node):
     def _on_state(self, index: int, message: VehicleStateMsg) -> None:
         if index in self._adrift:
             return
-        self._heard_at_s['vehicle_node', index] = time.monotonic()
+        self._heard_at_s["vehicle_node", index] = time.monotonic()
         if not self._ticks.lockstep:
             self._states[index] = convert.state_from_msg(message)
         elif self._barrier.state(index, message.tick):
@@ -116,7 +132,7 @@ class AcousticRelayNode(Node):
             self._try_advance()
 
     def _on_outbox(self, index: int, message: AcousticOutbox) -> None:
-        self._heard_at_s['agent_node', index] = time.monotonic()
+        self._heard_at_s["agent_node", index] = time.monotonic()
         packets = [convert.packet_from_msg(packet) for packet in message.packets]
         if not self._ticks.lockstep:
             self._transmit({index + 1: packets})
@@ -164,7 +180,7 @@ class AcousticRelayNode(Node):
         try:
             self._medium.transmit(packets, self._positions())
         except ValueError as error:
-            self.get_logger().error(f'{error}: not sent')
+            self.get_logger().error(f"{error}: not sent")
 
     def _positions(self) -> list[Vec3]:
         return [self._states[index].position for index in range(len(self._ids))]
@@ -177,11 +193,16 @@ class AcousticRelayNode(Node):
         return [self._node_name(role, index) for role, index in self._silent()]
 
     def _node_name(self, role: str, index: int) -> str:
-        return f'/{self._ids[index]}/{role}'
+        return f"/{self._ids[index]}/{role}"
 
     def _silent(self) -> list[tuple[str, int]]:
         now = time.monotonic()
-        everybody = [(role, i) for i in range(len(self._ids)) if i not in self._adrift for role in ('agent_node', 'vehicle_node')]
+        everybody = [
+            (role, i)
+            for i in range(len(self._ids))
+            if i not in self._adrift
+            for role in ("agent_node", "vehicle_node")
+        ]
         return [key for key in everybody if now - self._heard_at_s.get(key, -math.inf) > self._timeout_s]
 
     def _drop(self) -> list[str]:
@@ -212,17 +233,17 @@ class AcousticRelayNode(Node):
             for (source, destination), counters in sorted(self._medium.links.items())
         ]
         t_s = self._ticks.stamp_s(tick)
-        self._stats_pub.publish(AcousticStats(header=convert.header(t_s, ''), links=links))
+        self._stats_pub.publish(AcousticStats(header=convert.header(t_s, ""), links=links))
         sent, delivered = sum(link.sent for link in links), sum(link.delivered for link in links)
         ratio = delivered / sent if sent else math.nan
         status = DiagnosticStatus(
             level=DiagnosticStatus.WARN if sent and not delivered else DiagnosticStatus.OK,
-            name='acoustic_relay_node: links',
-            message=f'{delivered} of {sent} receptions' if sent else 'nothing sent yet',
-            hardware_id='acoustic medium',
-            values=[KeyValue(key='delivery_ratio', value=f'{ratio:.4f}')],
+            name="acoustic_relay_node: links",
+            message=f"{delivered} of {sent} receptions" if sent else "nothing sent yet",
+            hardware_id="acoustic medium",
+            values=[KeyValue(key="delivery_ratio", value=f"{ratio:.4f}")],
         )
-        self._diagnostics_pub.publish(DiagnosticArray(header=convert.header(t_s, ''), status=[status]))
+        self._diagnostics_pub.publish(DiagnosticArray(header=convert.header(t_s, ""), status=[status]))
 
     def _publish_markers(self, tick: int) -> None:
         t_s = self._ticks.stamp_s(tick)
@@ -230,10 +251,12 @@ class AcousticRelayNode(Node):
         ends: list[Vec3] = []
         for _, source, destination in self._links:
             ends += [self._states[source].position, self._states[destination].position]
-        markers = [lines('acoustic links', 0, t_s, ends, LINK, joined=False)]
+        markers = [lines("acoustic links", 0, t_s, ends, LINK, joined=False)]
         for index in sorted(self._adrift):
             diameter_m = 2.0 * self._hulls[index].model.params.hull_radius_m
-            markers.append(sphere(self._ids[index], 0, t_s, self._states[index].position, diameter_m, LOST_HULL))
+            markers.append(
+                sphere(self._ids[index], 0, t_s, self._states[index].position, diameter_m, LOST_HULL)
+            )
         self._marker_pub.publish(MarkerArray(markers=markers))
 
 
@@ -247,5 +270,5 @@ def main() -> None:
     raise SystemExit(main_loop(_make_nodes))
 
 
-if __name__ == '__main__':
+if __name__ == "__main__":
     main()

@@ -10,14 +10,15 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from tf2_msgs.msg import TFMessage
+
 from auv_core import conversions as convert
 from auv_core.node_main import EVERY_TICK, LATCHED, steady_timer
 from auv_core.params import param
 from auv_core.run_config import TickClock
 from auv_msgs.msg import FlockStatus, RecorderStatus
-from rclpy.node import Node
-from rosgraph_msgs.msg import Clock
-from tf2_msgs.msg import TFMessage
 
 _STATUS_S = 0.2
 _GRACE_S = 2.0
@@ -28,10 +29,12 @@ _RECORDER_LEAD_TICKS = 200
 class WatchConfig:
     """Length of the run, and how long silence is borne."""
 
-    duration_ticks: int = param('length of the run (control periods)', minimum=1)
-    on_vehicle_loss: str = param('when a vehicle falls silent', default='stop', choices=('stop', 'continue'))
-    answer_timeout_s: float = param('silence after which a node counts as lost (s, wall)', default=3.0, above=0.0)
-    start_timeout_s: float = param('the same before the first tick (s, wall)', default=60.0, above=0.0)
+    duration_ticks: int = param("length of the run (control periods)", minimum=1)
+    on_vehicle_loss: str = param("when a vehicle falls silent", default="stop", choices=("stop", "continue"))
+    answer_timeout_s: float = param(
+        "silence after which a node counts as lost (s, wall)", default=3.0, above=0.0
+    )
+    start_timeout_s: float = param("the same before the first tick (s, wall)", default=60.0, above=0.0)
 
 
 class ClockNode(Node):
@@ -65,7 +68,7 @@ class ClockNode(Node):
         awaited: Callable[[], list[str]],
         drop: Callable[[], list[str]],
     ) -> None:
-        super().__init__('clock_node')
+        super().__init__("clock_node")
         self._watch = watch
         self._ticks = ticks
         self._fleet_size = fleet_size
@@ -73,18 +76,18 @@ class ClockNode(Node):
         self._awaited = awaited
         self._drop = drop
         self._state = FlockStatus.WAITING
-        self._detail = ''
+        self._detail = ""
         self._tick = 0
         self._recorded_ticks = 0
         self._lost: list[str] = []
         self._moved_at_s = time.monotonic()
-        self._ended_at_s = float('inf')
+        self._ended_at_s = float("inf")
         self.exit_code = 0
-        self.clock_pub = self.create_publisher(Clock, '/clock', EVERY_TICK)
-        self._status_pub = self.create_publisher(FlockStatus, '/flock/status', LATCHED)
-        self._static_pub = self.create_publisher(TFMessage, '/tf_static', LATCHED)
+        self.clock_pub = self.create_publisher(Clock, "/clock", EVERY_TICK)
+        self._status_pub = self.create_publisher(FlockStatus, "/flock/status", LATCHED)
+        self._static_pub = self.create_publisher(TFMessage, "/tf_static", LATCHED)
         self._static_pub.publish(TFMessage(transforms=[convert.map_to_map_ned()]))
-        self.create_subscription(RecorderStatus, '/recorder/status', self._on_recorder, EVERY_TICK)
+        self.create_subscription(RecorderStatus, "/recorder/status", self._on_recorder, EVERY_TICK)
         self.on_room: Callable[[], None] = _nothing
         steady_timer(self, _STATUS_S, self._look)
 
@@ -110,7 +113,7 @@ class ClockNode(Node):
         if self._ticks.lockstep:
             self.clock_pub.publish(Clock(clock=convert.stamp(self._ticks.stamp_s(tick))))
         if tick >= self._watch.duration_ticks:
-            self._end(FlockStatus.FINISHED, '')
+            self._end(FlockStatus.FINISHED, "")
         elif self._state != FlockStatus.RUNNING:
             self._state = FlockStatus.RUNNING
             self._publish()
@@ -133,13 +136,13 @@ class ClockNode(Node):
         still_s = time.monotonic() - self._moved_at_s
         if not awaited or ((waiting or self._ticks.lockstep) and still_s < limit_s):
             return
-        words = f'{", ".join(awaited)}: no answer for tick {self._tick} within {limit_s:g} s'
+        words = f"{', '.join(awaited)}: no answer for tick {self._tick} within {limit_s:g} s"
         self.get_logger().error(words)
         self._state = FlockStatus.STALLED
         self._detail = words
         self._publish()
-        recorder_lost = '/recorder_node' in awaited
-        if waiting or recorder_lost or self._watch.on_vehicle_loss == 'stop':
+        recorder_lost = "/recorder_node" in awaited
+        if waiting or recorder_lost or self._watch.on_vehicle_loss == "stop":
             self.exit_code = 3
             self._end(FlockStatus.ABORTED, words)
             return
@@ -148,11 +151,11 @@ class ClockNode(Node):
         self._lost += self._drop()
         if len(self._lost) == self._fleet_size:
             self.exit_code = 3
-            self._end(FlockStatus.ABORTED, 'every vehicle is lost')
+            self._end(FlockStatus.ABORTED, "every vehicle is lost")
         self.on_room()
 
     def _silent(self) -> list[str]:
-        return self._awaited() if self.has_room else ['/recorder_node']
+        return self._awaited() if self.has_room else ["/recorder_node"]
 
     def _end(self, state: str, detail: str) -> None:
         self._state = state
@@ -164,7 +167,7 @@ class ClockNode(Node):
         running = self._state == FlockStatus.RUNNING
         self._status_pub.publish(
             FlockStatus(
-                header=convert.header(self._ticks.stamp_s(self._tick), ''),
+                header=convert.header(self._ticks.stamp_s(self._tick), ""),
                 state=self._state,
                 tick=self._tick,
                 time_s=self._ticks.scenario_s(self._tick),

@@ -1,6 +1,15 @@
-"""ROS node of one simulated vehicle: takes a command, publishes the true state, its navigation, odometry, tf and a marker."""
+"""
+ROS node of one simulated vehicle: takes a command, publishes the true state, its navigation, odometry, tf
+and a marker.
+"""
 
 from __future__ import annotations
+
+from geometry_msgs.msg import TwistStamped, WrenchStamped
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
 from auv_core.markers import HULL, MARKER_TICKS, sphere
@@ -10,12 +19,6 @@ from auv_core.node_main import EVERY_TICK, Audience, Rendezvous, main_loop, now_
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
 from auv_msgs.msg import VehicleState
-from geometry_msgs.msg import TwistStamped, WrenchStamped
-from nav_msgs.msg import Odometry
-from rclpy.node import Node
-from tf2_msgs.msg import TFMessage
-from visualization_msgs.msg import MarkerArray
-
 from auv_sim.vehicle import Vehicle, VehicleConfig
 
 _CATCH_UP_TICKS = 20
@@ -25,31 +28,34 @@ class VehicleNode(Node):
     """One `Vehicle` behind topics."""
 
     def __init__(self) -> None:
-        super().__init__('vehicle_node')
+        super().__init__("vehicle_node")
         run = declare_config(self, RunConfig)
         self._config = declare_config(self, VehicleConfig)
         self._clock_ticks = TickClock(run, self._config.period_s, now_s(self))
         self._vehicle = Vehicle(self._config)
         self._command: Command | None = None
-        self._state_pub = self.create_publisher(VehicleState, 'state', EVERY_TICK)
-        self._nav_pub = self.create_publisher(VehicleState, 'nav', EVERY_TICK)
-        self._odom_pub = self.create_publisher(Odometry, 'odom', EVERY_TICK)
-        self._tf_pub = self.create_publisher(TFMessage, '/tf', EVERY_TICK)
-        self._marker_pub = self.create_publisher(MarkerArray, '/markers', EVERY_TICK)
+        self._state_pub = self.create_publisher(VehicleState, "state", EVERY_TICK)
+        self._nav_pub = self.create_publisher(VehicleState, "nav", EVERY_TICK)
+        self._odom_pub = self.create_publisher(Odometry, "odom", EVERY_TICK)
+        self._tf_pub = self.create_publisher(TFMessage, "/tf", EVERY_TICK)
+        self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
         if self._vehicle.takes_velocity:
-            self.create_subscription(TwistStamped, 'cmd_vel', self._on_command, EVERY_TICK)
+            self.create_subscription(TwistStamped, "cmd_vel", self._on_command, EVERY_TICK)
         else:
-            self.create_subscription(WrenchStamped, 'cmd_wrench', self._on_command, EVERY_TICK)
+            self.create_subscription(WrenchStamped, "cmd_wrench", self._on_command, EVERY_TICK)
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
-        recorder = {'/recorder_node'} if run.recorded else set()
-        agent = f'{self.get_namespace().rstrip("/")}/agent_node'
-        listeners = {self._state_pub: {'/acoustic_relay_node'}, self._nav_pub: {agent}}
+        recorder = {"/recorder_node"} if run.recorded else set()
+        agent = f"{self.get_namespace().rstrip('/')}/agent_node"
+        listeners = {self._state_pub: {"/acoustic_relay_node"}, self._nav_pub: {agent}}
         publishers = (self._state_pub, self._nav_pub, self._odom_pub, self._tf_pub, self._marker_pub)
         if not self._clock_ticks.lockstep:
             return [Audience(publisher, frozenset(recorder)) for publisher in publishers]
-        return [Audience(publisher, frozenset(listeners.get(publisher, set()) | recorder)) for publisher in publishers]
+        return [
+            Audience(publisher, frozenset(listeners.get(publisher, set()) | recorder))
+            for publisher in publishers
+        ]
 
     def _start(self) -> None:
         self._publish(self._vehicle.state)
@@ -60,13 +66,15 @@ class VehicleNode(Node):
         try:
             self._command = convert.command_from_msg(message)
         except ValueError as error:
-            self.get_logger().error(f'{error}; the actuators rest', throttle_duration_sec=1.0)
+            self.get_logger().error(f"{error}; the actuators rest", throttle_duration_sec=1.0)
             self._command = None
         if not self._clock_ticks.lockstep:
             return
         tick = self._clock_ticks.tick_of_stamp(convert.stamp_s(message.header.stamp))
         if tick != self._vehicle.state.tick:
-            self.get_logger().warning(f'a command for tick {tick}, but this is tick {self._vehicle.state.tick}: not used')
+            self.get_logger().warning(
+                f"a command for tick {tick}, but this is tick {self._vehicle.state.tick}: not used"
+            )
             return
         self._publish(self._vehicle.step(self._command))
 
@@ -87,7 +95,9 @@ class VehicleNode(Node):
         self._tf_pub.publish(TFMessage(transforms=[convert.state_to_transform(state, t_s, vehicle_id)]))
         if state.tick % MARKER_TICKS == 0:
             diameter_m = 2.0 * self._config.model.params.hull_radius_m
-            self._marker_pub.publish(MarkerArray(markers=[sphere(vehicle_id, 0, t_s, state.position, diameter_m, HULL)]))
+            self._marker_pub.publish(
+                MarkerArray(markers=[sphere(vehicle_id, 0, t_s, state.position, diameter_m, HULL)])
+            )
 
 
 def main() -> None:
@@ -95,5 +105,5 @@ def main() -> None:
     raise SystemExit(main_loop(lambda: [VehicleNode()]))
 
 
-if __name__ == '__main__':
+if __name__ == "__main__":
     main()

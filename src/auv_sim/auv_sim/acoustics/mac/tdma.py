@@ -26,7 +26,8 @@ class Mac:
         """Return the start (s) of the first own slot that begins in the control period, or None."""
         cycle_s = self._slot_s * self._fleet_size
         offset_s = self._slot_s * (address - 1)
-        # A nanosecond of slack, so that a slot that begins on a tick belongs to that tick whatever the rounding.
+        # A nanosecond of slack, so that a slot that begins on a tick belongs to that tick whatever the
+        # rounding.
         cycle = math.ceil((tick * period_s - offset_s - 1e-9) / cycle_s)
         start_s = max(cycle, 0) * cycle_s + offset_s
         return start_s if start_s < (tick + 1) * period_s - 1e-9 else None
@@ -35,5 +36,6 @@ class Mac:
         """Raise ValueError when a transmission is longer than the slot."""
         if airtime_s >= self._slot_s:
             raise ValueError(
-                f"slot_s: {self._slot_s!r} is not allowed; allowed: longer than a report's airtime of {airtime_s:.3f} s"
+                f"slot_s: {self._slot_s!r} is not allowed; "
+                f"allowed: longer than a report's airtime of {airtime_s:.3f} s"
             )
