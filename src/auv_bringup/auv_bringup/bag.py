@@ -5,13 +5,15 @@ Works without ROS and without the build: message types come from the definitions
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import yaml
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.serde import SerdeError
+from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from auv_bringup.bag_writer import METADATA_FILE, BagError
@@ -100,14 +102,15 @@ class Bag:
 
     def decode(self, message: RecordedMessage) -> Any:
         """Return a message as an object with the fields of its definition."""
-        return self.typestore.deserialize_cdr(message.data, message.type_name)
-
-    @property
-    def typestore(self) -> Typestore:
-        """The bag's own message types, as the rosbags library holds them."""
-        if self._typestore is None:
-            self._typestore = _typestore(self.topics.values())
-        return self._typestore
+        try:
+            if self._typestore is None:
+                self._typestore = _typestore(self.topics.values())
+            return self._typestore.deserialize_cdr(message.data, message.type_name)
+        except (SerdeError, TypesysError, struct.error, ValueError, LookupError) as error:
+            reason = " ".join(str(error).split())
+            raise BagError(
+                f"{self.folder}: a message of {message.topic} cannot be decoded ({reason})"
+            ) from None
 
     def _find_topics(self) -> dict[str, RecordedTopic]:
         """Collect the topics of all files."""
@@ -119,9 +122,9 @@ class Bag:
                 found[channel.topic] = RecordedTopic(
                     name=channel.topic,
                     type_name=schema.name,
-                    definition=schema.data.decode(),
+                    definition=schema.data.decode(errors="replace"),
                     type_hash=channel.metadata.get("topic_type_hash", ""),
-                    offered_qos=tuple(yaml.safe_load(channel.metadata.get("offered_qos_profiles", "")) or ()),
+                    offered_qos=_offered_qos(channel.metadata.get("offered_qos_profiles", "")),
                 )
         return dict(sorted(found.items()))
 
@@ -134,6 +137,15 @@ def _typestore(topics: Collection[RecordedTopic]) -> Typestore:
         types.update(get_types_from_msg(definition, name))
     store.register(types)
     return store
+
+
+def _offered_qos(text: str) -> tuple[dict[str, Any], ...]:
+    """Return the QoS profiles that a channel names; none where they cannot be read."""
+    try:
+        profiles = yaml.safe_load(text)
+    except yaml.YAMLError:
+        return ()
+    return tuple(each for each in profiles if isinstance(each, dict)) if isinstance(profiles, list) else ()
 
 
 def _find_files(path: Path) -> list[Path]:

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from auv_bringup.bag_writer import BagWriter, Qos, Topic
-from auv_bringup.message_definitions import load_message_type, read_stamp_ns, stamp_offset
+from auv_bringup.message_definitions import MessageType, load_message_type, read_stamp_ns, stamp_offset
 from auv_bringup.recorded_topics import CLOCK_TOPIC, TopicSpec
 
 
@@ -28,11 +28,19 @@ class BagRecorder:
         The bag, empty.
     offered_qos
         Returns the QoS that the publishers of a topic offer; asked when its first message comes.
+    describe
+        Returns what a bag says of a message type, by its name.
     """
 
-    def __init__(self, writer: BagWriter, offered_qos: Callable[[str], tuple[Qos, ...]]) -> None:
+    def __init__(
+        self,
+        writer: BagWriter,
+        offered_qos: Callable[[str], tuple[Qos, ...]],
+        describe: Callable[[str], MessageType] = load_message_type,
+    ) -> None:
         self._writer = writer
         self._offered_qos = offered_qos
+        self._describe = describe
         self._first_ns: int | None = None
         self._now_ns = 0
         self._untimed: list[tuple[int, bytes]] = []
@@ -54,7 +62,7 @@ class BagRecorder:
         DefinitionError
             If the message type is not installed.
         """
-        message_type = load_message_type(spec.type_name)
+        message_type = self._describe(spec.type_name)
         offset = stamp_offset(message_type.definition) if spec.stamped else None
         is_clock = spec.name == CLOCK_TOPIC
         channel = 0

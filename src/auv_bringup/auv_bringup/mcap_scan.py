@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import mmap
 import struct
-import zlib
 from bisect import bisect_right
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from io import BytesIO
 from operator import itemgetter
@@ -88,15 +88,14 @@ class McapScan:
         if self.complete and self.channels:
             return
         for block in self._blocks:
-            for _ in self._messages_of(block, frozenset()):
-                pass
+            self.messages_of(block, frozenset())
 
     def blocks(self) -> Sequence[_Block]:
         """Return the blocks in the order of the file."""
         return self._blocks
 
     def messages_of(self, block: _Block, topics: Collection[str] | None) -> list[ScannedMessage]:
-        """Return the messages of one block in the order of the file.
+        """Return the messages of one block in the order of the file, and learn the channels in it.
 
         Parameters
         ----------
@@ -105,44 +104,38 @@ class McapScan:
         topics
             Names to keep; None keeps all.
         """
-        return list(self._messages_of(block, topics))
+        with self._damage_reported(block.start):
+            body = self._bytes[block.start : block.stop]
+            if block.opcode == Opcode.MESSAGE:
+                return list(self._select(body, [(block.opcode, 0, len(body))], topics))
+            data = _unpack(body)
+            return list(self._select(data, _records(data, 0, len(data)), topics))
 
     def _walk(self) -> None:
         """Go over the records outside chunks, to the footer or to where the file breaks off."""
         for opcode, start, stop in _records(self._bytes, len(MAGIC), len(self._bytes)):
-            if opcode == Opcode.HEADER:
-                self._check_profile(start, stop)
-            elif opcode == Opcode.CHUNK:
-                self._blocks.append(_Block(opcode, start, stop, *_TIME_SPAN.unpack_from(self._bytes, start)))
-            elif opcode == Opcode.MESSAGE:
-                time_ns = _MESSAGE_HEAD.unpack_from(self._bytes, start)[2]
-                self._blocks.append(_Block(opcode, start, stop, time_ns, time_ns))
-            elif opcode == Opcode.FOOTER:
+            if opcode == Opcode.FOOTER:
                 self.complete = True
                 return
-            else:
-                self._learn(opcode, self._bytes[start:stop])
+            with self._damage_reported(start):
+                self._take_record(opcode, start, stop)
 
-    def _check_profile(self, start: int, stop: int) -> None:
-        """Refuse what was not recorded from ROS 2."""
-        profile = Header.read(ReadDataStream(BytesIO(self._bytes[start:stop]))).profile
-        if profile != "ros2":
-            raise BagError(f"{self.path} is not a ROS 2 recording (its MCAP profile is {profile!r})")
-
-    def _messages_of(self, block: _Block, topics: Collection[str] | None) -> Iterator[ScannedMessage]:
-        """Yield the messages of a block and learn the schemas and channels in it."""
-        if block.opcode == Opcode.MESSAGE:
-            data = self._bytes[block.start : block.stop]
-            yield from self._select(data, [(block.opcode, 0, len(data))], topics)
+    def _take_record(self, opcode: int, start: int, stop: int) -> None:
+        """Note a block, or learn from another record outside chunks."""
+        if opcode == Opcode.CHUNK:
+            self._blocks.append(_Block(opcode, start, stop, *_TIME_SPAN.unpack_from(self._bytes, start)))
+        elif opcode == Opcode.MESSAGE:
+            time_ns = _MESSAGE_HEAD.unpack_from(self._bytes, start)[2]
+            self._blocks.append(_Block(opcode, start, stop, time_ns, time_ns))
+        elif opcode == Opcode.HEADER:
+            profile = Header.read(_stream(self._bytes[start:stop])).profile
+            if profile != "ros2":
+                raise BagError(f"{self.path} is not a ROS 2 recording (its MCAP profile is {profile!r})")
         else:
-            data = self._unpack(block)
-            yield from self._select(data, _records(data, 0, len(data)), topics)
+            self._learn(opcode, self._bytes[start:stop])
 
     def _select(
-        self,
-        buffer: bytes,
-        records: Iterable[tuple[int, int, int]],
-        topics: Collection[str] | None,
+        self, buffer: bytes, records: Iterable[tuple[int, int, int]], topics: Collection[str] | None
     ) -> Iterator[ScannedMessage]:
         """Yield the wanted messages among some records."""
         for opcode, start, stop in records:
@@ -150,34 +143,31 @@ class McapScan:
                 self._learn(opcode, buffer[start:stop])
                 continue
             channel_id, _, time_ns, _ = _MESSAGE_HEAD.unpack_from(buffer, start)
-            channel = self.channels.get(channel_id)
-            if channel is None:
-                raise BagError(f"{self.path} is damaged: channel {channel_id} is not described")
+            channel = self.channels[channel_id]
             if topics is None or channel.topic in topics:
                 yield ScannedMessage(time_ns, channel, buffer[start + _MESSAGE_HEAD.size : stop])
-
-    def _unpack(self, block: _Block) -> bytes:
-        """Return the records of a chunk, decompressed and checked."""
-        try:
-            chunk = Chunk.read(ReadDataStream(BytesIO(self._bytes[block.start : block.stop])))
-            stream, size = get_chunk_data_stream(chunk)
-            data = stream.read(size)
-        except Exception as error:  # each compressor has an error type of its own, without a common base
-            raise BagError(f"{self.path} is damaged at byte {block.start}: {error}") from None
-        if len(data) != chunk.uncompressed_size or (
-            chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc
-        ):
-            raise BagError(f"{self.path} is damaged at byte {block.start}: a chunk's checksum does not match")
-        return data
 
     def _learn(self, opcode: int, body: bytes) -> None:
         """Remember a schema or a channel."""
         if opcode == Opcode.SCHEMA:
-            schema = Schema.read(ReadDataStream(BytesIO(body)))
-            self.schemas[schema.id] = schema
+            schema = Schema.read(_stream(body))
+            self.schemas.setdefault(schema.id, schema)
         elif opcode == Opcode.CHANNEL:
-            channel = Channel.read(ReadDataStream(BytesIO(body)))
+            channel = Channel.read(_stream(body))
+            if channel.schema_id not in self.schemas:
+                raise ValueError(f"topic {channel.topic} has no message type")
             self.channels.setdefault(channel.id, channel)
+
+    @contextmanager
+    def _damage_reported(self, position: int) -> Iterator[None]:
+        """Turn whatever the parsers say of damaged bytes into one error; each compressor has its own."""
+        try:
+            yield
+        except BagError:
+            raise
+        except Exception as error:
+            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            raise BagError(f"{self.path} is damaged at byte {position} ({reason})") from None
 
 
 def messages_in_time_order(
@@ -219,6 +209,21 @@ def _earliest_later(first_ns: Sequence[int]) -> list[int]:
         result.append(earliest)
         earliest = min(earliest, each)
     return result[::-1]
+
+
+def _unpack(body: bytes) -> bytes:
+    """Return the records of a chunk, decompressed and checked."""
+    chunk = Chunk.read(_stream(body))
+    stream, size = get_chunk_data_stream(chunk, validate_crc=True)
+    data = stream.read(size)
+    if len(data) != chunk.uncompressed_size:
+        raise ValueError(f"a chunk of {len(data)} bytes should have {chunk.uncompressed_size}")
+    return data
+
+
+def _stream(body: bytes) -> ReadDataStream:
+    """Return bytes as the mcap library reads them."""
+    return ReadDataStream(BytesIO(body))
 
 
 def _records(buffer: bytes | mmap.mmap, start: int, stop: int) -> Iterator[tuple[int, int, int]]:

@@ -67,7 +67,7 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
         nargs="?",
         const=DEFAULT_CLOCK_HZ,
         metavar="HZ",
-        help=f"make a /clock from the time of the bag, so often per second of wall time ({DEFAULT_CLOCK_HZ:g})",
+        help=f"make a /clock from the time of the bag, so often per wall second ({DEFAULT_CLOCK_HZ:g})",
     )
     parser.add_argument("--topics", nargs="+", default=[], metavar="T", help="publish these topics only")
     parser.add_argument(

@@ -60,8 +60,8 @@ def offer_like_recorded(offered_qos: tuple[Mapping[str, Any], ...]) -> QoSProfil
     """Return the profile with which to publish a recorded topic again.
 
     Reliability and durability are those of the first recorded publisher; the history is long, but not
-    endless: a reader that has stopped must not stop the replay. One publisher stands for all recorded ones, so
-    a latched topic keeps more than its last message.
+    endless: a reader that has stopped must not stop the replay. One publisher stands for all recorded ones,
+    so a latched topic keeps more than its last message.
     """
     from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 

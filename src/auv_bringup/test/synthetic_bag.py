@@ -31,7 +31,7 @@ def message_type(name: str) -> MessageType:
     return MessageType(name, definition, typestore().hash_rihs01(name))
 
 
-def make(name: str, **fields):
+def make(name: str, /, **fields):
     return typestore().types[name](**fields)
 
 

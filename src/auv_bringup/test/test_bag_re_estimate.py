@@ -1,0 +1,153 @@
+"""Running the neighbour filters again from the packets in a bag."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import synthetic_bag as synthetic
+
+from auv_bringup import replay
+from auv_bringup.bag import Bag
+from auv_bringup.re_estimate import re_estimate
+from auv_bringup.scenario import load_scenario, scenario_to_yaml
+from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
+from auv_flocking.report import Report, encode
+
+CONFIG = NeighbourConfig()
+PERIOD_S = 0.1
+
+
+class Filtered(synthetic.SyntheticRun):
+    """A run whose recorded estimates are made from its recorded packets."""
+
+    def __init__(self, n, n_ticks, *, config=CONFIG, missing=frozenset()):
+        super().__init__(n, n_ticks)
+        self.tables = [NeighbourTable(config) for _ in range(n)]
+        self.missing = missing
+
+    def write_decision(self, recorder, k, i):
+        header, t_ns = synthetic.header(self.time_ns(k), "map_ned"), self.time_ns(k)
+        receptions = [self.reception(k, j) for j in range(self.n) if j != i and (k + j) % 4 == 0]
+        for reception in receptions:
+            if len(reception.packet.payload) > 1:
+                self.tables[i].receive(self.report(k, reception.packet.source - 1))
+        inbox = synthetic.make(
+            "auv_msgs/msg/AcousticInbox", header=header, tick=k, transmit_ready=False, receptions=receptions
+        )
+        if (k, i) not in self.missing:
+            recorder.write(f"/auv_{i + 1}/acoustic/rx", inbox, t_ns)
+        estimates = [self.message(each) for each in self.tables[i].estimates(k * PERIOD_S)]
+        neighbours = synthetic.make(
+            "auv_msgs/msg/NeighbourEstimates", header=header, tick=k, neighbours=estimates
+        )
+        recorder.write(f"/auv_{i + 1}/neighbours", neighbours, t_ns)
+
+    def report(self, k, j):
+        numbers = np.float32(self.state[k, j, :3]).tolist(), np.float32(self.state[k, j, 7:10]).tolist()
+        zero = (0.0, 0.0, 0.0)
+        return Report(
+            j + 1, k, max(k - 2, 0) * PERIOD_S, tuple(numbers[0]), tuple(numbers[1]), zero, zero, zero
+        )
+
+    def reception(self, k, j):
+        payload = b"?" if k == 8 else encode(self.report(k, j))  # once, a packet that is not a report
+        packet = synthetic.make(
+            "auv_msgs/msg/AcousticPacket",
+            tick=k,
+            source=j + 1,
+            destination=0,
+            sequence=k,
+            payload=np.frombuffer(payload, np.uint8),
+        )
+        return synthetic.make(
+            "auv_msgs/msg/AcousticReception", packet=packet, sent_s=0.0, arrival_s=0.1, snr_db=float("nan")
+        )
+
+    @staticmethod
+    def message(estimate):
+        return synthetic.make(
+            "auv_msgs/msg/NeighbourEstimate",
+            address=estimate.address,
+            position=synthetic.point(estimate.position),
+            velocity=synthetic.vector(estimate.velocity),
+            covariance=np.asarray(estimate.covariance).reshape(-1).copy(),
+            age_s=estimate.age_s,
+        )
+
+
+IDS = [f"auv_{i + 1}" for i in range(4)]
+
+
+def written(tmp_path, run):
+    recorder = synthetic.Recorder(tmp_path / "bag")
+    run.write(recorder)
+    recorder.writer.close()
+    return Bag(tmp_path)
+
+
+def test_the_packets_give_the_estimates(tmp_path):
+    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, CONFIG, PERIOD_S)
+    assert result.agrees
+    assert result.ticks == 4 * 40
+    assert result.estimates > 300
+    assert (result.position_m, result.velocity_mps, result.covariance) == (0.0, 0.0, 0.0)
+
+
+def test_other_filters_do_not(tmp_path):
+    other = replace(CONFIG, acceleration_psd=2.0 * CONFIG.acceleration_psd)
+    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, other, PERIOD_S)
+    assert not result.agrees
+    assert result.covariance > 1e-6
+    assert result.unmatched == 0
+
+
+def test_estimates_on_one_side_only_are_a_difference(tmp_path):
+    forgetful = replace(CONFIG, timeout_s=0.2)
+    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, forgetful, PERIOD_S)
+    assert result.unmatched > 0
+    assert not result.agrees
+
+
+def test_after_a_missing_inbox_nothing_is_claimed(tmp_path):
+    bag = written(tmp_path, Filtered(4, 40, missing={(25, 2)}))
+    result = re_estimate(bag, IDS, CONFIG, PERIOD_S)
+    assert result.agrees
+    assert result.unused_ticks == 15
+    assert result.ticks == 4 * 40 - 15
+
+
+def test_a_bag_without_packets_does_not_agree(tmp_path):
+    result = re_estimate(written(tmp_path, synthetic.SyntheticRun(1, 2)), ["auv_9"], CONFIG, PERIOD_S)
+    assert not result.agrees
+
+
+@pytest.mark.parametrize(("change", "status"), [(1.0, 0), (3.0, 1)])
+def test_the_command_takes_the_scenario_beside_the_bag(tmp_path, capsys, change, status):
+    scenario = load_scenario("flock_acoustic")
+    settings = scenario.agent.neighbours
+    config = replace(settings, position_std_m=change * settings.position_std_m)
+    written(tmp_path, Filtered(4, 20, config=config))
+    (tmp_path / "scenario.yaml").write_text(scenario_to_yaml(scenario))
+    assert replay.main([str(tmp_path), "--re-estimate"]) == status
+    said = capsys.readouterr()
+    assert "max difference" in said.out
+    assert ("give the recorded estimates" in said.out) == (status == 0)
+    assert said.err == ""
+
+
+def test_the_command_says_what_is_missing(tmp_path, capsys):
+    written(tmp_path, Filtered(4, 2))
+    assert replay.main([str(tmp_path), "--re-estimate"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert replay.main([str(tmp_path / "nowhere")]) == 2
+    assert "no such folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "options", [["--rate", "0"], ["--rate", "nan"], ["--start", "-1"], ["--clock", "x"], ["--loop"]]
+)
+def test_impossible_options_are_refused(options, tmp_path, capsys):
+    with pytest.raises(SystemExit) as caught:
+        replay.main([str(tmp_path), *options])
+    assert caught.value.code == 2
+    assert "Traceback" not in capsys.readouterr().err

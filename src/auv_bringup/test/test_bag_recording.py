@@ -1,0 +1,146 @@
+"""From a bag to the arrays of a run."""
+
+import numpy as np
+import pytest
+import synthetic_bag as synthetic
+from numpy.testing import assert_array_equal
+
+from auv_bringup.bag_reader import read_recording
+from auv_bringup.bag_writer import BagError
+
+
+def written(tmp_path, run, **options):
+    recorder = synthetic.Recorder(tmp_path / "bag")
+    run.write(recorder, **options)
+    recorder.writer.close()
+    return tmp_path / "bag"
+
+
+def check_states(recording, run, k=slice(None)):
+    assert_array_equal(recording.position_ned_m[k], run.state[k, :, :3])
+    assert_array_equal(recording.attitude_quat_wxyz[k], run.state[k, :, 3:7])
+    assert_array_equal(recording.velocity_body[k], run.state[k, :, 7:])
+
+
+@pytest.mark.parametrize(("epoch_ns", "period_s"), [(0, 0.1), (1_700_000_000_123_456_789, 0.05)])
+def test_every_array_holds_what_was_recorded(tmp_path, epoch_ns, period_s):
+    run = synthetic.SyntheticRun(3, 12, epoch_ns=epoch_ns, period_s=period_s)
+    recording = read_recording(written(tmp_path, run, extras=True), synthetic.scenario(3, period_s))
+    assert recording.vehicle_ids == ("auv_1", "auv_2", "auv_3")
+    assert_array_equal(recording.t_s, np.arange(13) * period_s)
+    check_states(recording, run)
+    assert_array_equal(recording.command, run.command)
+    assert_array_equal(recording.reference_velocity_ned_mps, run.reference[..., :3])
+    assert_array_equal(recording.centre_ned_m, run.centre[..., :3])
+    assert_array_equal(recording.centre_velocity_ned_mps, run.centre[..., 3:])
+    others = ~np.eye(3, dtype=bool)
+    for k in range(12):
+        assert_array_equal(recording.neighbour_position_ned_m[k][others], run.neighbours[k][others][:, :3])
+        assert_array_equal(recording.neighbour_velocity_ned_mps[k][others], run.neighbours[k][others][:, 3:6])
+        covariance = recording.neighbour_covariance[k][others].reshape(-1, 36)
+        assert_array_equal(covariance, run.neighbours[k][others][:, 6:42])
+        assert_array_equal(recording.neighbour_age_s[k][others], run.neighbours[k][others][:, 42])
+        assert np.isnan(recording.neighbour_position_ned_m[k][~others]).all()
+    assert np.isnan(recording.lost_at_s).all()
+
+
+def test_packets_are_listed_by_tick_and_vehicle(tmp_path):
+    run = synthetic.SyntheticRun(3, 12)
+    recording = read_recording(written(tmp_path, run), synthetic.scenario(3))
+    assert_array_equal(recording.sent, [(k, i + 1, k) for k in range(12) for i in range(3)])
+    expected = [(k, (i + 1) % 3 + 1, i + 1, k - 1) for k in range(1, 12) for i in range(3) if run.heard[k, i]]
+    assert_array_equal(recording.received, expected)
+    np.testing.assert_allclose(recording.delay_s, 0.075)
+
+
+class Gappy(synthetic.SyntheticRun):
+    """A run that misses some ticks."""
+
+    missing_states = frozenset({(3, 0), (4, 0)})
+    missing_decisions = frozenset({(0, 1), (5, 1), (9, 0)})
+
+    def write_state(self, recorder, k, i):
+        if (k, i) not in self.missing_states:
+            super().write_state(recorder, k, i)
+
+    def write_decision(self, recorder, k, i):
+        if (k, i) not in self.missing_decisions:
+            super().write_decision(recorder, k, i)
+
+
+def test_missed_ticks_hold_the_tick_before(tmp_path):
+    run = Gappy(2, 10)
+    recording = read_recording(written(tmp_path, run), synthetic.scenario(2))
+    assert_array_equal(recording.position_ned_m[3:5, 0], run.state[[2, 2], 0, :3])
+    assert_array_equal(recording.position_ned_m[5:, 0], run.state[5:, 0, :3])
+    assert np.isnan(recording.command[0, 1]).all()
+    assert_array_equal(recording.command[5, 1], run.command[4, 1])
+    assert_array_equal(recording.command[9, 0], run.command[8, 0])
+
+
+class Losing(synthetic.SyntheticRun):
+    """A run in which the computer of vehicle 2 is lost in tick 6."""
+
+    def write_decision(self, recorder, k, i):
+        if k < 6 or i != 1:
+            super().write_decision(recorder, k, i)
+
+    def write(self, recorder, **options):
+        super().write(recorder, **options)
+        status = synthetic.make(
+            "auv_msgs/msg/FlockStatus",
+            header=synthetic.header(self.time_ns(8), ""),
+            state="running",
+            tick=8,
+            time_s=0.8,
+            duration_s=1.0,
+            waiting_for=[],
+            lost_vehicles=["auv_2"],
+            detail="",
+        )
+        recorder.write("/flock/status", status, self.time_ns(8))
+
+
+def test_a_lost_vehicle_has_no_commands_from_its_loss_on(tmp_path):
+    run = Losing(2, 10)
+    recording = read_recording(written(tmp_path, run), synthetic.scenario(2))
+    assert_array_equal(recording.lost_at_s, [np.nan, 6 * 0.1])
+    assert_array_equal(recording.command[:6, 1], run.command[:6, 1])
+    assert np.isnan(recording.command[6:, 1]).all()
+    assert np.isnan(recording.neighbour_position_ned_m[6:, 1]).all()
+    check_states(recording, run)
+
+
+def test_an_unfinished_bag_gives_the_ticks_that_all_vehicles_have(tmp_path):
+    run = synthetic.SyntheticRun(2, 60)
+    path = written(tmp_path, run) / "bag_0.mcap"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    recording = read_recording(tmp_path, synthetic.scenario(2))
+    assert 5 < recording.n_ticks < 60
+    check_states(recording, run, slice(recording.n_ticks + 1))
+
+
+class Kinematic(synthetic.SyntheticRun):
+    """A run whose vehicles take velocities."""
+
+    def write_decision(self, recorder, k, i):
+        twist = synthetic.twist([*self.command[k, i, :3], 0.0, 0.0, self.command[k, i, 5]])
+        header = synthetic.header(self.time_ns(k), "map_ned")
+        message = synthetic.make("geometry_msgs/msg/TwistStamped", header=header, twist=twist)
+        recorder.write(f"/auv_{i + 1}/cmd_vel", message, self.time_ns(k))
+
+
+def test_a_kinematic_vehicle_is_commanded_by_velocity_and_yaw_rate(tmp_path):
+    run = Kinematic(2, 5)
+    recording = read_recording(written(tmp_path, run), synthetic.scenario(2))
+    assert_array_equal(recording.command[..., :3], run.command[..., :3])
+    assert_array_equal(recording.command[..., 3:5], 0.0)
+    assert_array_equal(recording.command[..., 5], run.command[..., 5])
+    assert recording.sent.shape == (0, 3)
+    assert np.isnan(recording.centre_ned_m).all()
+
+
+def test_a_bag_of_other_vehicles_is_refused(tmp_path):
+    bag_dir = written(tmp_path, synthetic.SyntheticRun(2, 3))
+    with pytest.raises(BagError, match="holds no state of auv_3"):
+        read_recording(bag_dir, synthetic.scenario(3))
