@@ -14,20 +14,18 @@ import time
 import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from auv_bringup import results
 from auv_bringup.domains import DomainClaim, DomainError, claim_domain
-from auv_core.params import ConfigError
+from auv_bringup.plan import DEFAULT_SCENARIO, MODES, ROS_MODES, Plan, make_plan, start_results
 
 if TYPE_CHECKING:
+    from auv_bringup.launcher import Flight
+    from auv_bringup.recording import Recording
     from auv_bringup.scenario import Scenario
-
-DEFAULT_SCENARIO = "flock_acoustic"
-ROS_MODES = ("lockstep", "realtime")
-MODES = (*ROS_MODES, "inprocess")
+from auv_core.params import ConfigError
 
 DONE, INTERNAL_ERROR, BAD_INPUT, LOST, COLLISION, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
@@ -86,21 +84,6 @@ examples:
   ./scripts/run my_scenario.yaml --mode inprocess --out /tmp/results
   ./scripts/run --report results/flock_acoustic-1-lockstep
 """
-
-
-@dataclass(frozen=True)
-class Plan:
-    """A validated run: what is flown, how, and where its results go."""
-
-    scenario: Scenario
-    mode: str
-    parent: Path
-    name: str
-    overrides: tuple[str, ...]
-    duration_s: float | None
-    with_bag: bool
-    with_figures: bool
-    discovery: str
 
 
 class _OneLineParser(argparse.ArgumentParser):
@@ -191,57 +174,25 @@ def _run(options: argparse.Namespace, place: _TracebackPlace) -> int:
         return _list()
     if options.report is not None:
         place.folder = options.report / results.LOGS
-        return _report_again(options.report, with_figures=not options.no_figures)
-    plan = _plan(options)
+        return _report_again(options.report, options)
+    plan = make_plan(
+        options.scenario,
+        mode=options.mode,
+        seed=options.seed,
+        overrides=options.overrides,
+        duration_s=options.duration,
+    )
     with ExitStack() as stack:
         claim: DomainClaim | None = None
         if plan.mode in ROS_MODES:
             _check_ros()
             claim = stack.enter_context(claim_domain(os.environ))
-        folder = results.make_results_dir(plan.parent, plan.name)
-        (folder / results.LOGS).mkdir()
+        folder = start_results(plan, options.out)
         place.folder = folder / results.LOGS
-        _start_results(plan, folder)
         _introduce(plan, folder)
         if claim is None:
-            return _fly_in_process(plan, folder)
-        return _fly_with_nodes(plan, folder, claim)
-
-
-def _plan(options: argparse.Namespace) -> Plan:
-    """Validate everything that the user asked for. Nothing is started, nothing is written."""
-    from auv_bringup.scenario import load_scenario
-
-    if options.duration is not None and not math.isfinite(options.duration):
-        raise ConfigError(
-            f"--duration {options.duration!r} is not allowed; allowed: a finite number of seconds"
-        )
-
-    def load(extra: Sequence[str] = ()) -> Scenario:
-        return load_scenario(
-            options.scenario,
-            overrides=[*options.overrides, *extra],
-            seed=options.seed,
-            duration_s=options.duration,
-        )
-
-    scenario = load()
-    mode = options.mode or ("inprocess" if scenario.sampling == "continuous" else "lockstep")
-    if scenario.sampling == "continuous" and mode in ROS_MODES:
-        scenario = load(["sampling=sampled"])
-        print(f"{scenario.name}: in {mode} its laws are held over the control period (sampling: sampled)")
-    digest = results.overrides_hash(options.overrides, options.duration)
-    return Plan(
-        scenario=scenario,
-        mode=mode,
-        parent=options.out,
-        name=results.results_name(scenario.name, scenario.seed, mode, digest),
-        overrides=tuple(options.overrides),
-        duration_s=options.duration,
-        with_bag=not options.no_bag,
-        with_figures=not options.no_figures,
-        discovery=options.discovery,
-    )
+            return _fly_in_process(plan, folder, options)
+        return _fly_with_nodes(plan, folder, options, claim)
 
 
 def _check_ros() -> None:
@@ -254,16 +205,6 @@ def _check_ros() -> None:
         )
 
 
-def _start_results(plan: Plan, folder: Path) -> None:
-    from auv_bringup.scenario import scenario_to_yaml
-
-    (folder / results.SCENARIO_FILE).write_text(scenario_to_yaml(plan.scenario), encoding="utf-8")
-    record = results.provenance(
-        plan.scenario, mode=plan.mode, overrides=plan.overrides, duration_s=plan.duration_s
-    )
-    results.write_json(folder / results.PROVENANCE_FILE, record)
-
-
 def _introduce(plan: Plan, folder: Path) -> None:
     scenario = plan.scenario
     count = len(scenario.vehicles)
@@ -272,12 +213,14 @@ def _introduce(plan: Plan, folder: Path) -> None:
         f"{count} vehicle{'s' if count > 1 else ''}, {scenario.duration_s:g} s, "
         f"seed {scenario.seed}, {plan.mode}"
     )
+    if plan.is_switched:
+        print(f"nodes sample, so the laws are held over {scenario.period_s:g} s (sampling: sampled)")
     if folder.name != plan.name:
-        print(f"{plan.parent / plan.name} exists and is left alone")
+        print(f"{folder.with_name(plan.name)} exists and is left alone")
     print(f"results go to {folder}", flush=True)
 
 
-def _fly_in_process(plan: Plan, folder: Path) -> int:
+def _fly_in_process(plan: Plan, folder: Path, options: argparse.Namespace) -> int:
     from auv_bringup.experiment import run_in_process
     from auv_bringup.progress import Progress
 
@@ -292,41 +235,51 @@ def _fly_in_process(plan: Plan, folder: Path) -> int:
             INTERRUPTED,
             "interrupted: a run in one process keeps nothing before its end (lockstep records as it flies)",
         )
-    factor = float(recording.t_s[-1]) / wall_s
-    if plan.with_bag:
+    if not options.no_bag:
         recording.save(folder / results.RECORDING_FILE)
-    metrics = _show_results(
-        folder, plan.scenario, recording, plan.mode, factor, with_figures=plan.with_figures
-    )
+    factor = float(recording.t_s[-1]) / wall_s
+    metrics = _show_results(folder, plan.scenario, recording, plan.mode, factor, options)
     return COLLISION if metrics["collision"] else DONE
 
 
-def _fly_with_nodes(plan: Plan, folder: Path, claim: DomainClaim) -> int:
+def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim: DomainClaim) -> int:
     from auv_bringup.launcher import fly
     from auv_bringup.node_start import export_line
     from auv_bringup.processes import Interrupts
     from auv_bringup.progress import Progress
 
+    domain_id = claim.domain_id
     if claim.is_moved:
-        print(
-            f"ROS domain {claim.asked_id} is in use by another run; this one takes domain {claim.domain_id}"
-        )
-    print(f"to look in from another shell:  {export_line(claim.domain_id, plan.discovery)}", flush=True)
+        print(f"ROS domain {claim.asked_id} is in use by another run; this one takes domain {domain_id}")
+    print(f"to look in from another shell:  {export_line(domain_id, options.discovery)}", flush=True)
     with Interrupts() as interrupts, Progress(plan.scenario.duration_s) as progress:
         flight = fly(
             plan.scenario,
             mode=plan.mode,
             results_dir=folder,
-            with_bag=plan.with_bag,
-            domain_id=claim.domain_id,
-            discovery=plan.discovery,
+            with_bag=not options.no_bag,
+            domain_id=domain_id,
+            discovery=options.discovery,
             interrupts=interrupts,
             progress=progress,
         )
     claim.release()
+    _remember_flight(folder, flight, domain_id)
+    if flight.exit_status == INTERRUPTED:
+        where = f"; what was recorded: ./scripts/run --report {folder}" if not options.no_bag else ""
+        return _fail(INTERRUPTED, f"{flight.reason}{where}")
+    status = _report_flight(plan, folder, options, flight)
+    if flight.lost_vehicles:
+        print(f"lost on the way: {', '.join(flight.lost_vehicles)}")
+    if flight.reason:
+        _fail(flight.exit_status, f"{flight.reason}; logs are in {folder / results.LOGS}")
+    return status
+
+
+def _remember_flight(folder: Path, flight: Flight, domain_id: int) -> None:
     record = results.read_json(folder / results.PROVENANCE_FILE)
     record.update(
-        domain_id=claim.domain_id,
+        domain_id=domain_id,
         exit_status=flight.exit_status,
         stopped_because=flight.reason or None,
         lost_vehicles=list(flight.lost_vehicles),
@@ -334,41 +287,27 @@ def _fly_with_nodes(plan: Plan, folder: Path, claim: DomainClaim) -> int:
         real_time_factor=flight.real_time_factor,
         start_up_s=flight.start_up_s,
     )
-    results.write_json(folder / results.PROVENANCE_FILE, {k: _json_number(v) for k, v in record.items()})
-    if flight.exit_status == INTERRUPTED:
-        where = (
-            f"; the bag is {folder / results.BAG}, and its report: ./scripts/run --report {folder}"
-            if plan.with_bag
-            else ""
-        )
-        return _fail(INTERRUPTED, f"{flight.reason}{where}")
-    status = _report_flight(plan, folder, flight.real_time_factor, flight.exit_status)
-    if flight.lost_vehicles:
-        print(f"lost on the way: {', '.join(flight.lost_vehicles)}", file=sys.stderr)
-    if flight.reason:
-        _fail(flight.exit_status, f"{flight.reason}; logs are in {folder / results.LOGS}")
-    return status
+    results.write_json(folder / results.PROVENANCE_FILE, record)
 
 
-def _report_flight(plan: Plan, folder: Path, real_time_factor: float, exit_status: int) -> int:
+def _report_flight(plan: Plan, folder: Path, options: argparse.Namespace, flight: Flight) -> int:
     """Report on what the nodes recorded; return the exit status of the run."""
-    if not plan.with_bag:
+    status = flight.exit_status
+    if options.no_bag:
         print("nothing was recorded (--no-bag), so there are no metrics and no figures")
-        return exit_status
+        return status
+    print("reading the bag ...", file=sys.stderr, flush=True)
     try:
-        print("reading the bag ...", file=sys.stderr, flush=True)
         recording = results.load_recording(folder, plan.scenario)
     except results.ResultsError as error:
-        if exit_status == DONE:
+        if status == DONE:
             raise RuntimeError(str(error)) from None
-        return _fail(exit_status, str(error))  # a flight that was stopped early may have recorded nothing yet
-    metrics = _show_results(
-        folder, plan.scenario, recording, plan.mode, real_time_factor, with_figures=plan.with_figures
-    )
-    return COLLISION if exit_status == DONE and metrics["collision"] else exit_status
+        return _fail(status, str(error))  # a flight that was stopped early may have recorded nothing yet
+    metrics = _show_results(folder, plan.scenario, recording, plan.mode, flight.real_time_factor, options)
+    return COLLISION if status == DONE and metrics["collision"] else status
 
 
-def _report_again(folder: Path, *, with_figures: bool) -> int:
+def _report_again(folder: Path, options: argparse.Namespace) -> int:
     """Make metrics, figures and report of a results folder again."""
     from auv_bringup.scenario import load_scenario
 
@@ -382,26 +321,19 @@ def _report_again(folder: Path, *, with_figures: bool) -> int:
         **results.read_json(folder / results.METRICS_FILE),
     }
     factor = known.get("real_time_factor")
+    factor = float(factor) if isinstance(factor, int | float) else math.nan
     recording = results.load_recording(folder, scenario)
-    _show_results(
-        folder,
-        scenario,
-        recording,
-        str(known.get("mode", "lockstep")),
-        math.nan if factor is None else float(factor),
-        with_figures=with_figures,
-    )
+    _show_results(folder, scenario, recording, str(known.get("mode", "lockstep")), factor, options)
     return DONE
 
 
 def _show_results(
     folder: Path,
     scenario: Scenario,
-    recording: Any,
+    recording: Recording,
     mode: str,
     real_time_factor: float,
-    *,
-    with_figures: bool,
+    options: argparse.Namespace,
 ) -> dict[str, Any]:
     """Write metrics, figures and report; print the metrics and where the report is; return the metrics."""
     from auv_bringup.metrics_table import metrics_table
@@ -412,12 +344,10 @@ def _show_results(
         recording,
         mode=mode,
         real_time_factor=real_time_factor,
-        with_figures=with_figures,
+        with_figures=not options.no_figures,
         on_step=lambda step: print(f"{step} ...", file=sys.stderr, flush=True),
     )
-    print()
-    print(metrics_table(metrics))
-    print(f"\nreport: {folder / results.REPORT_FILE}", flush=True)
+    print(f"\n{metrics_table(metrics)}\n\nreport: {folder / results.REPORT_FILE}", flush=True)
     return metrics
 
 
@@ -464,10 +394,6 @@ def _fail(status: int, line: str) -> int:
 
 def _one_line(error: BaseException) -> str:
     return " ".join(str(error).split()) or "no message"
-
-
-def _json_number(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 if __name__ == "__main__":

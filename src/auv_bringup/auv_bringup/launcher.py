@@ -93,9 +93,7 @@ def fly(
     epoch_s = realtime_epoch_s(scenario) if mode == "realtime" else 0.0
     bag_dir = results_dir / BAG if with_bag else None
     specs = node_specs(scenario, mode=mode, bag_dir=bag_dir, epoch_s=epoch_s)
-    environ = node_environment(
-        os.environ, domain_id=domain_id, discovery=discovery, log_dir=results_dir / LOGS / "ros"
-    )
+    environ = node_environment(os.environ, domain_id=domain_id, discovery=discovery)
     return fly_nodes(
         specs,
         on_vehicle_loss=scenario.on_vehicle_loss,

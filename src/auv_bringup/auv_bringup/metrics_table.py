@@ -9,9 +9,10 @@ from auv_bringup import report
 
 def metrics_table(metrics: dict[str, Any]) -> str:
     """Return one line per metric that exists: value, unit, meaning; values aligned at the right."""
+    told_before = ("scenario", "seed", "mode", "vehicles")
     rows = []
     for key in [*report._ROWS, *(key for key in metrics if key not in report._ROWS)]:
-        if metrics.get(key) is None:
+        if metrics.get(key) is None or key in told_before:
             continue
         row = report._ROWS.get(key, report._Row("", key.replace("_", " ")))
         rows.append((report._value_text(metrics[key], row.digits), row.unit, row.words))

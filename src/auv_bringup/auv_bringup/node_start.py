@@ -25,7 +25,9 @@ START_S = 2.0
 def command_line(spec: NodeSpec, params_file: Path) -> list[str]:
     """Return the command that starts a node with the Python that runs this."""
     namespace = [] if spec.namespace == "/" else ["-r", f"__ns:={spec.namespace}"]
-    return [sys.executable, "-m", spec.module, "--ros-args", *namespace, "--params-file", str(params_file)]
+    # The log of a node is what it prints; ROS keeps a second one elsewhere unless told not to.
+    ros_arguments = ["--disable-external-lib-logs", *namespace, "--params-file", str(params_file)]
+    return [sys.executable, "-m", spec.module, "--ros-args", *ros_arguments]
 
 
 def log_name(spec: NodeSpec) -> str:
@@ -44,9 +46,7 @@ def write_params_file(spec: NodeSpec, folder: Path) -> Path:
     return path
 
 
-def node_environment(
-    environ: Mapping[str, str], *, domain_id: int, discovery: str, log_dir: Path | None = None
-) -> dict[str, str]:
+def node_environment(environ: Mapping[str, str], *, domain_id: int, discovery: str) -> dict[str, str]:
     """
     Return the environment of a node.
 
@@ -59,8 +59,6 @@ def node_environment(
     discovery : str
         'localhost' keeps ROS traffic on this machine, whatever the user's environment says; 'subnet' lets
         it out.
-    log_dir : Path, optional
-        Where ROS puts log files of its own.
 
     """
     result = dict(environ)
@@ -80,8 +78,6 @@ def node_environment(
     )
     if not ("FASTRTPS_DEFAULT_PROFILES_FILE" in environ or "FASTDDS_DEFAULT_PROFILES_FILE" in environ):
         result["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(config_file("fastdds.xml"))
-    if log_dir is not None:
-        result["ROS_LOG_DIR"] = str(log_dir)
     return result
 
 

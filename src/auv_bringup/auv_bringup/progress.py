@@ -29,12 +29,14 @@ class Progress:
         self._duration_s = duration_s
         self._stream = stream or sys.stderr
         self._laps: list[tuple[float, float]] = []
+        self._line_at_s = math.inf
         self._bar: tqdm | None = None
-        self._line_at_s = time.monotonic() + _LINE_EVERY_S
 
     def update(self, time_s: float) -> None:
         """Show that the flight has reached `time_s` (s, scenario time)."""
         now_s = time.monotonic()
+        if not self._laps:
+            self._line_at_s = now_s + _LINE_EVERY_S
         self._laps.append((time_s, now_s))
         while now_s - self._laps[0][1] > _RATE_WINDOW_S and len(self._laps) > 2:
             del self._laps[0]

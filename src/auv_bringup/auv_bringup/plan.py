@@ -1,0 +1,99 @@
+"""
+What is to be run: a scenario and how to fly it, validated before anything is started or written.
+
+The run command and the launch file both begin here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from auv_bringup import results
+from auv_core.params import ConfigError
+
+if TYPE_CHECKING:
+    from auv_bringup.scenario import Scenario
+
+DEFAULT_SCENARIO = "flock_acoustic"
+ROS_MODES = ("lockstep", "realtime")
+MODES = (*ROS_MODES, "inprocess")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """
+    A validated run.
+
+    `overrides` and `duration_s` are what the user asked for on top of the scenario's file; `is_switched`
+    tells that a continuous scenario is flown sampled, since nodes can only sample.
+    """
+
+    scenario: Scenario
+    mode: str
+    overrides: tuple[str, ...]
+    duration_s: float | None
+    is_switched: bool
+
+    @property
+    def name(self) -> str:
+        """Name of the results folder, without the suffix that tells repeated runs apart."""
+        digest = results.overrides_hash(self.overrides, self.duration_s)
+        return results.results_name(self.scenario.name, self.scenario.seed, self.mode, digest)
+
+
+def make_plan(
+    name_or_path: str,
+    *,
+    mode: str | None = None,
+    seed: int | None = None,
+    overrides: Sequence[str] = (),
+    duration_s: float | None = None,
+) -> Plan:
+    """
+    Validate a run.
+
+    Parameters
+    ----------
+    name_or_path : str
+        Scenario, as `load_scenario` takes it.
+    mode : str, optional
+        One of `MODES`; by default lockstep, and inprocess for a continuous scenario.
+    seed, overrides, duration_s
+        As `load_scenario` takes them.
+
+    Raises
+    ------
+    ConfigError
+        With one line for the user.
+
+    """
+    from auv_bringup.scenario import load_scenario  # late: it brings everything that flies
+
+    if duration_s is not None and not math.isfinite(duration_s):
+        raise ConfigError(f"--duration {duration_s!r} is not allowed; allowed: a finite number of seconds")
+    scenario = load_scenario(name_or_path, overrides=overrides, seed=seed, duration_s=duration_s)
+    is_continuous = scenario.sampling == "continuous"
+    mode = mode or ("inprocess" if is_continuous else "lockstep")
+    is_switched = is_continuous and mode in ROS_MODES
+    if is_switched:
+        sampled = [*overrides, "sampling=sampled"]
+        scenario = load_scenario(name_or_path, overrides=sampled, seed=seed, duration_s=duration_s)
+    return Plan(scenario, mode, tuple(overrides), duration_s, is_switched)
+
+
+def start_results(plan: Plan, parent: Path) -> Path:
+    """Make the results folder of a run in `parent`, with its scenario and provenance, and return it."""
+    from auv_bringup.scenario import scenario_to_yaml
+
+    folder = results.make_results_dir(parent, plan.name)
+    (folder / results.LOGS).mkdir()
+    (folder / results.SCENARIO_FILE).write_text(scenario_to_yaml(plan.scenario), encoding="utf-8")
+    record = results.provenance(
+        plan.scenario, mode=plan.mode, overrides=plan.overrides, duration_s=plan.duration_s
+    )
+    results.write_json(folder / results.PROVENANCE_FILE, record)
+    return folder
