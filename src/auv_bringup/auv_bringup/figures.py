@@ -40,6 +40,7 @@ from auv_bringup.plotting import (
     plot_sphere,
     plot_thinned,
     round_step,
+    span_time,
     two_sigma_handle,
     vehicle_style,
     wilson_interval,
@@ -239,7 +240,7 @@ def _draw_pair_distances(run: _Run) -> _Drawing | None:
     for axes, window in windows:
         _plot_pairs(axes, run, run.t_s[window], distances_m[window])
         axes.set_xlabel("time (s)")
-        axes.set_xlim(run.t_s[window][0], run.t_s[window][-1])
+        span_time(axes, run.t_s[window])
     contact_m = 2.0 * run.scenario.hull_radius_m
     first.axhspan(0.0, contact_m, facecolor="0.8", hatch="////", edgecolor="0.6", linewidth=0.0, zorder=0)
     first.set_ylim(0.0, None)
@@ -319,7 +320,7 @@ def _draw_estimate_error(run: _Run) -> _Drawing | None:
     for axes, shown in zip(grid[3], (slice(None), window), strict=True):
         plot_thinned(axes, t_s[shown], rms_m[shown], color="black", linewidth=0.9)
         axes.set_xlabel("time (s)")
-        axes.set_xlim(t_s[shown][0], t_s[shown][-1])
+        span_time(axes, t_s[shown])
     log_scale(grid[3, 0], rms_m)
     grid[3, 0].set_ylabel("rms, all pairs (m)")
     ids = run.recording.vehicle_ids
@@ -348,7 +349,7 @@ def _draw_speed(run: _Run) -> _Drawing | None:
     for axes, values in ((upper, asked_mps), (lower, flown_mps)):
         if np.nanmax(values) > 20.0 * np.nanmedian(values):
             log_scale(axes, values)
-        axes.set_xlim(run.t_s[0], run.t_s[-1])
+        span_time(axes, run.t_s)
     upper.set_ylabel("speed asked for (m/s)")
     lower.set_ylabel("speed flown (m/s)")
     lower.set_xlabel("time (s)")

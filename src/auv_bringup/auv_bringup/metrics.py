@@ -98,26 +98,26 @@ def compute_metrics(
     ever_touching = (pairs_m < 2.0 * scenario.hull_radius_m).any(axis=1)
     lost = [recording.vehicle_ids[i] for i in np.flatnonzero(np.isfinite(recording.lost_at_s))]
     metrics: dict[str, Any] = {
-        'scenario': scenario.name,
-        'seed': scenario.seed,
-        'mode': mode,
-        'real_time_factor': real_time_factor,
-        'duration_s': t_s[-1],
-        'vehicles': recording.n_vehicles,
-        'lost_vehicles': lost,
-        'collision': bool(ever_touching.any()),
-        'collision_at_s': t_s[ever_touching.argmax()] if ever_touching.any() else None,
-        'pair_distance_min_m': _smallest(pairs_m),
-        'formed_at_s': formed_at_s,
-        'pair_distance_formed_min_m': _smallest(formed_m),
-        'pair_distance_formed_max_m': _largest(formed_m),
-        'pair_distance_settled_min_m': _smallest(settled_m),
-        'pair_distance_settled_max_m': _largest(settled_m),
-        'approach_time_2pct_s': _approach_time_s(t_s, flock_pairs_m),
-        'centroid_path_rms_m': _rms(path_error_m[_after(t_s, SETTLED_AFTER_S)]),
-        'centroid_path_rms_after_200s_m': _rms(path_error_m[_after(t_s, LATE_AFTER_S)]),
-        'consensus_error_max_m': _largest(consensus_error_m(recording)[_after(t_s[:-1], SETTLED_AFTER_S)]),
-        'obstacle_clearance_min_m': _smallest(obstacle_distances_m(recording, scenario)),
+        "scenario": scenario.name,
+        "seed": scenario.seed,
+        "mode": mode,
+        "real_time_factor": real_time_factor,
+        "duration_s": t_s[-1],
+        "vehicles": recording.n_vehicles,
+        "lost_vehicles": lost,
+        "collision": bool(ever_touching.any()),
+        "collision_at_s": t_s[ever_touching.argmax()] if ever_touching.any() else None,
+        "pair_distance_min_m": _smallest(pairs_m),
+        "formed_at_s": formed_at_s,
+        "pair_distance_formed_min_m": _smallest(formed_m),
+        "pair_distance_formed_max_m": _largest(formed_m),
+        "pair_distance_settled_min_m": _smallest(settled_m),
+        "pair_distance_settled_max_m": _largest(settled_m),
+        "approach_time_2pct_s": _approach_time_s(t_s, flock_pairs_m),
+        "centroid_path_rms_m": _rms(path_error_m[_after(t_s, SETTLED_AFTER_S)]),
+        "centroid_path_rms_after_200s_m": _rms(path_error_m[_after(t_s, LATE_AFTER_S)]),
+        "consensus_error_max_m": _largest(consensus_error_m(recording)[_after(t_s[:-1], SETTLED_AFTER_S)]),
+        "obstacle_clearance_min_m": _smallest(obstacle_distances_m(recording, scenario)),
         **_neighbour_metrics(recording),
         **_packet_metrics(recording),
     }
@@ -126,7 +126,7 @@ def compute_metrics(
 
 def metrics_to_json(metrics: dict[str, Any]) -> str:
     """Return the metrics as strict JSON (no NaN, no Infinity), one key per line."""
-    return json.dumps(metrics, indent=2, allow_nan=False) + '\n'
+    return json.dumps(metrics, indent=2, allow_nan=False) + "\n"
 
 
 def vehicle_pairs(n_vehicles: int) -> list[tuple[int, int]]:
@@ -258,10 +258,10 @@ def _neighbour_metrics(recording: Recording) -> dict[str, float | None]:
     inside = np.abs(error_m[judged]) <= 2.0 * sigma_m[judged]
     age_s = recording.neighbour_age_s[late][np.isfinite(error_m).all(axis=-1)]
     return {
-        'neighbour_position_rmse_m': _rms(_norm(error_m)),
-        'neighbour_within_2sigma_ratio': _mean(inside.astype(np.float64)),
-        'neighbour_age_mean_s': _mean(age_s),
-        'neighbour_age_max_s': _largest(age_s),
+        "neighbour_position_rmse_m": _rms(_norm(error_m)),
+        "neighbour_within_2sigma_ratio": _mean(inside.astype(np.float64)),
+        "neighbour_age_mean_s": _mean(age_s),
+        "neighbour_age_max_s": _largest(age_s),
     }
 
 
@@ -269,10 +269,10 @@ def _packet_metrics(recording: Recording) -> dict[str, float | None]:
     expected, delivered = link_counts(recording)
     is_possible = expected.sum() > 0
     return {
-        'packets_sent': len(recording.sent),
-        'packet_delivery_ratio': delivered.sum() / expected.sum() if is_possible else None,
-        'packet_delay_mean_s': _mean(recording.delay_s),
-        'packet_delay_max_s': _largest(recording.delay_s),
+        "packets_sent": len(recording.sent),
+        "packet_delivery_ratio": delivered.sum() / expected.sum() if is_possible else None,
+        "packet_delay_mean_s": _mean(recording.delay_s),
+        "packet_delay_max_s": _largest(recording.delay_s),
     }
 
 
@@ -293,7 +293,7 @@ def _approach_time_s(t_s: FloatArray, flock_pairs_m: FloatArray) -> float | None
         return None
     count = exists.sum(axis=0)
     mean_m = np.where(exists, late_m, 0.0).sum(axis=0) / np.maximum(count, 1)
-    with np.errstate(invalid='ignore'):
+    with np.errstate(invalid="ignore"):
         is_far = np.abs(flock_pairs_m - mean_m) > APPROACH_BAND_RATIO * mean_m
     is_any_far = (is_far & (count > 0)).any(axis=1)
     if is_any_far[-1]:
@@ -319,7 +319,7 @@ def _after(t_s: FloatArray, start_s: float) -> BoolArray:
 
 
 def _norm(vectors: FloatArray) -> FloatArray:
-    length: FloatArray = np.sqrt(np.einsum('...i,...i->...', vectors, vectors))
+    length: FloatArray = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
     return length
 
 

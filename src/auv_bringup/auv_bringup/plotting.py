@@ -110,6 +110,12 @@ def round_step(value: float) -> float:
     return power * max((m for m in (1.0, 2.0, 5.0) if m * power <= value), default=1.0)
 
 
+def span_time(axes: Any, t_s: FloatArray) -> None:
+    """Let the time axis begin and end with the data."""
+    if len(t_s) and t_s[-1] > t_s[0]:
+        axes.set_xlim(t_s[0], t_s[-1])
+
+
 def plot_thinned(
     axes: Any, t_s: FloatArray, values: FloatArray, *, n_marks: int = 0, first_mark: float = 0.0, **style: Any
 ) -> None:

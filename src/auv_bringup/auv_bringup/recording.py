@@ -23,7 +23,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 FORMAT_VERSION = 1
-_VERSION_KEY = 'format_version'
+_VERSION_KEY = "format_version"
 
 
 class RecordingError(ValueError):
@@ -97,10 +97,10 @@ class Recording:
             if array.size == 0 and None in shape:
                 array = array.reshape([size or 0 for size in shape])
             if not _fits(array.shape, shape):
-                raise RecordingError(f'{name}: shape {array.shape}, expected {shape}')
+                raise RecordingError(f"{name}: shape {array.shape}, expected {shape}")
             setattr(self, name, array)
         if len(self.delay_s) != len(self.received):
-            raise RecordingError(f'delay_s: {len(self.delay_s)} rows for {len(self.received)} receptions')
+            raise RecordingError(f"delay_s: {len(self.delay_s)} rows for {len(self.received)} receptions")
 
     @classmethod
     def empty(cls, vehicle_ids: Sequence[str], t_s: FloatArray) -> Recording:
@@ -124,7 +124,7 @@ class Recording:
         for name, shape in _shapes(len(t_s), len(vehicle_ids)).items():
             fill_value = 0 if _dtype(name) is np.int64 else np.nan
             arrays[name] = np.full([size or 0 for size in shape], fill_value, dtype=_dtype(name))
-        arrays['t_s'] = np.array(t_s, dtype=np.float64)
+        arrays["t_s"] = np.array(t_s, dtype=np.float64)
         return cls(vehicle_ids=tuple(vehicle_ids), **arrays)
 
     @property
@@ -145,8 +145,8 @@ class Recording:
         compress and would cost seconds.
         """
         path = Path(path)
-        unfinished = path.with_name(path.name + '.part')
-        with zipfile.ZipFile(unfinished, 'w', zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        unfinished = path.with_name(path.name + ".part")
+        with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
             _write_array(archive, _VERSION_KEY, np.array(FORMAT_VERSION))
             for field in fields(self):
                 _write_array(archive, field.name, np.asarray(getattr(self, field.name)))
@@ -160,12 +160,12 @@ class Recording:
             with np.load(path, allow_pickle=False) as archive:
                 version = int(archive[_VERSION_KEY])
                 if version != FORMAT_VERSION:
-                    raise RecordingError(f'{path}: format {version}, this program reads {FORMAT_VERSION}')
+                    raise RecordingError(f"{path}: format {version}, this program reads {FORMAT_VERSION}")
                 values = {field.name: archive[field.name] for field in fields(cls)}
         except (KeyError, AttributeError, TypeError, zipfile.BadZipFile, EOFError, ValueError) as error:
             if isinstance(error, RecordingError):
                 raise
-            raise RecordingError(f'{path}: not a recording ({error})') from error
+            raise RecordingError(f"{path}: not a recording ({error})") from error
         return cls(**values)
 
 
@@ -173,27 +173,27 @@ def _shapes(n_states: int, n: int) -> dict[str, tuple[int | None, ...]]:
     """Return the expected shape of every array; None where any number of rows will do."""
     k = n_states - 1
     return {
-        't_s': (n_states,),
-        'position_ned_m': (n_states, n, 3),
-        'attitude_quat_wxyz': (n_states, n, 4),
-        'velocity_body': (n_states, n, 6),
-        'command': (k, n, 6),
-        'reference_velocity_ned_mps': (k, n, 3),
-        'centre_ned_m': (k, n, 3),
-        'centre_velocity_ned_mps': (k, n, 3),
-        'neighbour_position_ned_m': (k, n, n, 3),
-        'neighbour_velocity_ned_mps': (k, n, n, 3),
-        'neighbour_covariance': (k, n, n, 6, 6),
-        'neighbour_age_s': (k, n, n),
-        'sent': (None, 3),
-        'received': (None, 4),
-        'delay_s': (None,),
-        'lost_at_s': (n,),
+        "t_s": (n_states,),
+        "position_ned_m": (n_states, n, 3),
+        "attitude_quat_wxyz": (n_states, n, 4),
+        "velocity_body": (n_states, n, 6),
+        "command": (k, n, 6),
+        "reference_velocity_ned_mps": (k, n, 3),
+        "centre_ned_m": (k, n, 3),
+        "centre_velocity_ned_mps": (k, n, 3),
+        "neighbour_position_ned_m": (k, n, n, 3),
+        "neighbour_velocity_ned_mps": (k, n, n, 3),
+        "neighbour_covariance": (k, n, n, 6, 6),
+        "neighbour_age_s": (k, n, n),
+        "sent": (None, 3),
+        "received": (None, 4),
+        "delay_s": (None,),
+        "lost_at_s": (n,),
     }
 
 
 def _dtype(name: str) -> type[np.int64] | type[np.float64]:
-    return np.int64 if name in ('sent', 'received') else np.float64
+    return np.int64 if name in ("sent", "received") else np.float64
 
 
 def _fits(shape: tuple[int, ...], expected: tuple[int | None, ...]) -> bool:
@@ -202,5 +202,5 @@ def _fits(shape: tuple[int, ...], expected: tuple[int | None, ...]) -> bool:
 
 
 def _write_array(archive: zipfile.ZipFile, name: str, array: NDArray[Any]) -> None:
-    with archive.open(f'{name}.npy', 'w', force_zip64=True) as stream:
+    with archive.open(f"{name}.npy", "w", force_zip64=True) as stream:
         np.lib.format.write_array(stream, array, allow_pickle=False)

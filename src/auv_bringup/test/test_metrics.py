@@ -24,29 +24,29 @@ from auv_bringup.metrics import (
 from auv_bringup.recording import Recording
 
 ISSUE_KEYS = {
-    'pair_distance_min_m',
-    'formed_at_s',
-    'pair_distance_formed_min_m',
-    'pair_distance_formed_max_m',
-    'pair_distance_settled_min_m',
-    'pair_distance_settled_max_m',
-    'approach_time_2pct_s',
-    'centroid_path_rms_m',
-    'consensus_error_max_m',
-    'obstacle_clearance_min_m',
-    'neighbour_position_rmse_m',
-    'packet_delivery_ratio',
-    'real_time_factor',
-    'seed',
-    'scenario',
-    'mode',
+    "pair_distance_min_m",
+    "formed_at_s",
+    "pair_distance_formed_min_m",
+    "pair_distance_formed_max_m",
+    "pair_distance_settled_min_m",
+    "pair_distance_settled_max_m",
+    "approach_time_2pct_s",
+    "centroid_path_rms_m",
+    "consensus_error_max_m",
+    "obstacle_clearance_min_m",
+    "neighbour_position_rmse_m",
+    "packet_delivery_ratio",
+    "real_time_factor",
+    "seed",
+    "scenario",
+    "mode",
 }
 
 
 def make_scenario(obstacles: tuple[tuple[float, float, float], ...] = ()) -> Any:
     """A scenario whose path rests at (0, 0, 10) m."""
     return SimpleNamespace(
-        name='by_hand',
+        name="by_hand",
         seed=7,
         hull_radius_m=0.3,
         reference_position=lambda t_s: (0.0, 0.0, 10.0),
@@ -62,14 +62,14 @@ def at_rest(
     """Vehicles that stay where they are."""
     n_ticks = round(duration_s / period_s)
     recording = Recording.empty(
-        [f'auv_{i + 1}' for i in range(len(positions))], period_s * np.arange(n_ticks + 1)
+        [f"auv_{i + 1}" for i in range(len(positions))], period_s * np.arange(n_ticks + 1)
     )
     recording.position_ned_m[:] = positions
     return recording
 
 
 def metrics_of(recording: Recording, scenario: Any = None) -> dict[str, Any]:
-    return compute_metrics(recording, scenario or make_scenario(), mode='inprocess', real_time_factor=50.0)
+    return compute_metrics(recording, scenario or make_scenario(), mode="inprocess", real_time_factor=50.0)
 
 
 SQUARE = [(0.0, 0.0, 10.0), (2.0, 0.0, 10.0), (2.0, 2.0, 10.0), (0.0, 2.0, 10.0)]
@@ -83,50 +83,50 @@ def test_every_key_is_there_and_the_file_is_strict_json() -> None:
         raise AssertionError(name)
 
     assert json.loads(metrics_to_json(metrics), parse_constant=refuse) == metrics
-    assert (metrics['scenario'], metrics['seed'], metrics['mode'], metrics['real_time_factor']) == (
-        'by_hand',
+    assert (metrics["scenario"], metrics["seed"], metrics["mode"], metrics["real_time_factor"]) == (
+        "by_hand",
         7,
-        'inprocess',
+        "inprocess",
         50.0,
     )
 
 
 def test_a_square_at_rest() -> None:
     metrics = metrics_of(at_rest(SQUARE, duration_s=300.0))
-    assert metrics['pair_distance_min_m'] == 2.0
-    assert metrics['pair_distance_settled_min_m'] == 2.0
-    assert metrics['pair_distance_settled_max_m'] == pytest.approx(math.sqrt(8.0))
-    assert metrics['formed_at_s'] == 10.0
-    assert metrics['approach_time_2pct_s'] == 0.0
-    assert metrics['centroid_path_rms_m'] == pytest.approx(math.sqrt(2.0))
-    assert metrics['centroid_path_rms_after_200s_m'] == pytest.approx(math.sqrt(2.0))
-    assert metrics['collision'] is False
-    assert metrics['collision_at_s'] is None
-    assert metrics['lost_vehicles'] == []
+    assert metrics["pair_distance_min_m"] == 2.0
+    assert metrics["pair_distance_settled_min_m"] == 2.0
+    assert metrics["pair_distance_settled_max_m"] == pytest.approx(math.sqrt(8.0))
+    assert metrics["formed_at_s"] == 10.0
+    assert metrics["approach_time_2pct_s"] == 0.0
+    assert metrics["centroid_path_rms_m"] == pytest.approx(math.sqrt(2.0))
+    assert metrics["centroid_path_rms_after_200s_m"] == pytest.approx(math.sqrt(2.0))
+    assert metrics["collision"] is False
+    assert metrics["collision_at_s"] is None
+    assert metrics["lost_vehicles"] == []
 
 
 def test_what_does_not_exist_is_none() -> None:
     metrics = metrics_of(at_rest(SQUARE, duration_s=50.0))
     absent = {
-        'pair_distance_settled_min_m',
-        'pair_distance_settled_max_m',
-        'centroid_path_rms_m',
-        'consensus_error_max_m',
-        'obstacle_clearance_min_m',
-        'neighbour_position_rmse_m',
-        'neighbour_within_2sigma_ratio',
-        'packet_delivery_ratio',
-        'packet_delay_mean_s',
+        "pair_distance_settled_min_m",
+        "pair_distance_settled_max_m",
+        "centroid_path_rms_m",
+        "consensus_error_max_m",
+        "obstacle_clearance_min_m",
+        "neighbour_position_rmse_m",
+        "neighbour_within_2sigma_ratio",
+        "packet_delivery_ratio",
+        "packet_delay_mean_s",
     }
     assert {key for key in absent if metrics[key] is not None} == set()
 
 
 def test_one_vehicle_alone_has_no_pairs() -> None:
     metrics = metrics_of(at_rest([(3.0, 0.0, 14.0)], duration_s=120.0))
-    assert metrics['pair_distance_min_m'] is None
-    assert metrics['formed_at_s'] is None
-    assert metrics['centroid_path_rms_m'] == 5.0
-    assert metrics['collision'] is False
+    assert metrics["pair_distance_min_m"] is None
+    assert metrics["formed_at_s"] is None
+    assert metrics["centroid_path_rms_m"] == 5.0
+    assert metrics["collision"] is False
 
 
 def test_settled_means_after_100_s() -> None:
@@ -134,7 +134,7 @@ def test_settled_means_after_100_s() -> None:
     recording.position_ned_m[100, 1, 0] = 9.0  # at exactly 100 s: not yet
     recording.position_ned_m[101, 1, 0] = 3.0
     metrics = metrics_of(recording)
-    assert (metrics['pair_distance_settled_min_m'], metrics['pair_distance_settled_max_m']) == (2.0, 3.0)
+    assert (metrics["pair_distance_settled_min_m"], metrics["pair_distance_settled_max_m"]) == (2.0, 3.0)
 
 
 def test_formed_at_the_end_of_the_first_ten_near_seconds() -> None:
@@ -144,40 +144,40 @@ def test_formed_at_the_end_of_the_first_ten_near_seconds() -> None:
     recording.position_ned_m[30, 1, 0] = 1.5
     recording.position_ned_m[40, 1, 0] = 6.0
     metrics = metrics_of(recording)
-    assert metrics['formed_at_s'] == 23.0
-    assert (metrics['pair_distance_formed_min_m'], metrics['pair_distance_formed_max_m']) == (1.5, 6.0)
+    assert metrics["formed_at_s"] == 23.0
+    assert (metrics["pair_distance_formed_min_m"], metrics["pair_distance_formed_max_m"]) == (1.5, 6.0)
 
 
 def test_never_formed() -> None:
     recording = at_rest([(0.0, 0.0, 10.0), (2.0, 0.0, 10.0), (5.0, 0.0, 10.0)], duration_s=300.0)
     metrics = metrics_of(recording)
-    assert metrics['formed_at_s'] is None
-    assert metrics['pair_distance_formed_min_m'] is None
-    assert metrics['pair_distance_formed_max_m'] is None
-    assert metrics['pair_distance_min_m'] == 2.0
+    assert metrics["formed_at_s"] is None
+    assert metrics["pair_distance_formed_min_m"] is None
+    assert metrics["pair_distance_formed_max_m"] is None
+    assert metrics["pair_distance_min_m"] == 2.0
 
 
 def test_approach_is_the_tick_after_the_last_excursion() -> None:
     recording = at_rest(SQUARE[:2], duration_s=1000.0)
     recording.position_ned_m[:8, 1, 0] = 5.0
     recording.position_ned_m[15, 1, 0] = 2.5
-    assert metrics_of(recording)['approach_time_2pct_s'] == 16.0
+    assert metrics_of(recording)["approach_time_2pct_s"] == 16.0
 
 
 def test_no_approach_when_the_last_state_is_outside() -> None:
     recording = at_rest(SQUARE[:2], duration_s=1000.0)
     recording.position_ned_m[-1, 1, 0] = 2.5
-    assert metrics_of(recording)['approach_time_2pct_s'] is None
+    assert metrics_of(recording)["approach_time_2pct_s"] is None
 
 
 def test_collision_is_a_distance_below_two_hull_radii() -> None:
     recording = at_rest([(0.0, 0.0, 10.0), (0.7, 0.0, 10.0)], duration_s=20.0)
-    assert metrics_of(recording)['collision'] is False
+    assert metrics_of(recording)["collision"] is False
     recording.position_ned_m[13, 1, 0] = 0.55
     metrics = metrics_of(recording)
-    assert metrics['collision'] is True
-    assert metrics['collision_at_s'] == 13.0
-    assert metrics['pair_distance_min_m'] == pytest.approx(0.55)
+    assert metrics["collision"] is True
+    assert metrics["collision_at_s"] == 13.0
+    assert metrics["pair_distance_min_m"] == pytest.approx(0.55)
 
 
 def test_a_lost_vehicle_leaves_the_flock_but_can_still_be_hit() -> None:
@@ -186,12 +186,12 @@ def test_a_lost_vehicle_leaves_the_flock_but_can_still_be_hit() -> None:
     recording.position_ned_m[60:, 2] = (-1.0, 20.0, 10.0)
     recording.position_ned_m[200, 2] = (-1.0, 0.5, 10.0)  # the wreck drifts against auv_1
     metrics = metrics_of(recording)
-    assert metrics['lost_vehicles'] == ['auv_3']
-    assert metrics['pair_distance_min_m'] == 0.5
-    assert metrics['collision'] is True
-    assert metrics['pair_distance_formed_max_m'] == 2.0
-    assert metrics['pair_distance_settled_min_m'] == 2.0
-    assert metrics['centroid_path_rms_m'] == 0.0
+    assert metrics["lost_vehicles"] == ["auv_3"]
+    assert metrics["pair_distance_min_m"] == 0.5
+    assert metrics["collision"] is True
+    assert metrics["pair_distance_formed_max_m"] == 2.0
+    assert metrics["pair_distance_settled_min_m"] == 2.0
+    assert metrics["centroid_path_rms_m"] == 0.0
     np.testing.assert_allclose(
         centroid_ned_m(recording)[[49, 50]], [(0.0, 1.0 / 3.0, 10.0), (0.0, 0.0, 10.0)]
     )
@@ -201,9 +201,9 @@ def test_losing_everybody_leaves_no_flock() -> None:
     recording = at_rest(SQUARE, duration_s=300.0)
     recording.lost_at_s[:] = 5.0
     metrics = metrics_of(recording)
-    assert metrics['formed_at_s'] is None
-    assert metrics['centroid_path_rms_m'] is None
-    assert metrics['pair_distance_min_m'] == 2.0
+    assert metrics["formed_at_s"] is None
+    assert metrics["centroid_path_rms_m"] is None
+    assert metrics["pair_distance_min_m"] == 2.0
 
 
 def test_consensus_error_is_the_worst_vehicle_after_100_s() -> None:
@@ -212,13 +212,13 @@ def test_consensus_error_is_the_worst_vehicle_after_100_s() -> None:
     recording.centre_ned_m[100, 0] = (9.0, 1.0, 10.0)
     recording.centre_ned_m[150, 2] = (1.0, 1.0, 10.25)
     recording.centre_ned_m[160, 3] = np.nan
-    assert metrics_of(recording)['consensus_error_max_m'] == 0.25
+    assert metrics_of(recording)["consensus_error_max_m"] == 0.25
 
 
 def test_obstacle_clearance_is_from_hull_centre_to_obstacle() -> None:
     recording = at_rest(SQUARE, duration_s=20.0)
     metrics = metrics_of(recording, make_scenario(((5.0, 0.0, 6.0), (50.0, 0.0, 10.0))))
-    assert metrics['obstacle_clearance_min_m'] == 5.0
+    assert metrics["obstacle_clearance_min_m"] == 5.0
 
 
 def with_estimates(recording: Recording, error_m: float, sigma_m: float) -> Recording:
@@ -236,9 +236,9 @@ def test_neighbour_rmse_and_the_share_inside_two_sigma() -> None:
     recording.neighbour_position_ned_m[:101] = 1e3  # up to 100 s nothing counts
     recording.neighbour_position_ned_m[101, 0, 1] = np.nan  # nor what does not exist
     metrics = metrics_of(recording)
-    assert metrics['neighbour_position_rmse_m'] == pytest.approx(0.3)
-    assert metrics['neighbour_within_2sigma_ratio'] == pytest.approx(2.0 / 3.0)
-    assert metrics['neighbour_age_mean_s'] == pytest.approx(0.4)
+    assert metrics["neighbour_position_rmse_m"] == pytest.approx(0.3)
+    assert metrics["neighbour_within_2sigma_ratio"] == pytest.approx(2.0 / 3.0)
+    assert metrics["neighbour_age_mean_s"] == pytest.approx(0.4)
 
 
 def test_estimates_of_and_by_a_lost_vehicle_do_not_count() -> None:
@@ -246,7 +246,7 @@ def test_estimates_of_and_by_a_lost_vehicle_do_not_count() -> None:
     recording.lost_at_s[2] = 20.0
     recording.neighbour_position_ned_m[20:, 2] = 1e3
     recording.neighbour_position_ned_m[20:, :, 2] = 1e3
-    assert metrics_of(recording)['neighbour_position_rmse_m'] == pytest.approx(0.3)
+    assert metrics_of(recording)["neighbour_position_rmse_m"] == pytest.approx(0.3)
 
 
 def test_delivery_counts_receptions_of_packets_that_were_sent() -> None:
@@ -260,9 +260,9 @@ def test_delivery_counts_receptions_of_packets_that_were_sent() -> None:
     assert expected.tolist() == [[0, 2, 2], [1, 0, 1], [1, 1, 0]]
     assert delivered.tolist() == [[0, 1, 1], [1, 0, 0], [0, 1, 0]]
     metrics = metrics_of(recording)
-    assert metrics['packet_delivery_ratio'] == 0.5
-    assert metrics['packets_sent'] == 4
-    assert metrics['packet_delay_mean_s'] == pytest.approx(0.15)
+    assert metrics["packet_delivery_ratio"] == 0.5
+    assert metrics["packets_sent"] == 4
+    assert metrics["packet_delay_mean_s"] == pytest.approx(0.15)
 
 
 def test_nobody_listens_on_a_lost_vehicle() -> None:
@@ -278,9 +278,9 @@ def test_nobody_listens_on_a_lost_vehicle() -> None:
 
 def test_numbers_that_are_not_finite_become_none() -> None:
     metrics = compute_metrics(
-        at_rest(SQUARE, duration_s=5.0), make_scenario(), mode='lockstep', real_time_factor=math.inf
+        at_rest(SQUARE, duration_s=5.0), make_scenario(), mode="lockstep", real_time_factor=math.inf
     )
-    assert metrics['real_time_factor'] is None
+    assert metrics["real_time_factor"] is None
     metrics_to_json(metrics)
 
 
@@ -288,8 +288,8 @@ def test_positions_that_are_missing_make_no_distance() -> None:
     recording = at_rest(SQUARE, duration_s=150.0)
     recording.position_ned_m[120:130, 1] = np.nan
     metrics = metrics_of(recording)
-    assert metrics['pair_distance_min_m'] == 2.0
-    assert metrics['centroid_path_rms_m'] is not None
+    assert metrics["pair_distance_min_m"] == 2.0
+    assert metrics["centroid_path_rms_m"] is not None
     metrics_to_json(metrics)
 
 
@@ -323,9 +323,9 @@ def test_metrics_do_not_depend_on_the_order_of_the_vehicles(track: np.ndarray, o
 @given(track=tracks)
 def test_smallest_distances_are_ordered(track: np.ndarray) -> None:
     metrics = metrics_of(moving(track))
-    ever, settled = metrics['pair_distance_min_m'], metrics['pair_distance_settled_min_m']
-    assert ever <= settled <= metrics['pair_distance_settled_max_m']
-    assert metrics['collision'] == (ever < 0.6)
+    ever, settled = metrics["pair_distance_min_m"], metrics["pair_distance_settled_min_m"]
+    assert ever <= settled <= metrics["pair_distance_settled_max_m"]
+    assert metrics["collision"] == (ever < 0.6)
 
 
 def test_pairs_are_unordered_and_complete() -> None:
