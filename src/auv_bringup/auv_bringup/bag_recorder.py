@@ -8,6 +8,8 @@ same bag:
   or of the newest stamp where there is no /clock;
 * latched messages with stamp 0, and all without a stamp that come before the first message with one, have the
   time of that first message.
+
+Padding is zeroed, see :mod:`auv_bringup.cdr_padding`.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from auv_bringup.bag_writer import BagWriter, Qos, Topic
+from auv_bringup.cdr_padding import padding_zeroer
 from auv_bringup.message_definitions import MessageType, load_message_type, read_stamp_ns, stamp_offset
 from auv_bringup.recorded_topics import CLOCK_TOPIC, TopicSpec
 
@@ -65,6 +68,7 @@ class BagRecorder:
         message_type = self._describe(spec.type_name)
         offset = stamp_offset(message_type.definition) if spec.stamped else None
         is_clock = spec.name == CLOCK_TOPIC
+        zeroed = padding_zeroer(message_type)
         channel = 0
 
         def take(data: bytes) -> None:
@@ -72,6 +76,7 @@ class BagRecorder:
             if not channel:
                 qos = self._offered_qos(spec.name) or (_usual_qos(spec),)
                 channel = self._writer.add_topic(Topic(spec.name, message_type, qos))
+            data = zeroed(data)
             stamp_ns = None if offset is None else read_stamp_ns(data, offset)
             if stamp_ns is None or (spec.latched and stamp_ns == 0):
                 self._write_untimed(channel, data, at_start=stamp_ns == 0)

@@ -1,0 +1,172 @@
+"""
+Zeros in the padding of serialised messages.
+
+CDR aligns numbers to their size.  The bytes skipped mean nothing, and the middleware leaves in them whatever
+its buffer held before, so two equal messages can differ there.  A bag that shall repeat to the byte needs
+them to be zero.
+
+Alignment counts from the end of the 4-byte encapsulation header; numbers of 8 bytes align to 8 (plain CDR,
+XCDR1).
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from auv_bringup.message_definitions import SEPARATOR, MessageType
+
+_LITTLE_ENDIAN_CDR = b"\x00\x01"
+_HEADER_BYTES = 4
+_LENGTH = struct.Struct("<I")
+_SIZES = {"bool": 1, "byte": 1, "char": 1, "float32": 4, "float64": 8} | {
+    f"{sign}int{bits}": bits // 8 for sign in ("", "u") for bits in (8, 16, 32, 64)
+}
+_FIELD = re.compile(r"\s*([\w/]+(?:<=\d+)?)(\[[^\]]*\])?\s+[a-zA-Z]\w*\s*(=?)")
+_BUILTIN_PACKAGES = {
+    "Header": "std_msgs/Header",
+    "Time": "builtin_interfaces/Time",
+    "Duration": "builtin_interfaces/Duration",
+}
+
+
+@dataclass(frozen=True)
+class _Numbers:
+    """`count` numbers of `size` bytes, one after the other."""
+
+    size: int
+    count: int
+
+
+@dataclass(frozen=True)
+class _Text:
+    """A string: its length, its characters, a NUL."""
+
+
+@dataclass(frozen=True)
+class _List:
+    """A sequence: its length, then that many times the steps."""
+
+    steps: tuple[_Step, ...]
+
+
+_Step = _Numbers | _Text | _List
+
+
+def padding_zeroer(message_type: MessageType) -> Callable[[bytes], bytes]:
+    """
+    Return the function that zeroes the padding of messages of one type.
+
+    It never changes anything else: bytes that do not fit the definition come back as they are.
+    """
+    steps = _steps(message_type)
+
+    def zeroed(data: bytes) -> bytes:
+        if data[:2] != _LITTLE_ENDIAN_CDR:
+            return data
+        content = bytearray(data[_HEADER_BYTES:])
+        try:
+            end = _walk(content, 0, steps)
+        except (struct.error, IndexError):
+            return data
+        if not 0 <= len(content) - end < _HEADER_BYTES:
+            return data
+        content[end:] = bytes(len(content) - end)
+        return data[:_HEADER_BYTES] + bytes(content)
+
+    return zeroed
+
+
+def _walk(content: bytearray, position: int, steps: Sequence[_Step]) -> int:
+    """Zero the padding before every step from `position` on; return the position behind the last one."""
+    for step in steps:
+        if type(step) is _Numbers:
+            position = _aligned(content, position, step.size) + step.size * step.count
+            continue
+        position = _aligned(content, position, 4)
+        (length,) = _LENGTH.unpack_from(content, position)
+        position += 4
+        if type(step) is _Text:
+            position += length
+        elif type(step) is _List:
+            position = _walk_list(content, position, step.steps, length)
+        if position > len(content):
+            raise IndexError(position)
+    return position
+
+
+def _walk_list(content: bytearray, position: int, steps: tuple[_Step, ...], length: int) -> int:
+    only = steps[0]
+    if len(steps) == 1 and type(only) is _Numbers:
+        return (
+            _aligned(content, position, only.size) + only.size * only.count * length if length else position
+        )
+    for _ in range(length):
+        position = _walk(content, position, steps)
+    return position
+
+
+def _aligned(content: bytearray, position: int, size: int) -> int:
+    padding = -position % size
+    if padding:
+        end = position + padding
+        if end > len(content):
+            raise IndexError(end)
+        content[position:end] = bytes(padding)
+        position = end
+    return position
+
+
+def _steps(message_type: MessageType) -> tuple[_Step, ...]:
+    """Return the layout of a type from its full definition."""
+    root, *blocks = message_type.definition.split(SEPARATOR + "\n")
+    package, _, name = message_type.name.split("/")
+    texts = {f"{package}/{name}": root}
+    for block in blocks:
+        title, _, text = block.partition("\n")
+        texts[title.removeprefix("MSG: ").strip().replace("/msg/", "/")] = text
+    return _layout(f"{package}/{name}", texts)
+
+
+def _layout(name: str, texts: dict[str, str]) -> tuple[_Step, ...]:
+    steps: list[_Step] = []
+    for line in texts[name].splitlines():
+        field = _FIELD.match(line.partition("#")[0])
+        if field and not field[3]:
+            for step in _field_steps(field[1].partition("<=")[0], field[2] or "", name, texts):
+                _append(steps, step)
+    return tuple(steps) or (_Numbers(1, 1),)
+
+
+def _field_steps(kind: str, array: str, name: str, texts: dict[str, str]) -> tuple[_Step, ...]:
+    if kind in _SIZES:
+        one: tuple[_Step, ...] = (_Numbers(_SIZES[kind], 1),)
+    elif kind == "string":
+        one = (_Text(),)
+    else:
+        full = (
+            _BUILTIN_PACKAGES.get(kind, kind)
+            if "/" not in kind and f"{name.split('/')[0]}/{kind}" not in texts
+            else kind
+        )
+        full = full.replace("/msg/", "/") if "/" in full else f"{name.split('/')[0]}/{full}"
+        one = _layout(full, texts)
+    if not array:
+        return one
+    count = array.strip("[]")
+    if not count or count.startswith("<="):
+        return (_List(one),)
+    if len(one) == 1 and isinstance(one[0], _Numbers):
+        return (_Numbers(one[0].size, one[0].count * int(count)),)
+    return one * int(count)
+
+
+def _append(steps: list[_Step], step: _Step) -> None:
+    """Add a step, joined to the one before where both are numbers of one size."""
+    before = steps[-1] if steps else None
+    if isinstance(step, _Numbers) and isinstance(before, _Numbers) and before.size == step.size:
+        steps[-1] = _Numbers(step.size, before.count + step.count)
+    else:
+        steps.append(step)

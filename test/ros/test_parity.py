@@ -1,0 +1,70 @@
+"""Two times, one truth: lock-step runs repeat to the byte, and give the numbers of the run in one process."""
+
+import dataclasses
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from auv_bringup.bag_reader import compare_bags, read_recording
+from auv_bringup.experiment import run_in_process
+from auv_bringup.scenario import load_scenario
+
+pytestmark = pytest.mark.ros
+
+TOLERANCE = 1e-9
+CHAPTER_5 = ["ch5_four_leaders", "ch5_one_leader", "ch5_one_leader_blind", "ch5_obstacles"]
+
+
+def fly(scenario, out_dir, duration_s, *options):
+    """Fly in lock-step with real processes and return the results folder."""
+    command = [sys.executable, "-m", "auv_bringup.cli", scenario, "--mode", "lockstep", "--out", str(out_dir)]
+    command += ["--duration", str(duration_s), "--no-figures", *options]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=240, env=os.environ, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (results_dir,) = out_dir.iterdir()
+    return results_dir
+
+
+def assert_equals_in_process(results_dir):
+    scenario = load_scenario(str(results_dir / "scenario.yaml"))
+    recorded = read_recording(results_dir / "bag", scenario)
+    expected = run_in_process(scenario)
+    assert recorded.vehicle_ids == expected.vehicle_ids
+    for field in dataclasses.fields(recorded):
+        if field.name != "vehicle_ids":
+            ours, theirs = getattr(recorded, field.name), getattr(expected, field.name)
+            np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=TOLERANCE, err_msg=field.name)
+
+
+@pytest.fixture(scope="module")
+def lossy_runs(tmp_path_factory):
+    """Two runs of the main job, 20 s, one seed: a lossy channel and a current."""
+    return [fly("flock_acoustic", tmp_path_factory.mktemp(name), 20, "--seed", "3") for name in ("a", "b")]
+
+
+def test_two_lockstep_runs_with_one_seed_give_byte_identical_bags(lossy_runs):
+    assert compare_bags(lossy_runs[0] / "bag", lossy_runs[1] / "bag") == []
+
+
+def test_the_runs_lose_packets_and_feel_a_current(lossy_runs):
+    scenario = load_scenario(str(lossy_runs[0] / "scenario.yaml"))
+    recording = read_recording(lossy_runs[0] / "bag", scenario)
+    assert any(scenario.environment.current_ned_mps)
+    assert 0 < len(recording.received) < 3 * len(recording.sent)
+
+
+def test_a_lockstep_run_equals_the_run_in_one_process(lossy_runs):
+    assert_equals_in_process(lossy_runs[0])
+
+
+@pytest.mark.parametrize("scenario", CHAPTER_5)
+def test_chapter_5_in_lockstep_equals_the_run_in_one_process(scenario, tmp_path):
+    assert_equals_in_process(fly(scenario, tmp_path, 20))
+
+
+def test_another_seed_gives_another_bag(lossy_runs, tmp_path):
+    other = fly("flock_acoustic", tmp_path, 2, "--seed", "4")
+    assert compare_bags(lossy_runs[0] / "bag", other / "bag") != []
