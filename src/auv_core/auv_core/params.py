@@ -14,14 +14,18 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import reprlib
 import types
 import typing
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
-from auv_core.plugins import PluginError, find_plugin
+from auv_core.plugins import PluginError, find_plugin, list_plugins
 
 T = TypeVar("T")
+
+_REPR = reprlib.Repr()
+_REPR.maxstring = _REPR.maxother = _REPR.maxlong = 60
 
 
 class ConfigError(ValueError):
@@ -97,12 +101,12 @@ def load(cls: type[T], raw: object, path: str) -> T:
     """
     if not isinstance(raw, Mapping):
         raise ConfigError(
-            f"{path}: {_shown(raw)} is not allowed; allowed: a mapping with the keys {_keys(cls)}"
+            f"{path}: {shown(raw)} is not allowed; allowed: a mapping with the keys {_keys(cls)}"
         )
     fields = {field.name: field for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
-    unknown = [str(key) for key in raw if key not in fields]
+    unknown = [key for key in raw if key not in fields]
     if unknown:
-        raise ConfigError(f"{path}: unknown key {unknown[0]!r}; allowed: {_keys(cls)}")
+        raise ConfigError(f"{path}: unknown key {shown(unknown[0])}; allowed: {_keys(cls)}")
     hints = typing.get_type_hints(cls)
     values = {}
     for name, field in fields.items():
@@ -153,8 +157,12 @@ def _keys(cls: Any) -> str:
     return "[" + ", ".join(field.name for field in dataclasses.fields(cls)) + "]"
 
 
-def _shown(value: object) -> str:
-    text = repr(value)
+def shown(value: object) -> str:
+    """Return `value` for a message: on one line and short, however large it is."""
+    try:
+        text = _REPR.repr(value)
+    except ValueError:
+        return "a number too long to print"
     return text if len(text) <= 60 else text[:57] + "..."
 
 
@@ -178,13 +186,17 @@ def load_section(raw: object, path: str, folder: str) -> Section:
     """Return the `Section` of ``{kind: ..., params: {...}}`` for the plugin folder `folder` (import path)."""
     if not isinstance(raw, Mapping):
         raise ConfigError(
-            f"{path}: {_shown(raw)} is not allowed; allowed: a mapping with the keys [kind, params]"
+            f"{path}: {shown(raw)} is not allowed; allowed: a mapping with the keys [kind, params]"
         )
-    unknown = [str(key) for key in raw if key not in ("kind", "params")]
+    unknown = [key for key in raw if key not in ("kind", "params")]
     if unknown:
-        raise ConfigError(f"{path}: unknown key {unknown[0]!r}; allowed: [kind, params]")
+        raise ConfigError(f"{path}: unknown key {shown(unknown[0])}; allowed: [kind, params]")
     if "kind" not in raw:
         raise ConfigError(f"{path}.kind: missing; it is the name of a file in {folder}")
+    if not isinstance(raw["kind"], str):
+        raise ConfigError(
+            f"{path}.kind: {shown(raw['kind'])} is not allowed; allowed: {', '.join(list_plugins(folder))}"
+        )
     try:
         module = find_plugin(folder, raw["kind"])
     except PluginError as error:
@@ -198,7 +210,7 @@ def _tuple(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> tu
     any_length = len(items) == 2 and items[1] is Ellipsis
     wanted = "a list" if any_length else f"a list of {len(items)} numbers"
     if not isinstance(raw, list | tuple) or (not any_length and len(raw) != len(items)):
-        raise ConfigError(f"{path}: {_shown(raw)} is not allowed; allowed: {wanted}")
+        raise ConfigError(f"{path}: {shown(raw)} is not allowed; allowed: {wanted}")
     hints = [items[0]] * len(raw) if any_length else list(items)
     return tuple(
         _value(item_hint, item, f"{path}[{index}]", metadata)
@@ -210,22 +222,24 @@ def _scalar(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> A
     if hint is bool:
         if isinstance(raw, bool):
             return raw
-        raise ConfigError(f"{path}: {_shown(raw)} is not allowed; allowed: true or false")
+        raise ConfigError(f"{path}: {shown(raw)} is not allowed; allowed: true or false")
     if hint is int:
         if isinstance(raw, int) and not isinstance(raw, bool):
             check_number(raw if abs(raw) < 2**63 else math.inf, path, metadata)
             return raw
-        raise ConfigError(f"{path}: {_shown(raw)} is not allowed; allowed: a whole number")
+        raise ConfigError(f"{path}: {shown(raw)} is not allowed; allowed: a whole number")
     if hint is float:
         if isinstance(raw, int | float) and not isinstance(raw, bool):
-            value = float(raw) if abs(raw) < 1e300 else math.inf
+            value = math.inf if abs(raw) >= 1e300 else float(raw)
             check_number(value, path, metadata)
             return value
-        raise ConfigError(f"{path}: {_shown(raw)} is not allowed; allowed: {allowed_range(metadata)}")
+        raise ConfigError(f"{path}: {shown(raw)} is not allowed; allowed: {allowed_range(metadata)}")
     if hint is str:
         if not isinstance(raw, str):
-            raise ConfigError(f"{path}: {_shown(raw)} is not allowed; allowed: a word")
+            raise ConfigError(f"{path}: {shown(raw)} is not allowed; allowed: a word")
         if metadata.get("choices") and raw not in metadata["choices"]:
-            raise ConfigError(f"{path}: {raw!r} is not allowed; allowed: {', '.join(metadata['choices'])}")
+            raise ConfigError(
+                f"{path}: {shown(raw)} is not allowed; allowed: {', '.join(metadata['choices'])}"
+            )
         return raw
     raise TypeError(f"{path}: the loader has no rule for {hint}")
