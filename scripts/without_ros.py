@@ -23,4 +23,5 @@ ROS_MODULES = (
 )
 
 # Python raises ModuleNotFoundError for a module that is None here.
-sys.modules.update(dict.fromkeys(ROS_MODULES))
+for name in ROS_MODULES:
+    sys.modules[name] = None  # type: ignore[assignment]
