@@ -4,13 +4,15 @@ Turn a venv that holds the ROS 2 wheels from PyPI into a prefix that colcon can 
 Run by the venv's own interpreter, after every installation into it; standard library only. Two mends, both
 idempotent:
 
-* The CMake files of the message packages name include folders of the machine that the wheels were made on. CMake
-  refuses to build against folders that do not exist, so these entries go; rosidl_generator_py finds the right
-  ones itself.
-* The prefix gets `local_setup.{sh,bash,zsh}`, as /opt/ros/jazzy has them. colcon chains every workspace to them, so
-  that `source install/setup.bash` alone, in any shell, brings up the venv, the wheels and the workspace.
+* The CMake files of the message packages name include folders of the machine that the wheels were made on.
+  CMake refuses to build against folders that do not exist, so these entries go; rosidl_generator_py finds the
+  right ones itself.
+* The prefix gets `local_setup.{sh,bash,zsh}`, as /opt/ros/jazzy has them. colcon chains every workspace to
+  them, so that `source install/setup.bash` alone, in any shell, brings up the venv, the wheels and the
+  workspace.
 
-Files may be hard links into the installer's cache, shared with other venvs: they are replaced, never written to.
+Files may be hard links into the installer's cache, shared with other venvs: they are replaced, never written
+to.
 """
 
 import os
