@@ -12,6 +12,8 @@ from auv_core.plugins import find_plugin
 
 MODELS = "auv_core.models"
 
+_MOST_SUBSTEPS = 1_000_000
+
 
 @dataclass(frozen=True, kw_only=True)
 class VehicleConfig:
@@ -36,11 +38,11 @@ def substeps(period_s: float, dt_s: float) -> int:
     Raises
     ------
     ValueError
-        Unless the period is a whole number of steps (to 1e-9 of a step).
+        Unless the period is a whole number of steps (to 1e-9 of a step), at most a million.
 
     """
     ratio = period_s / dt_s
-    count = round(ratio)
+    count = round(min(ratio, _MOST_SUBSTEPS))
     if count < 1 or abs(ratio - count) > 1e-9:
         raise ValueError(
             f"period_s: {period_s!r} is not allowed; allowed: a whole multiple of dt_s = {dt_s!r}"
