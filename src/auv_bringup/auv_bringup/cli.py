@@ -189,10 +189,13 @@ def _run(options: argparse.Namespace, place: _TracebackPlace) -> int:
             claim = stack.enter_context(claim_domain(os.environ))
         folder = start_results(plan, options.out)
         place.folder = folder / results.LOGS
-        _introduce(plan, folder)
-        if claim is None:
-            return _fly_in_process(plan, folder, options)
-        return _fly_with_nodes(plan, folder, options, claim)
+        try:
+            _introduce(plan, folder)
+            if claim is None:
+                return _fly_in_process(plan, folder, options)
+            return _fly_with_nodes(plan, folder, options, claim)
+        except KeyboardInterrupt:
+            return _interrupted(folder)
 
 
 def _check_ros() -> None:
@@ -224,17 +227,10 @@ def _fly_in_process(plan: Plan, folder: Path, options: argparse.Namespace) -> in
     from auv_bringup.experiment import run_in_process
     from auv_bringup.progress import Progress
 
-    try:
-        with Progress(plan.scenario.duration_s) as progress:
-            start_s = time.monotonic()
-            recording = run_in_process(plan.scenario, on_progress=progress.update)
-            wall_s = time.monotonic() - start_s
-    except KeyboardInterrupt:
-        shutil.rmtree(folder)  # made by this run a moment ago; there is nothing of the flight in it
-        return _fail(
-            INTERRUPTED,
-            "interrupted: a run in one process keeps nothing before its end (lockstep records as it flies)",
-        )
+    with Progress(plan.scenario.duration_s) as progress:
+        start_s = time.monotonic()
+        recording = run_in_process(plan.scenario, on_progress=progress.update)
+        wall_s = time.monotonic() - start_s
     if not options.no_bag:
         recording.save(folder / results.RECORDING_FILE)
     factor = float(recording.t_s[-1]) / wall_s
@@ -266,14 +262,24 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
     claim.release()
     _remember_flight(folder, flight, domain_id)
     if flight.exit_status == INTERRUPTED:
-        where = f"; what was recorded: ./scripts/run --report {folder}" if not options.no_bag else ""
-        return _fail(INTERRUPTED, f"{flight.reason}{where}")
+        print(f"flown for {flight.simulated_s:.1f} s of {plan.scenario.duration_s:g} s")
+        return _interrupted(folder)
     status = _report_flight(plan, folder, options, flight)
     if flight.lost_vehicles:
         print(f"lost on the way: {', '.join(flight.lost_vehicles)}")
     if flight.reason:
         _fail(flight.exit_status, f"{flight.reason}; logs are in {folder / results.LOGS}")
     return status
+
+
+def _interrupted(folder: Path) -> int:
+    """Say what an interrupted run leaves; where no node was started and nothing recorded, nothing at all."""
+    if (folder / results.BAG).exists() or (folder / results.RECORDING_FILE).exists():
+        return _fail(INTERRUPTED, f"interrupted; what was recorded: ./scripts/run --report {folder}")
+    if any((folder / results.LOGS).iterdir()):
+        return _fail(INTERRUPTED, f"interrupted; logs are in {folder / results.LOGS}")
+    shutil.rmtree(folder)  # made by this run, and empty
+    return _fail(INTERRUPTED, "interrupted before anything was recorded")
 
 
 def _remember_flight(folder: Path, flight: Flight, domain_id: int) -> None:

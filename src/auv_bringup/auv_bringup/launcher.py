@@ -133,6 +133,8 @@ def fly_nodes(
             was_interrupted = interrupts.count > 0 and not supervisor.is_over
             if was_interrupted:
                 progress.message("ending the run; press Ctrl-C again to hurry it")
+            elif supervisor.reason:
+                progress.message(f"{supervisor.reason}: ending the run")
             bag_is_closed = _end_in_order(specs, children, interrupts, progress)
     return _flight(supervisor, was_interrupted, bag_is_closed, start_up_s)
 

@@ -89,11 +89,12 @@ def start_results(plan: Plan, parent: Path) -> Path:
     """Make the results folder of a run in `parent`, with its scenario and provenance, and return it."""
     from auv_bringup.scenario import scenario_to_yaml
 
-    folder = results.make_results_dir(parent, plan.name)
-    (folder / results.LOGS).mkdir()
-    (folder / results.SCENARIO_FILE).write_text(scenario_to_yaml(plan.scenario), encoding="utf-8")
+    text = scenario_to_yaml(plan.scenario)
     record = results.provenance(
         plan.scenario, mode=plan.mode, overrides=plan.overrides, duration_s=plan.duration_s
     )
+    folder = results.make_results_dir(parent, plan.name)
+    (folder / results.LOGS).mkdir()
+    (folder / results.SCENARIO_FILE).write_text(text, encoding="utf-8")
     results.write_json(folder / results.PROVENANCE_FILE, record)
     return folder

@@ -1,0 +1,200 @@
+"""The launch file, with small stand-ins for `launch` and `launch_ros`, which no package index has."""
+
+import importlib.util
+import json
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import pytest
+import yaml
+
+LAUNCH_FILE = Path(__file__).parents[1] / "launch" / "flock.launch.py"
+
+
+class Recorded:
+    """Remembers what it was made with; the stand-in for every class of launch."""
+
+    def __init__(self, *arguments, **options):
+        self.arguments = arguments
+        self.options = options
+
+
+def class_named(name):
+    return type(name, (Recorded,), {})
+
+
+class LaunchConfiguration(Recorded):
+    def perform(self, context):
+        return context[self.arguments[0]]
+
+
+NAMES = {
+    "launch": ["Action", "LaunchContext", "LaunchDescription"],
+    "launch.actions": [
+        "DeclareLaunchArgument",
+        "EmitEvent",
+        "LogInfo",
+        "OpaqueFunction",
+        "RegisterEventHandler",
+        "SetEnvironmentVariable",
+        "UnsetEnvironmentVariable",
+    ],
+    "launch.event_handlers": ["OnProcessExit"],
+    "launch.events": ["Shutdown"],
+    "launch.events.process": ["ProcessExited", "ShutdownProcess"],
+    "launch.substitutions": [],
+    "launch_ros": [],
+    "launch_ros.actions": ["Node"],
+}
+
+
+@pytest.fixture
+def launch_file(monkeypatch):
+    for module_name, names in NAMES.items():
+        module = ModuleType(module_name)
+        module.__path__ = []
+        for name in names:
+            setattr(module, name, class_named(name))
+        monkeypatch.setitem(sys.modules, module_name, module)
+    sys.modules["launch.substitutions"].LaunchConfiguration = LaunchConfiguration
+    sys.modules["launch.events"].matches_action = lambda action: ("matches", action)
+    spec = importlib.util.spec_from_file_location("flock_launch", LAUNCH_FILE)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def kind(action):
+    return type(action).__name__
+
+
+def of_kind(actions, name):
+    return [action for action in actions if kind(action) == name]
+
+
+def arguments_of(description):
+    """Return the declared arguments by name, and the one function that is run."""
+    (entities,) = description.arguments
+    declared = {e.arguments[0]: e.options for e in of_kind(entities, "DeclareLaunchArgument")}
+    (function,) = of_kind(entities, "OpaqueFunction")
+    return declared, function.options["function"]
+
+
+@pytest.fixture
+def start(launch_file, tmp_path):
+    """Start a flight with some arguments given; return the actions."""
+    declared, function = arguments_of(launch_file.generate_launch_description())
+    defaults = {name: options["default_value"] for name, options in declared.items()}
+    return lambda **given: function({**defaults, "out": str(tmp_path / "results"), **given})
+
+
+def test_the_arguments_have_defaults_and_descriptions(launch_file):
+    declared, _ = arguments_of(launch_file.generate_launch_description())
+    assert set(declared) == {"scenario", "mode", "seed", "set", "bag", "out", "discovery"}
+    assert declared["scenario"]["default_value"] == "flock_acoustic"
+    assert declared["mode"]["choices"] == ["lockstep", "realtime"]
+    for options in declared.values():
+        assert options["description"]
+        assert options["default_value"] in options.get("choices", [options["default_value"]])
+
+
+def test_it_starts_the_nodes_of_the_run_command(start, tmp_path):
+    nodes = of_kind(start(seed="4"), "Node")
+    found = {(n.options["package"], n.options["executable"], n.options["namespace"]) for n in nodes}
+    vehicles = [f"/auv_{i}" for i in range(1, 5)]
+    assert found == {
+        *(("auv_sim", "vehicle_node", namespace) for namespace in vehicles),
+        *(("auv_flocking", "agent_node", namespace) for namespace in vehicles),
+        ("auv_sim", "acoustic_relay_node", "/"),
+        ("auv_bringup", "recorder_node", "/"),
+    }
+    folder = tmp_path / "results" / "flock_acoustic-4-lockstep"
+    assert json.loads((folder / "provenance.json").read_text())["seed"] == 4
+    assert yaml.safe_load((folder / "scenario.yaml").read_text())["seed"] == 4
+
+
+def test_every_node_gets_its_parameters(start):
+    for node in of_kind(start(), "Node"):
+        (path,) = node.options["parameters"]
+        ((name, content),) = yaml.safe_load(Path(path).read_text()).items()
+        if node.options["executable"] == "acoustic_relay_node":
+            assert name == "/**"  # two nodes in one process
+            assert "name" not in node.options
+        else:
+            assert name == f"{node.options['namespace'].rstrip('/')}/{node.options['name']}"
+        assert content["ros__parameters"]
+
+
+def test_overrides_are_separated_by_semicolons(start, tmp_path):
+    start(set="acoustics.outage.params.loss_prob=0.5; duration_s=20")
+    (folder,) = (tmp_path / "results").iterdir()
+    raw = yaml.safe_load((folder / "scenario.yaml").read_text())
+    assert raw["duration_s"] == 20
+    assert raw["acoustics"]["outage"]["params"]["loss_prob"] == 0.5
+
+
+def test_without_a_bag_there_is_no_recorder(start):
+    assert "recorder_node" not in {n.options["executable"] for n in of_kind(start(bag="false"), "Node")}
+
+
+@pytest.mark.parametrize("given", [{"seed": "x"}, {"scenario": "nonesuch"}, {"set": "a=1"}])
+def test_bad_arguments_start_nothing_and_leave_no_folder(start, tmp_path, given):
+    with pytest.raises(ValueError, match="allowed"):
+        start(**given)
+    assert not (tmp_path / "results").exists()
+
+
+def test_the_nodes_stay_on_this_machine_unless_told_otherwise(start, monkeypatch):
+    monkeypatch.setenv("ROS_STATIC_PEERS", "10.0.0.1")
+    monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE", raising=False)
+    actions = start()
+    assert ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST") in [
+        action.arguments for action in of_kind(actions, "SetEnvironmentVariable")
+    ]
+    assert ("ROS_STATIC_PEERS",) in [
+        action.arguments for action in of_kind(actions, "UnsetEnvironmentVariable")
+    ]
+    kinds = [kind(action) for action in actions]
+    last_set = max(i for i, name in enumerate(kinds) if name.endswith("EnvironmentVariable"))
+    assert last_set < kinds.index("Node")
+    actions = start(discovery="subnet")
+    assert ("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET") in [
+        action.arguments for action in of_kind(actions, "SetEnvironmentVariable")
+    ]
+    assert not of_kind(actions, "UnsetEnvironmentVariable")
+
+
+def flight(actions):
+    """Return the nodes by executable, and what to call when one ends."""
+    nodes = {}
+    for node in of_kind(actions, "Node"):
+        nodes.setdefault(node.options["executable"], []).append(node)
+    (handler,) = of_kind(actions, "RegisterEventHandler")
+    on_exit = handler.arguments[0].options["on_exit"]
+    return nodes, lambda action: [a.options["event"] for a in on_exit(SimpleNamespace(action=action), None)]
+
+
+def test_the_flight_ends_in_order(start):
+    nodes, ended = flight(start())
+    (relay,) = nodes["acoustic_relay_node"]
+    others = [*nodes["vehicle_node"], *nodes["agent_node"]]
+    events = ended(relay)
+    assert [kind(event) for event in events] == ["ShutdownProcess"] * 8
+    assert {event.options["process_matcher"][1] for event in events} == set(others)
+    for node in others[:-1]:
+        assert ended(node) == []
+    assert [kind(event) for event in ended(others[-1])] == ["Shutdown"]
+
+
+def test_the_end_of_a_vehicle_is_left_to_the_clock(start):
+    nodes, ended = flight(start())
+    for node in [*nodes["vehicle_node"], *nodes["agent_node"]]:
+        assert ended(node) == []
+    assert [kind(event) for event in ended(nodes["acoustic_relay_node"][0])] == ["Shutdown"]
+
+
+def test_the_end_of_the_recorder_ends_the_flight(start):
+    nodes, ended = flight(start())
+    assert [kind(event) for event in ended(nodes["recorder_node"][0])] == ["Shutdown"]
+    assert nodes["recorder_node"][0].options["sigterm_timeout"] == "30"

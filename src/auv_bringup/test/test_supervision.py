@@ -1,0 +1,199 @@
+"""Every way in which a flight ends, without a process."""
+
+import math
+
+import pytest
+
+from auv_bringup import supervision
+from auv_bringup.compose import node_specs
+from auv_bringup.processes import Exit
+from auv_bringup.scenario import load_scenario
+from auv_bringup.supervision import Status, Supervisor
+
+SCENARIO = load_scenario("flock_acoustic")
+AGENT_2, VEHICLE_2 = "/auv_2/agent_node", "/auv_2/vehicle_node"
+RELAY, RECORDER = "/acoustic_relay_node", "/recorder_node"
+
+
+@pytest.fixture(params=["stop", "continue"])
+def policy(request):
+    return request.param
+
+
+def make(policy="stop", tmp_dir="bag"):
+    supervisor = Supervisor(node_specs(SCENARIO, mode="lockstep", bag_dir=tmp_dir), on_vehicle_loss=policy)
+    supervisor.status_arrived(running(1.0), 100.0)
+    return supervisor
+
+
+def running(time_s, **more):
+    return Status("running", int(time_s * 10), time_s, 650.0, **more)
+
+
+def end(supervisor, name, returncode=1):
+    supervisor.process_ended(Exit(name, returncode), ["Traceback", "ValueError: no"], "logs/x.log")
+
+
+def test_a_flight_that_finishes_is_over_with_status_0(policy):
+    supervisor = make(policy)
+    supervisor.status_arrived(Status("finished", 6500, 650.0, 650.0), 165.0)
+    assert (supervisor.is_over, supervisor.is_finished, supervisor.exit_status) == (True, True, 0)
+    assert supervisor.simulated_s == 650.0
+
+
+def test_the_rate_counts_the_flight_only():
+    supervisor = make()
+    supervisor.status_arrived(running(11.0), 101.0)
+    supervisor.status_arrived(Status("finished", 210, 21.0, 21.0), 102.0)
+    supervisor.status_arrived(Status("finished", 210, 21.0, 21.0), 109.0)
+    assert supervisor.real_time_factor == pytest.approx(10.0)
+
+
+def test_the_rate_of_a_flight_of_one_look_is_unknown():
+    assert math.isnan(make().real_time_factor)
+
+
+@pytest.mark.parametrize("name", [AGENT_2, VEHICLE_2])
+@pytest.mark.parametrize(
+    ("returncode", "words"), [(1, "exit status 1"), (0, "exit status 0"), (-9, "SIGKILL")]
+)
+def test_a_vehicle_process_that_ends_stops_the_flight_and_is_named(name, returncode, words):
+    supervisor = make("stop")
+    end(supervisor, name, returncode)
+    assert (supervisor.is_over, supervisor.exit_status) == (True, 3)
+    assert name in supervisor.reason
+    messages = "\n".join(supervisor.take_messages())
+    assert name in messages
+    assert words in messages
+    assert "ValueError: no" in messages
+    assert "logs/x.log" in messages
+
+
+def test_a_flight_that_may_go_on_ends_both_processes_of_a_lost_vehicle():
+    supervisor = make("continue")
+    end(supervisor, AGENT_2)
+    assert not supervisor.is_over
+    assert supervisor.lost_vehicles == ["auv_2"]
+    assert sorted(supervisor.take_processes_to_end()) == [AGENT_2, VEHICLE_2]
+    assert supervisor.take_processes_to_end() == []
+    end(supervisor, VEHICLE_2, -9)
+    supervisor.status_arrived(running(5.0, lost_vehicles=("auv_2",)), 104.0)
+    assert supervisor.lost_vehicles == ["auv_2"]
+    assert not supervisor.is_over
+    assert "auv_2 is lost" in "\n".join(supervisor.take_messages())
+
+
+def test_a_vehicle_that_the_clock_gave_up_is_lost_too():
+    supervisor = make("continue")
+    supervisor.status_arrived(
+        running(5.0, lost_vehicles=("auv_3",), detail="/auv_3/agent_node: no answer"), 104.0
+    )
+    assert supervisor.lost_vehicles == ["auv_3"]
+    assert sorted(supervisor.take_processes_to_end()) == ["/auv_3/agent_node", "/auv_3/vehicle_node"]
+    assert "/auv_3/agent_node: no answer" in "\n".join(supervisor.take_messages())
+
+
+def test_losing_the_recorder_always_stops_the_flight(policy):
+    supervisor = make(policy)
+    end(supervisor, RECORDER)
+    assert (supervisor.is_over, supervisor.exit_status) == (True, 3)
+    assert RECORDER in supervisor.reason
+
+
+def test_losing_the_relay_always_stops_the_flight(policy):
+    supervisor = make(policy)
+    end(supervisor, RELAY, -11)
+    assert (supervisor.is_over, supervisor.exit_status) == (True, 3)
+    assert "SIGSEGV" in supervisor.reason
+
+
+def test_the_last_status_of_a_relay_may_arrive_after_its_end():
+    supervisor = make()
+    end(supervisor, RELAY, 0)
+    assert not supervisor.is_over
+    supervisor.time_passed(0.5)
+    supervisor.status_arrived(Status("finished", 6500, 650.0, 650.0), 165.0)
+    assert (supervisor.is_over, supervisor.exit_status) == (True, 0)
+
+
+def test_a_relay_that_ends_before_the_flight_does_stops_it():
+    supervisor = make()
+    end(supervisor, RELAY, 0)
+    for _ in range(3):
+        supervisor.time_passed(0.5)
+    assert supervisor.exit_status == 3
+    assert RELAY in supervisor.reason
+
+
+def test_an_aborted_flight_says_why(policy):
+    supervisor = make(policy)
+    supervisor.status_arrived(
+        Status("aborted", 50, 5.0, 650.0, detail=f"{AGENT_2}: no answer within 3 s"), 104.0
+    )
+    assert supervisor.exit_status == 3
+    assert AGENT_2 in supervisor.reason
+
+
+def test_a_stall_is_named_and_does_not_last():
+    supervisor = make()
+    for _ in range(30):
+        supervisor.status_arrived(Status("stalled", 50, 5.0, 650.0, waiting_for=(AGENT_2,)), 104.0)
+        supervisor.time_passed(0.2)
+    assert supervisor.exit_status == 3
+    assert AGENT_2 in supervisor.reason
+    assert len([line for line in supervisor.take_messages() if AGENT_2 in line]) == 1
+
+
+def test_a_stall_that_passes_is_forgotten():
+    supervisor = make()
+    for _ in range(10):
+        supervisor.status_arrived(Status("stalled", 50, 5.0, 650.0, waiting_for=(AGENT_2,)), 104.0)
+        supervisor.time_passed(0.4)
+        supervisor.status_arrived(running(5.1), 105.0)
+    assert not supervisor.is_over
+
+
+def test_a_stalled_recorder_stops_the_flight_at_once(policy):
+    supervisor = make(policy)
+    supervisor.status_arrived(Status("stalled", 50, 5.0, 650.0, waiting_for=(RECORDER,)), 104.0)
+    assert supervisor.exit_status == 3
+    assert RECORDER in supervisor.reason
+
+
+def test_a_silent_clock_is_named_within_5_s(policy):
+    supervisor = make(policy)
+    silent_s = 0.0
+    while not supervisor.is_over:
+        supervisor.time_passed(0.1)
+        silent_s += 0.1
+    assert silent_s < 5.0
+    assert "/clock_node" in supervisor.reason
+
+
+def test_no_word_at_all_ends_the_wait():
+    supervisor = Supervisor(node_specs(SCENARIO, mode="lockstep", bag_dir=None), on_vehicle_loss="stop")
+    waited_s = 0.0
+    while not supervisor.is_over:
+        supervisor.time_passed(0.5)
+        waited_s += 0.5
+    assert supervision.NO_STATUS_S <= waited_s <= supervision.NO_STATUS_S + 1.0
+    assert supervisor.exit_status == 3
+
+
+def test_a_slow_start_says_once_for_whom_it_waits():
+    supervisor = Supervisor(node_specs(SCENARIO, mode="lockstep", bag_dir=None), on_vehicle_loss="stop")
+    for _ in range(100):
+        supervisor.status_arrived(Status("waiting", waiting_for=(AGENT_2,)), 1.0)
+        supervisor.time_passed(0.2)
+    assert supervisor.take_messages() == [f"still waiting for {AGENT_2}"]
+    assert not supervisor.is_over
+
+
+def test_nodes_that_end_well_after_the_finish_are_no_loss(policy):
+    supervisor = make(policy)
+    supervisor.status_arrived(Status("finished", 6500, 650.0, 650.0), 165.0)
+    end(supervisor, RELAY, 0)
+    end(supervisor, AGENT_2, 0)
+    supervisor.time_passed(10.0)
+    assert supervisor.exit_status == 0
+    assert supervisor.take_messages() == []

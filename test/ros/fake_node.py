@@ -1,0 +1,84 @@
+"""
+A process in the place of a node, for tests of the launcher: python fake_node.py NOTES NAME BEHAVIOUR [NUMBER]
+
+It writes the names of what happens to the file NOTES, a line each. Behaviours:
+
+    idle            wait for SIGINT, then end with status 0
+    stubborn        ignore SIGINT and SIGTERM
+    die             say something, end with status 7
+    fly             publish /flock/status as the clock does, NUMBER simulated seconds, then idle
+    abort           the same, but end the flight as lost
+    leave           publish that the flight runs, then end with status 0
+    lose            give up auv_2 on the way, and finish
+    fly_for_ever    publish without an end
+"""
+
+import os
+import signal
+import sys
+import threading
+
+notes, name, behaviour = sys.argv[1:4]
+duration_s = float(sys.argv[4]) if len(sys.argv) > 4 else 2.0
+stop = threading.Event()
+pause = threading.Event()
+
+
+def note(word: str) -> None:
+    with open(notes, "a", encoding="utf-8") as stream:  # noqa: PTH123
+        stream.write(f"{word} {name}\n")
+
+
+def status_publisher():
+    import rclpy
+    from rclpy.signals import SignalHandlerOptions
+
+    from auv_core.node_main import LATCHED
+    from auv_msgs.msg import FlockStatus
+
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node("clock_node")
+    publisher = node.create_publisher(FlockStatus, "/flock/status", LATCHED)
+
+    def publish(state: str, time_s: float, **more) -> None:
+        publisher.publish(FlockStatus(state=state, time_s=time_s, duration_s=duration_s, **more))
+
+    return publish
+
+
+def fly() -> None:
+    publish = status_publisher()
+    publish("waiting", 0.0, waiting_for=["/auv_1/agent_node"])
+    time_s, lost = 0.0, []
+    while not stop.is_set() and (time_s < duration_s or behaviour == "fly_for_ever"):
+        publish("running", time_s, lost_vehicles=lost)
+        if behaviour == "leave" and time_s > 0.5:
+            return
+        if behaviour == "abort" and time_s > 0.5:
+            publish("aborted", time_s, detail="/auv_1/agent_node: no answer for tick 5 within 3 s")
+            break
+        if behaviour == "lose" and time_s > 0.5:
+            lost = ["auv_2"]
+        time_s += 0.1
+        pause.wait(0.05)
+    else:
+        publish("finished", time_s, lost_vehicles=lost)
+    stop.wait(60.0)
+
+
+signal.signal(signal.SIGINT, lambda *_: stop.set())
+if behaviour == "stubborn":
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
+note("started")
+sys.stdout.write(f"{name} with pid {os.getpid()}\n")
+sys.stdout.flush()
+if behaviour == "die":
+    sys.stdout.write("something is wrong\n")
+    sys.exit(7)
+if behaviour in ("idle", "stubborn"):
+    stop.wait(60.0)
+else:
+    fly()
+note("ended")
+os._exit(0)

@@ -1,0 +1,229 @@
+"""The run command with its real nodes: flights that end well, and flights that somebody ends."""
+
+import contextlib
+import json
+import os
+import select
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+
+from auv_bringup.bag_reader import read_recording
+from auv_bringup.scenario import SCENARIOS_DIR, load_scenario
+
+pytestmark = pytest.mark.ros
+
+PATIENCE_S = 120.0
+RECORDED_BYTES = 300_000
+"""More than the definitions at the head of a bag: chunks of the flight are on disk."""
+NODES = [
+    "acoustic_relay_node",
+    "auv_1.agent_node",
+    "auv_1.vehicle_node",
+    "auv_2.agent_node",
+    "auv_2.vehicle_node",
+]
+
+
+@pytest.fixture
+def scenario_file(tmp_path):
+    """Two kinematic vehicles, long enough to be interrupted."""
+    raw = yaml.safe_load((SCENARIOS_DIR / "ch5_four_leaders.yaml").read_text())
+    raw.update(name="pair", sampling="sampled", duration_s=2000.0, vehicles=raw["vehicles"][:2])
+    raw["leaders"] = [vehicle["id"] for vehicle in raw["vehicles"]]
+    path = tmp_path / "pair.yaml"
+    path.write_text(yaml.safe_dump(raw))
+    return path
+
+
+class Run:
+    """A run command that is under way."""
+
+    def __init__(self, scenario_file, *arguments):
+        self.out = scenario_file.parent / "results"
+        self.options = ("--no-figures", "--out", str(self.out))
+        self.errors = scenario_file.parent / f"stderr-{time.monotonic_ns()}.txt"
+        with self.errors.open("wb") as stream:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "auv_bringup.cli", str(scenario_file), *arguments, *self.options],
+                stdout=subprocess.PIPE,
+                stderr=stream,
+                text=True,
+            )
+        self.watches = {}
+
+    def wait_until_up(self):
+        """Wait until the flight has begun and something is recorded, and keep an eye on every node."""
+        pause, deadline_s = threading.Event(), time.monotonic() + PATIENCE_S
+        while "all nodes are up" not in self.errors.read_text() or self.recorded_bytes < RECORDED_BYTES:
+            assert time.monotonic() < deadline_s, self.errors.read_text()
+            assert self.process.poll() is None, self.errors.read_text()
+            pause.wait(0.02)
+        self.watches = {pid: os.pidfd_open(pid) for pid in children_of(self.process.pid)}
+        return self
+
+    def wait_for_word(self, word):
+        pause, deadline_s = threading.Event(), time.monotonic() + PATIENCE_S
+        while word not in self.errors.read_text():
+            assert time.monotonic() < deadline_s, self.errors.read_text()
+            pause.wait(0.01)
+
+    @property
+    def recorded_bytes(self):
+        return sum(path.stat().st_size for path in (self.folder / "bag").glob("*.mcap"))
+
+    def node(self, part):
+        """Return the process id of the node whose command line has a word in it."""
+        (pid,) = [pid for pid in self.watches if part in command_of(pid)]
+        return pid
+
+    def wait(self):
+        """Wait for the end; return status, output and errors. No node outlives the command."""
+        output, _ = self.process.communicate(timeout=PATIENCE_S)
+        for pid, watch in self.watches.items():
+            assert select.select([watch], [], [], 10.0)[0], f"{pid} is still there"
+        return self.process.returncode, output, self.errors.read_text()
+
+    @property
+    def folder(self):
+        (folder,) = self.out.iterdir()
+        return folder
+
+    def close(self):
+        for watch in self.watches.values():
+            os.close(watch)
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.communicate()
+
+
+@pytest.fixture
+def start(scenario_file):
+    runs = []
+
+    def begin(*arguments):
+        runs.append(Run(scenario_file, *arguments))
+        return runs[-1]
+
+    yield begin
+    for run in runs:
+        run.close()
+
+
+def children_of(parent):
+    found = []
+    for entry in Path("/proc").iterdir():
+        with contextlib.suppress(OSError, ValueError):
+            if int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1]) == parent:
+                found.append(int(entry.name))
+    return found
+
+
+def command_of(pid):
+    return (Path("/proc") / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+
+
+def recorded_s(run):
+    """Return how much of the flight the bag holds (s)."""
+    recording = read_recording(run.folder / "bag", load_scenario(str(run.folder / "scenario.yaml")))
+    return recording.t_s[-1]
+
+
+def test_a_flight_from_start_to_report(start):
+    run = start("--duration", "5", "--seed", "3")
+    status, output, errors = run.wait()
+    assert status == 0, errors
+    assert run.folder.name.startswith("pair-3-lockstep-")
+    for name in ("scenario.yaml", "provenance.json", "metrics.json", "report.html", "bag/metadata.yaml"):
+        assert (run.folder / name).is_file(), name
+    assert sorted(path.stem for path in (run.folder / "logs").glob("*.log")) == [*NODES, "recorder_node"]
+    assert output.splitlines()[-1] == f"report: {run.folder / 'report.html'}"
+    assert "export ROS_DOMAIN_ID=" in output
+    assert "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST" in output
+    assert "Traceback" not in errors
+    assert "warning" not in errors
+    assert recorded_s(run) == pytest.approx(5.0)
+    assert json.loads((run.folder / "metrics.json").read_text())["duration_s"] == pytest.approx(5.0)
+
+
+def test_without_a_bag_there_is_no_recorder_and_it_is_said(start):
+    run = start("--duration", "2", "--no-bag")
+    status, output, errors = run.wait()
+    assert status == 0, errors
+    assert "nothing was recorded" in output
+    assert sorted(path.stem for path in (run.folder / "logs").glob("*.log")) == NODES
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_flight_ends_everything_and_leaves_a_readable_bag(start, number):
+    run = start().wait_until_up()
+    asked_at_s = time.monotonic()
+    run.process.send_signal(number)
+    status, _, errors = run.wait()
+    assert status == 130, errors
+    assert time.monotonic() - asked_at_s < 30.0
+    assert f"--report {run.folder}" in errors
+    assert "Traceback" not in errors
+    assert (run.folder / "bag" / "metadata.yaml").is_file()
+    assert recorded_s(run) > 0.0
+
+
+def test_a_killed_node_is_named_and_stops_the_flight(start):
+    run = start().wait_until_up()
+    killed_at_s = time.monotonic()
+    os.kill(run.node("auv_2.agent_node"), signal.SIGKILL)
+    run.wait_for_word("/auv_2/agent_node")
+    assert time.monotonic() - killed_at_s < 5.0
+    status, _, errors = run.wait()
+    assert status == 3
+    assert "/auv_2/agent_node has ended early: killed by SIGKILL" in errors
+    assert (run.folder / "metrics.json").is_file()
+
+
+def test_a_frozen_node_is_named_and_stops_the_flight(start):
+    run = start().wait_until_up()
+    frozen_at_s = time.monotonic()
+    os.kill(run.node("auv_2.agent_node"), signal.SIGSTOP)
+    run.wait_for_word("/auv_2/agent_node")
+    assert time.monotonic() - frozen_at_s < 5.0
+    status, _, errors = run.wait()
+    assert status == 3
+    assert "/auv_2/agent_node" in errors.splitlines()[-1]
+
+
+def test_a_flight_goes_on_without_a_killed_vehicle(start):
+    run = start("--set", "on_vehicle_loss=continue", "--duration", "100").wait_until_up()
+    os.kill(run.node("auv_2.agent_node"), signal.SIGKILL)
+    status, output, errors = run.wait()
+    metrics = json.loads((run.folder / "metrics.json").read_text())
+    assert status == (4 if metrics["collision"] else 0), errors  # the other may run into what drifts
+    assert "auv_2 is lost" in errors
+    assert "lost on the way: auv_2" in output
+    assert metrics["lost_vehicles"] == ["auv_2"]
+    assert metrics["duration_s"] == pytest.approx(100.0)
+
+
+def test_nodes_die_with_a_killed_launcher(start):
+    run = start().wait_until_up()
+    assert len(run.watches) == 6
+    run.process.kill()
+    run.wait()
+    assert recorded_s(run) > 0.0
+
+
+def test_a_second_run_beside_takes_another_domain(start):
+    first = start().wait_until_up()
+    second = start("--duration", "1")
+    status, output, errors = second.wait()
+    assert status == 0, errors
+    asked = int(os.environ.get("ROS_DOMAIN_ID") or 0)
+    assert f"ROS domain {asked} is in use" in output
+    assert f"export ROS_DOMAIN_ID={asked} " not in output
+    first.process.send_signal(signal.SIGINT)
+    assert first.wait()[0] == 130
