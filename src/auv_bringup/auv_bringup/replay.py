@@ -18,16 +18,17 @@ from auv_bringup.bag import Bag, RecordedMessage
 from auv_bringup.bag_writer import BagError
 from auv_bringup.re_estimate import Comparison, re_estimate
 from auv_bringup.recorded_topics import CLOCK_TOPIC
-from auv_bringup.ros_types import is_latched, message_class, offer_like_recorded, use_discovery_range
+from auv_bringup.ros_types import is_latched, message_class, offer_like_recorded, prepare_environment
 from auv_bringup.scenario import load_scenario
 from auv_core.params import ConfigError
 
 if TYPE_CHECKING:
     from rclpy.node import Node
+    from rclpy.publisher import Publisher
 
 EXIT_DONE, EXIT_DIFFERENT, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 DEFAULT_CLOCK_HZ = 40.0
-DISCOVERY_S = 0.5
+DISCOVERY_MIN_S, DISCOVERY_MAX_S = 0.5, 3.0
 ACKNOWLEDGE_LIMIT_S = 2.0
 
 
@@ -141,7 +142,7 @@ class _Plan:
 
 def _replay(bag: Bag, options: argparse.Namespace) -> int:
     """Publish the bag."""
-    use_discovery_range(options.discovery)
+    prepare_environment(options.discovery)
     import rclpy
     from rclpy.signals import SignalHandlerOptions
 
@@ -158,9 +159,10 @@ def _replay(bag: Bag, options: argparse.Namespace) -> int:
         latched = frozenset(name for name in topics if is_latched(bag.topics[name].offered_qos))
         plan = _Plan(_make_publishers(node, bag, topics), latched, first_ns, last_ns)
         clock = _ClockSource(node, options.clock) if options.clock is not None else None
-        _pause(DISCOVERY_S)
+        everything = [*plan.publishers.values(), *([clock.publisher] if clock else [])]
+        _wait_for_readers(node, everything)
         count = _publish(bag, plan, _Pace(first_ns, options.rate), clock)
-        _finish(plan)
+        _finish(everything)
     finally:
         rclpy.try_shutdown()
     played_s = (last_ns - first_ns) * 1e-9
@@ -195,6 +197,19 @@ def _make_publishers(node: Node, bag: Bag, topics: Sequence[str]) -> dict[str, A
     return publishers
 
 
+def _wait_for_readers(node: Node, publishers: Sequence[Publisher]) -> None:
+    """Wait a moment for readers to be found, and until those that were are connected."""
+    began_s = time.monotonic()
+    while (waited_s := time.monotonic() - began_s) < DISCOVERY_MAX_S:
+        connected = all(
+            publisher.get_subscription_count() >= node.count_subscribers(publisher.topic_name)
+            for publisher in publishers
+        )
+        if connected and waited_s >= DISCOVERY_MIN_S:
+            return
+        _pause(0.02)
+
+
 class _Pace:
     """When a moment of the bag is due, by the steady wall clock."""
 
@@ -218,7 +233,7 @@ class _ClockSource:
         from rosgraph_msgs.msg import Clock
 
         self._message = Clock()
-        self._publisher = node.create_publisher(Clock, CLOCK_TOPIC, 10)
+        self.publisher = node.create_publisher(Clock, CLOCK_TOPIC, 10)
         self._period_s = 1.0 / rate_hz
         self._next_s = 0.0
 
@@ -229,7 +244,7 @@ class _ClockSource:
             _pause(self._next_s - time.monotonic())
             seconds, nanoseconds = divmod(max(pace.bag_time_ns(self._next_s), 0), 1_000_000_000)
             self._message.clock.sec, self._message.clock.nanosec = seconds, nanoseconds
-            self._publisher.publish(self._message)
+            self.publisher.publish(self._message)
             self._next_s += self._period_s
 
 
@@ -261,12 +276,12 @@ def _messages(bag: Bag, plan: _Plan) -> Iterator[RecordedMessage]:
     yield from bag.messages(plan.publishers.keys(), plan.first_ns)
 
 
-def _finish(plan: _Plan) -> None:
+def _finish(publishers: Sequence[Publisher]) -> None:
     """Wait, within a limit, until every reliable reader has everything."""
     from rclpy.duration import Duration
 
     limit_s = time.monotonic() + ACKNOWLEDGE_LIMIT_S
-    for publisher in plan.publishers.values():
+    for publisher in publishers:
         publisher.wait_for_all_acked(Duration(seconds=max(0.0, limit_s - time.monotonic())))
 
 

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from auv_bringup.bag_writer import BagError, Qos
+from auv_bringup.domains import DomainError, asked_domain
+from auv_bringup.node_start import node_environment
 
 if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
@@ -75,16 +77,25 @@ def offer_like_recorded(offered_qos: tuple[Mapping[str, Any], ...]) -> QoSProfil
     )
 
 
-def use_discovery_range(choice: str) -> None:
-    """Set who hears this process's ROS traffic; to be called before ROS starts.
+def prepare_environment(discovery: str) -> None:
+    """Give this process the environment of the nodes of a run: its reach, its quick discovery.
+
+    To be called before ROS starts.
 
     Parameters
     ----------
-    choice
+    discovery
         ``localhost`` or ``subnet``.
+
+    Raises
+    ------
+    BagError
+        If $ROS_DOMAIN_ID holds no domain.
     """
-    os.environ.pop("ROS_LOCALHOST_ONLY", None)  # the old word for it; it would override the new one
-    if choice == "localhost":
-        os.environ.pop("ROS_STATIC_PEERS", None)
-        os.environ.pop("ROS_DISCOVERY_SERVER", None)
-    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = choice.upper()
+    try:
+        domain_id = asked_domain(os.environ)
+    except DomainError as error:
+        raise BagError(str(error)) from None
+    environment = node_environment(os.environ, domain_id=domain_id, discovery=discovery)
+    os.environ.clear()
+    os.environ.update(environment)

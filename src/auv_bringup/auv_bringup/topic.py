@@ -16,7 +16,7 @@ import numpy as np
 import yaml
 
 from auv_bringup.bag_writer import BagError
-from auv_bringup.ros_types import message_class, use_discovery_range
+from auv_bringup.ros_types import message_class, prepare_environment
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -26,14 +26,16 @@ EXIT_DONE, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 2, 130
 WINDOW = 10_000
 MAX_ELEMENTS = 128
 REPORT_PERIOD_S = 1.0
+SETTLED_S = 0.5
+UNNAMED = "_NODE_NAME_UNKNOWN_"
 _LOOK_S = 0.1
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status."""
     options = _parse(argv)
-    use_discovery_range(options.discovery)
     try:
+        prepare_environment(options.discovery)
         with _node() as node:
             return int(options.run(node, options))
     except BagError as error:
@@ -118,8 +120,7 @@ def _list(node: Node, options: argparse.Namespace) -> int:
 def _info(node: Node, options: argparse.Namespace) -> int:
     """Print what the graph knows about a topic."""
     type_name = _find_type(node, options.topic, options.wait)
-    publishers = node.get_publishers_info_by_topic(options.topic)
-    subscribers = node.get_subscriptions_info_by_topic(options.topic)
+    publishers, subscribers = _named_endpoints(node, options.topic, options.wait)
     gap = "\n" if options.verbose else ""
     print(f"Type: {type_name}{gap}")
     for word, infos in (("Publisher", publishers), ("Subscription", subscribers)):
@@ -231,6 +232,18 @@ def _find_type(node: Node, topic: str, wait_s: float) -> str:
     raise BagError(_unknown_topic(topic, sorted(_topics(node)), wait_s))
 
 
+def _named_endpoints(node: Node, topic: str, wait_s: float) -> tuple[list[Any], list[Any]]:
+    """Return publishers and subscribers, once the names of their nodes, which come later, are known."""
+    limit_s = time.monotonic() + wait_s
+    while True:
+        publishers = node.get_publishers_info_by_topic(topic)
+        subscribers = node.get_subscriptions_info_by_topic(topic)
+        unnamed = [each for each in (*publishers, *subscribers) if each.node_name == UNNAMED]
+        if not unnamed or time.monotonic() >= limit_s:
+            return publishers, subscribers
+        _spin(node)
+
+
 def _unknown_topic(topic: str, known: Sequence[str], wait_s: float) -> str:
     """Return what to say about a topic that is not there."""
     domain = os.environ.get("ROS_DOMAIN_ID") or "0"
@@ -241,22 +254,22 @@ def _unknown_topic(topic: str, known: Sequence[str], wait_s: float) -> str:
     )
     if near:
         return f"{said}; did you mean {', '.join(near)}?"
-    if [name for name in known if name not in ("/rosout", "/parameter_events")]:
+    if set(known) - {"/rosout", "/parameter_events"}:
         return f"{said}; `./scripts/topic list` shows those that there are"
     return f"{said}, nor any other; is a run under way, and in this domain (`export ROS_DOMAIN_ID=...`)?"
 
 
 def _settled_topics(node: Node, wait_s: float) -> dict[str, list[str]]:
-    """Return all topics, once none has been added for half a second and a first one is there."""
+    """Return all topics, once there are some of others and none has been added for a while."""
     limit_s = time.monotonic() + wait_s
-    topics = _topics(node)
+    own = topics = _topics(node)
     changed_s = time.monotonic()
     while (now_s := time.monotonic()) < limit_s:
         _spin(node)
         found = _topics(node)
         if found.keys() != topics.keys():
             topics, changed_s = found, now_s
-        elif len(topics) > 0 and now_s - changed_s >= 5 * _LOOK_S:
+        elif topics.keys() != own.keys() and now_s - changed_s >= SETTLED_S:
             break
     return topics
 

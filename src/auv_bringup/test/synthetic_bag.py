@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from auv_bringup.bag_writer import BagWriter, Qos, Topic
@@ -63,6 +64,31 @@ def pose(position, quat_wxyz):
     return make("geometry_msgs/msg/Pose", position=point(position), orientation=orientation)
 
 
+def random_message(name: str, rng: np.random.Generator):
+    """Return a message of a type whose every string and sequence has a length of its own."""
+    return make(name, **{field: _random(kind, rng) for field, kind in typestore().fielddefs[name][1]})
+
+
+def _random(kind, rng: np.random.Generator):
+    node, detail = kind
+    if node == Nodetype.NAME:
+        return random_message(detail, rng)
+    if node == Nodetype.BASE:
+        if detail[0] == "string":
+            return "abcdefghi"[: rng.integers(0, 10)]
+        return _random_numbers(detail[0], 1, rng)[0].item()
+    element, count = detail[0], detail[1] if node == Nodetype.ARRAY else rng.integers(0, 4)
+    if element[0] == Nodetype.BASE and element[1][0] != "string":
+        return _random_numbers(element[1][0], count, rng)
+    return [_random(element, rng) for _ in range(count)]
+
+
+def _random_numbers(kind: str, count: int, rng: np.random.Generator):
+    if kind.startswith("float"):
+        return rng.normal(size=count).astype(kind)
+    return rng.integers(0, 2 if kind == "bool" else 100, size=count).astype(kind.replace("byte", "uint8"))
+
+
 @dataclass(frozen=True)
 class FakeVehicle:
     id: str
@@ -83,15 +109,17 @@ def scenario(n: int, period_s: float = 0.1) -> FakeScenario:
 class Recorder:
     """A BagWriter that takes message objects and registers topics on their first message."""
 
-    def __init__(self, bag_dir: Path, **options) -> None:
+    def __init__(self, bag_dir: Path, latched=frozenset(), **options) -> None:
         self.writer = BagWriter(bag_dir, **options)
+        self.latched = latched
         self.log: list[tuple[str, str, int, bytes]] = []
         self._channels: dict[str, int] = {}
 
     def write(self, topic: str, message, time_ns: int) -> None:
         name = message.__msgtype__
         if topic not in self._channels:
-            self._channels[topic] = self.writer.add_topic(Topic(topic, message_type(name), (Qos(),)))
+            qos = Qos(durability="transient_local" if topic in self.latched else "volatile")
+            self._channels[topic] = self.writer.add_topic(Topic(topic, message_type(name), (qos,)))
         data = bytes(typestore().serialize_cdr(message, name))
         self.writer.write(self._channels[topic], data, time_ns)
         self.log.append((topic, name, time_ns, data))

@@ -78,9 +78,8 @@ def test_a_file_cut_anywhere_gives_a_beginning_of_the_recording(tmp_path_factory
     try:
         bag = Bag(path.parent)
         read = read_back(bag)
-    except BagError as error:
+    except BagError:
         assert share * len(content) < 100
-        assert "\n" not in str(error)
     else:
         assert read == [(topic, t_ns, k) for k, (topic, t_ns) in enumerate(rows)][: len(read)]
         assert bag.complete == (share == 1.0) or len(read) == len(rows)
@@ -93,11 +92,13 @@ def test_a_damaged_byte_gives_messages_or_one_error(tmp_path_factory, whole_file
     damaged[int(place * len(damaged))] = value
     path = tmp_path_factory.mktemp("damaged") / "bag_0.mcap"
     path.write_bytes(damaged)
+    said = ""
     try:
         bag = Bag(path)
         list(bag.messages())
     except BagError as error:
-        assert "\n" not in str(error)
+        said = str(error)
+    assert "\n" not in said
 
 
 def test_a_bag_is_found_by_its_folder_its_results_folder_and_its_file(tmp_path):

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 
 import pytest
 import synthetic_bag as synthetic
@@ -70,15 +71,18 @@ def test_the_mcap_file_follows_rosbag2(run_bag):
     assert yaml.safe_load(at_start.metadata["serialized_metadata"])["message_count"] == 0
 
 
+def unfinished_chunks(file):
+    with suppress(EndOfFile):
+        for record in StreamReader(file, emit_chunks=True).records:
+            if isinstance(record, Chunk):
+                yield record
+
+
 def test_chunks_are_small_compressed_and_reach_the_file_when_full(tmp_path):
     recorder = synthetic.Recorder(tmp_path / "bag")
     synthetic.SyntheticRun(2, 120).write(recorder)
     with (tmp_path / "bag" / "bag_0.mcap").open("rb") as file:
-        chunks = []
-        with pytest.raises(EndOfFile):  # it is not finished
-            for record in StreamReader(file, emit_chunks=True).records:
-                chunks.append(record)
-        chunks = [record for record in chunks if isinstance(record, Chunk)]
+        chunks = list(unfinished_chunks(file))
     recorder.writer.close()
     with (tmp_path / "bag" / "bag_0.mcap").open("rb") as file:
         index: list[ChunkIndex] = make_reader(file).get_summary().chunk_indexes

@@ -1,0 +1,119 @@
+"""The replay command as a process, heard by a real subscriber."""
+
+import signal
+import time
+from collections import defaultdict
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+import synthetic_bag as synthetic
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Path as PathMessage
+from ros_desk import desk, finish, process
+from rosgraph_msgs.msg import Clock
+
+from auv_msgs.msg import VehicleState
+
+pytestmark = pytest.mark.ros
+
+REPLAY = "auv_bringup.replay"
+N_TICKS = 30
+KINDS = {"/clock": Clock, "/auv_1/state": VehicleState, "/auv_2/reference": TwistStamped}
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A bag of 3 s, with a latched path at its beginning, and its messages by topic."""
+    folder = tmp_path_factory.mktemp("recorded")
+    recorder = synthetic.Recorder(folder / "bag", latched={"/auv_1/path"})
+    header = synthetic.header(0, "map_ned")
+    recorder.write("/auv_1/path", synthetic.make("nav_msgs/msg/Path", header=header, poses=[]), 0)
+    synthetic.SyntheticRun(2, N_TICKS).write(recorder)
+    recorder.writer.close()
+    by_topic = defaultdict(list)
+    for topic, _, _, data in recorder.log:
+        by_topic[topic].append(data)
+    return folder, by_topic
+
+
+def listen(at):
+    return {topic: at.listen(kind, topic, raw=True) for topic, kind in KINDS.items()}
+
+
+def test_a_bag_is_published_as_it_was_recorded(recorded):
+    folder, by_topic = recorded
+    with desk() as at:
+        heard = listen(at)
+        paths = at.listen(PathMessage, "/auv_1/path", latched=True)
+        began_s = time.monotonic()
+        with process(REPLAY, folder, "--rate", 2) as replay:
+            at.until(
+                lambda: all(len(heard[topic]) == len(by_topic[topic]) for topic in heard), "all is heard"
+            )
+            assert time.monotonic() - began_s > 1.5
+            status, out, errors = finish(replay, None)
+    assert (status, errors) == (0, "")
+    assert "messages of 16 topics replayed, 3.000 s of the bag" in out
+    assert heard == {topic: by_topic[topic] for topic in heard}
+    assert len(paths) == 1
+
+
+def test_topics_start_and_clock_choose_what_is_published(recorded):
+    folder, by_topic = recorded
+    with desk() as at:
+        heard = listen(at)
+        paths = at.listen(PathMessage, "/auv_1/path", latched=True)
+        wanted = ["--topics", "/auv_1/state", "/auv_1/path", "/clock"]
+        with process(REPLAY, folder, "--start", 2, "--clock", 50, "--rate", 2, *wanted) as replay:
+            status, out, errors = finish(replay, None)
+        at.until(lambda: len(heard["/auv_1/state"]) == 11 and paths, "the end of the bag")
+    assert (status, errors) == (0, "")
+    assert "12 messages of 2 topics replayed, 1.000 s of the bag" in out
+    assert heard["/auv_1/state"] == by_topic["/auv_1/state"][20:]
+    assert heard["/auv_2/reference"] == []
+    assert 20 <= len(heard["/clock"]) <= 30
+    assert heard["/clock"][5] not in by_topic["/clock"]
+
+
+def test_ctrl_c_ends_it_cleanly(recorded):
+    folder, _ = recorded
+    with desk() as at:
+        heard = listen(at)
+        with process(REPLAY, folder, "--rate", 0.01) as replay:
+            at.until(lambda: heard["/clock"], "it has begun")
+            status, _, errors = finish(replay, signal.SIGINT)
+    assert status == 130
+    assert errors == "interrupted\n"
+
+
+def test_an_unfinished_bag_is_replayed_as_far_as_it_goes(recorded, tmp_path):
+    folder, _ = recorded
+    content = (folder / "bag" / "bag_0.mcap").read_bytes()
+    (tmp_path / "bag_0.mcap").write_bytes(content[: len(content) * 2 // 3])
+    with desk(), process(REPLAY, tmp_path, "--rate", 50) as replay:
+        status, out, errors = finish(replay, None)
+    assert status == 0
+    assert "replayed" in out
+    assert errors.count("\n") == 1
+    assert "killed before it finished" in errors
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (
+            ["--topics", "/auv_1/state", "/nothing"],
+            "the bag has no topic /nothing; it has: /auv_1/acoustic/rx",
+        ),
+        (["--start", "99"], "the bag is 3.000 s long"),
+    ],
+)
+def test_what_cannot_be_replayed_is_one_error(recorded, options, said):
+    folder, _ = recorded
+    with process(REPLAY, folder, *options) as replay:
+        status, _, errors = finish(replay, None)
+    assert status == 2
+    assert said in errors
+    assert errors.count("\n") == 1
