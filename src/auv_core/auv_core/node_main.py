@@ -27,6 +27,8 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from auv_core.params import ConfigError
+from auv_core.run_config import TickClock
+from auv_msgs.msg import FlockStatus
 
 _WAKE_S = 0.25
 _HAND_OVER_S = 2.0
@@ -106,6 +108,20 @@ def now_s(node: Node) -> Callable[[], float]:
     """Return a function that gives the node's ROS time (s)."""
     clock = node.get_clock()
     return lambda: 1e-9 * float(clock.now().nanoseconds)
+
+
+def when_running(node: Node, ticks: TickClock, begin: Callable[[], None]) -> None:
+    """Call `begin` once scenario time 0 is known, from the configuration or from the status of the run."""
+    if ticks.started:
+        begin()
+        return
+
+    def on_status(status: FlockStatus) -> None:
+        if not ticks.started and status.state == FlockStatus.RUNNING:
+            ticks.start(status.header.stamp.sec + 1e-9 * status.header.stamp.nanosec - status.time_s)
+            begin()
+
+    node.create_subscription(FlockStatus, "/flock/status", on_status, LATCHED)
 
 
 @dataclass(frozen=True)

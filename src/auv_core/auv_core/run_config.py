@@ -18,9 +18,15 @@ class RunConfig:
         choices=("lockstep", "realtime"),
     )
     epoch_s: float = param(
-        "ROS time of scenario time 0 (s); 0 means the start of the node; realtime only", default=0.0
+        "ROS time of scenario time 0 (s), for nodes that wait for nobody; 0: when the run says running",
+        default=0.0,
     )
     recorded: bool = param("whether a recorder must hear everything from the first tick", default=False)
+
+    @property
+    def waits(self) -> bool:
+        """Whether nodes wait for each other before they begin."""
+        return self.mode == "lockstep" or self.epoch_s == 0.0
 
 
 class TickClock:
@@ -28,14 +34,24 @@ class TickClock:
     From ticks to stamps, and from the wall clock to ticks.
 
     In lock-step a stamp is the tick's scenario time; in real time it is ROS time, and scenario time 0 is the
-    epoch.
+    epoch, which `start` sets where the configuration does not.
     """
 
     def __init__(self, run: RunConfig, period_s: float, now_s: Callable[[], float]) -> None:
         self._period_s = period_s
         self._now_s = now_s
         self.lockstep = run.mode == "lockstep"
-        self.epoch_s = 0.0 if self.lockstep else (run.epoch_s or now_s())
+        self.epoch_s = 0.0 if self.lockstep else run.epoch_s
+
+    @property
+    def started(self) -> bool:
+        """Whether scenario time 0 is known."""
+        return self.lockstep or self.epoch_s != 0.0
+
+    def start(self, epoch_s: float | None = None) -> None:
+        """Set the epoch (s, ROS time), to now without one; once set it stays."""
+        if not self.started:
+            self.epoch_s = self._now_s() if epoch_s is None else epoch_s
 
     def scenario_s(self, tick: int) -> float:
         """Return the scenario time of a tick (s)."""

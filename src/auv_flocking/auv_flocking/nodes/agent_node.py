@@ -19,7 +19,16 @@ from auv_core.geometry import Vec3
 from auv_core.markers import MARKER_TICKS, lines, sphere
 from auv_core.messages import Inbox, Reception
 from auv_core.messages import VehicleState as State
-from auv_core.node_main import EVERY_TICK, LATCHED, Audience, Rendezvous, main_loop, now_s, steady_timer
+from auv_core.node_main import (
+    EVERY_TICK,
+    LATCHED,
+    Audience,
+    Rendezvous,
+    main_loop,
+    now_s,
+    steady_timer,
+    when_running,
+)
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
 from auv_flocking.agent import Agent, AgentConfig
@@ -78,6 +87,8 @@ class AgentNode(Node):
             self._marker_pub: set(),
             self._diagnostics_pub: set(),
         }
+        if not run.waits:
+            listeners = {publisher: set() for publisher in listeners}
         return [Audience(publisher, frozenset(names | recorder)) for publisher, names in listeners.items()]
 
     def _start(self) -> None:
@@ -86,7 +97,10 @@ class AgentNode(Node):
         if self._ticks.lockstep:
             self._step_if_ready()
         else:
-            steady_timer(self, self._config.period_s, self._run_free)
+            when_running(self, self._ticks, self._begin)
+
+    def _begin(self) -> None:
+        steady_timer(self, self._config.period_s, self._run_free)
 
     def _on_nav(self, message: VehicleState) -> None:
         self._navs[message.tick] = convert.state_from_msg(message)

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from auv_core.geometry import Vec3
 from auv_core.params import param
 
+_NO_DIRECTION_M2 = 1e-18
+
 
 @dataclass(frozen=True)
 class Params:
@@ -31,8 +33,8 @@ class Separation:
 
     def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
         """
-        Return the repulsive velocity (m/s; NED); zero at and beyond `spacing_m`, and at r = 0, where it has
-        no direction.
+        Return the repulsive velocity (m/s; NED); zero at and beyond `spacing_m`, and below a nanometre, where it
+        has no direction.
 
         Parameters
         ----------
@@ -44,7 +46,7 @@ class Separation:
         """
         dx, dy, dz = own[0] - other[0], own[1] - other[1], own[2] - other[2]
         square = dx * dx + dy * dy + dz * dz
-        if square >= spacing_m * spacing_m or square == 0.0:
+        if square >= spacing_m * spacing_m or square < _NO_DIRECTION_M2:
             return (0.0, 0.0, 0.0)
         factor = self._gain * 2.0 * (spacing_m * spacing_m - square) / (square * square)
         return (factor * dx, factor * dy, factor * dz)

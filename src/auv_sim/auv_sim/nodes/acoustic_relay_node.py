@@ -14,6 +14,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
+from itertools import product
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
@@ -35,6 +36,7 @@ from auv_sim.nodes.clock_node import ClockNode, WatchConfig
 from auv_sim.vehicle import Vehicle, VehicleConfig
 
 _STATS_TICKS = 10
+_ROLES = ("agent_node", "vehicle_node")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,8 +153,13 @@ class AcousticRelayNode(Node):
                 self._drift()
 
     def _run_free(self) -> None:
+        if len(self._states) < len(self._ids) or self.clock.ended:
+            return
+        if self._barrier.tick < 0:
+            self._ticks.start()
+            self._heard_at_s = dict.fromkeys(product(_ROLES, range(len(self._ids))), time.monotonic())
         tick = self._ticks.tick_now()
-        if tick <= self._barrier.tick or len(self._states) < len(self._ids) or self.clock.ended:
+        if tick <= self._barrier.tick:
             return
         self._drift()
         self._states.update(self._next_states)
@@ -197,13 +204,11 @@ class AcousticRelayNode(Node):
 
     def _silent(self) -> list[tuple[str, int]]:
         now = time.monotonic()
-        everybody = [
-            (role, i)
-            for i in range(len(self._ids))
-            if i not in self._adrift
-            for role in ("agent_node", "vehicle_node")
+        return [
+            (role, index)
+            for (role, index), heard_at_s in self._heard_at_s.items()
+            if index not in self._adrift and now - heard_at_s > self._timeout_s
         ]
-        return [key for key in everybody if now - self._heard_at_s.get(key, -math.inf) > self._timeout_s]
 
     def _drop(self) -> list[str]:
         """Go on without the vehicles that owe an answer; return their ids."""

@@ -6,6 +6,7 @@ It lives in the process of the relay, which tells it by a call, without a messag
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -79,6 +80,7 @@ class ClockNode(Node):
         self._detail = ""
         self._tick = 0
         self._recorded_ticks = 0
+        self._recorder_heard_at_s = math.inf
         self._lost: list[str] = []
         self._moved_at_s = time.monotonic()
         self._ended_at_s = float("inf")
@@ -103,8 +105,9 @@ class ClockNode(Node):
 
     @property
     def has_room(self) -> bool:
-        """Whether the recorder is near enough for another tick."""
-        return not self._recorded or self._tick - self._recorded_ticks <= _RECORDER_LEAD_TICKS
+        """Whether the recorder is near enough for another tick; only lock-step could outrun it."""
+        lead = self._tick - self._recorded_ticks
+        return not self._recorded or not self._ticks.lockstep or lead <= _RECORDER_LEAD_TICKS
 
     def begin_tick(self, tick: int) -> None:
         """Announce a tick; the last one ends the run."""
@@ -120,6 +123,7 @@ class ClockNode(Node):
 
     def _on_recorder(self, message: RecorderStatus) -> None:
         waiting = not self.has_room
+        self._recorder_heard_at_s = time.monotonic()
         self._recorded_ticks = message.ticks
         if waiting and self.has_room:
             self.on_room()
@@ -130,19 +134,15 @@ class ClockNode(Node):
         self._publish()
 
     def _watch_silence(self) -> None:
-        waiting = self._state == FlockStatus.WAITING
-        limit_s = self._watch.start_timeout_s if waiting else self._watch.answer_timeout_s
-        awaited = self._silent()
-        still_s = time.monotonic() - self._moved_at_s
-        if not awaited or ((waiting or self._ticks.lockstep) and still_s < limit_s):
+        awaited = self._overdue()
+        if not awaited:
             return
-        words = f"{', '.join(awaited)}: no answer for tick {self._tick} within {limit_s:g} s"
+        words = f"{', '.join(awaited)}: no answer for tick {self._tick} within {self._limit_s:g} s"
         self.get_logger().error(words)
         self._state = FlockStatus.STALLED
         self._detail = words
         self._publish()
-        recorder_lost = "/recorder_node" in awaited
-        if waiting or recorder_lost or self._watch.on_vehicle_loss == "stop":
+        if "/recorder_node" in awaited or not self._started or self._watch.on_vehicle_loss == "stop":
             self.exit_code = 3
             self._end(FlockStatus.ABORTED, words)
             return
@@ -153,6 +153,23 @@ class ClockNode(Node):
             self.exit_code = 3
             self._end(FlockStatus.ABORTED, "every vehicle is lost")
         self.on_room()
+
+    @property
+    def _started(self) -> bool:
+        return self._tick > 0
+
+    @property
+    def _limit_s(self) -> float:
+        return self._watch.answer_timeout_s if self._started else self._watch.start_timeout_s
+
+    def _overdue(self) -> list[str]:
+        """Return the full names of the nodes that have been silent for too long."""
+        now_s = time.monotonic()
+        if now_s - self._recorder_heard_at_s > self._limit_s:
+            return ["/recorder_node"]
+        if (self._ticks.lockstep or not self._started) and now_s - self._moved_at_s < self._limit_s:
+            return []
+        return self._silent()
 
     def _silent(self) -> list[str]:
         return self._awaited() if self.has_room else ["/recorder_node"]

@@ -15,7 +15,7 @@ from auv_core import conversions as convert
 from auv_core.markers import HULL, MARKER_TICKS, sphere
 from auv_core.messages import Command
 from auv_core.messages import VehicleState as State
-from auv_core.node_main import EVERY_TICK, Audience, Rendezvous, main_loop, now_s, steady_timer
+from auv_core.node_main import EVERY_TICK, Audience, Rendezvous, main_loop, now_s, steady_timer, when_running
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
 from auv_msgs.msg import VehicleState
@@ -49,9 +49,9 @@ class VehicleNode(Node):
         recorder = {"/recorder_node"} if run.recorded else set()
         agent = f"{self.get_namespace().rstrip('/')}/agent_node"
         listeners = {self._state_pub: {"/acoustic_relay_node"}, self._nav_pub: {agent}}
+        if not run.waits:
+            listeners = {}
         publishers = (self._state_pub, self._nav_pub, self._odom_pub, self._tf_pub, self._marker_pub)
-        if not self._clock_ticks.lockstep:
-            return [Audience(publisher, frozenset(recorder)) for publisher in publishers]
         return [
             Audience(publisher, frozenset(listeners.get(publisher, set()) | recorder))
             for publisher in publishers
@@ -60,7 +60,10 @@ class VehicleNode(Node):
     def _start(self) -> None:
         self._publish(self._vehicle.state)
         if not self._clock_ticks.lockstep:
-            steady_timer(self, self._config.period_s, self._run_free)
+            when_running(self, self._clock_ticks, self._begin)
+
+    def _begin(self) -> None:
+        steady_timer(self, self._config.period_s, self._run_free)
 
     def _on_command(self, message: WrenchStamped | TwistStamped) -> None:
         try:
