@@ -33,8 +33,8 @@ class Separation:
 
     def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
         """
-        Return the repulsive velocity (m/s; NED); zero at and beyond `spacing_m`, and below a nanometre, where it
-        has no direction.
+        Return the repulsive velocity (m/s; NED); zero at and beyond `spacing_m`, and under a nanometre, where
+        it has no direction.
 
         Parameters
         ----------
