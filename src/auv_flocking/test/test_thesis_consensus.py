@@ -1,0 +1,120 @@
+"""Claims about the consensus filter of the flocking centre."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from auv_core.integrate import rk4_step
+from auv_flocking.consensus.thesis import Consensus, Params
+
+MODERATE = settings(max_examples=50, deadline=None)
+STILL = (0.0, 0.0, 0.0)
+POINTS = st.tuples(*[st.floats(-20.0, 20.0)] * 3)
+FLOCKS = st.lists(POINTS, min_size=2, max_size=7)
+RATES = st.floats(0.1, 5.0)
+
+
+def _others(items, index):
+    return [*items[:index], *items[index + 1 :]]
+
+
+def _rate(law, positions, centres):
+    """Return the rates of all estimates (n, 3) on a complete graph."""
+    return np.array([
+        law.derivative(positions[i], centres[i], _others(centres, i), STILL) for i in range(len(positions))
+    ])  # fmt: skip
+
+
+def _system_matrix(law, count):
+    """Return d c_dot / d c (n, n) of one axis, column by column."""
+    zero = [(0.0, 0.0, 0.0)] * count
+    columns = []
+    for j in range(count):
+        centres = list(zero)
+        centres[j] = (1.0, 0.0, 0.0)
+        columns.append(_rate(law, zero, centres)[:, 0])
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 7])
+def test_the_filter_is_minus_laplacian_plus_identity(count):
+    laplacian = -_system_matrix(Consensus(Params()), count) - np.eye(count)
+    np.testing.assert_allclose(laplacian.sum(axis=1), 0.0, atol=1e-12)
+    np.testing.assert_allclose(laplacian, laplacian.T)
+    np.testing.assert_allclose(laplacian, count * np.eye(count) - np.ones((count, count)))
+
+
+@MODERATE
+@given(FLOCKS)
+def test_for_vehicles_at_rest_the_mean_of_the_estimates_is_the_centre(positions):
+    centres = _settled(positions)
+    np.testing.assert_allclose(centres.mean(axis=0), np.mean(positions, axis=0), atol=1e-6)
+
+
+@MODERATE
+@given(FLOCKS)
+def test_every_estimate_is_biased_towards_its_own_vehicle_by_one_over_n_plus_one(positions):
+    positions = np.array(positions)
+    bias = (positions - positions.mean(axis=0)) / (len(positions) + 1)
+    np.testing.assert_allclose(_settled(positions) - positions.mean(axis=0), bias, atol=1e-6)
+
+
+def _settled(positions):
+    """Return the estimates (n, 3) after all have stepped together for long."""
+    law = Consensus(Params())
+    positions = [tuple(map(float, p)) for p in positions]
+    centres = list(positions)
+    for _ in range(400):
+        centres = [
+            law.step(positions[i], centres[i], _others(centres, i), STILL, 0.1) for i in range(len(centres))
+        ]
+    return np.array(centres)
+
+
+@MODERATE
+@given(POINTS, POINTS, st.lists(POINTS, max_size=5), POINTS, st.floats(0.01, 2.0), RATES, st.booleans())
+def test_a_step_is_the_solution_of_the_equation_with_held_inputs(
+    own, centre, others, flock, dt_s, rate, follow
+):
+    law = Consensus(Params(rate_ps=rate, follow_flock=follow))
+    exact = centre
+    steps = 400
+    for step in range(steps):
+        exact = rk4_step(
+            lambda _t_s, c: law.derivative(own, c, others, flock), step * dt_s / steps, exact, dt_s / steps
+        )
+    np.testing.assert_allclose(law.step(own, centre, others, flock, dt_s), exact, rtol=1e-7, atol=1e-7)
+
+
+@MODERATE
+@given(POINTS, POINTS, st.lists(POINTS, min_size=1, max_size=6), st.floats(1.0, 1e6), RATES)
+def test_long_steps_are_stable(own, centre, others, dt_s, rate):
+    law = Consensus(Params(rate_ps=rate))
+    everything = np.array([own, centre, *others])
+    for _ in range(10):
+        centre = law.step(own, centre, others, STILL, dt_s)
+        assert (np.array(centre) <= everything.max(axis=0) + 1e-9).all()
+        assert (np.array(centre) >= everything.min(axis=0) - 1e-9).all()
+
+
+def test_the_thesis_filter_does_not_look_at_the_flocks_velocity():
+    law = Consensus(Params())
+    arguments = ((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), [(2.0, 0.0, 0.0)])
+    assert law.derivative(*arguments, (5.0, 5.0, 5.0)) == law.derivative(*arguments, STILL) == (3.0, 0.0, 0.0)
+
+
+def test_following_the_flock_takes_the_lag_away():
+    """A vehicle at a constant velocity v: with it the estimate stays right, without it trails by v / k."""
+    velocity = (0.1, -0.05, 0.02)
+
+    def error(follow):
+        law = Consensus(Params(rate_ps=1.0, follow_flock=follow))
+        centre = (0.0, 0.0, 0.0)
+        for tick in range(3000):
+            own = tuple(0.01 * tick * v for v in velocity)
+            centre = law.step(own, centre, [], velocity, 0.01)
+        return np.subtract(centre, [0.01 * 3000 * v for v in velocity])
+
+    np.testing.assert_allclose(error(True), 0.0, atol=2e-3)
+    np.testing.assert_allclose(error(False), [-v for v in velocity], atol=2e-3)
