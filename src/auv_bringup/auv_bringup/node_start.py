@@ -17,8 +17,8 @@ import yaml
 from auv_bringup.compose import NodeSpec
 from auv_bringup.scenario import Scenario
 
-START_S_PER_NODE = 0.3
-"""Start-up is processor time: about 0.15 s per process on two cores; twice that is allowed for."""
+START_S_PER_NODE = 0.5
+"""Start-up is processor time: 0.15 to 0.4 s per process on two quiet cores."""
 START_S = 2.0
 
 

@@ -235,8 +235,10 @@ def write_results(
     from auv_bringup.figures import draw_figures
     from auv_bringup.report import write_report
 
-    on_step("figures")
-    figures = draw_figures(recording, scenario, results_dir / FIGURES) if with_figures else []
+    figures = []
+    if with_figures:
+        on_step("figures")
+        figures = draw_figures(recording, scenario, results_dir / FIGURES)
     on_step("report")
     write_report(results_dir, scenario, metrics, figures)
     return metrics
