@@ -160,10 +160,10 @@ def test_a_full_disk_ends_the_recorder_with_one_error(tmp_path):
     with desk() as at, process(*recorder_arguments(tmp_path), limits=small_files) as recorder:
         graph = Graph(at)
         graph.wait_for_recorder()
-        tick = iter(range(100_000))
+        start = iter(range(0, 100_000, 20))
 
         def has_ended():
-            graph.run([next(tick)])
+            graph.run(range(first := next(start), first + 20))
             return recorder.poll() is not None
 
         at.until(has_ended, "the recorder gives up")

@@ -19,6 +19,7 @@ from auv_msgs.msg import VehicleState
 pytestmark = pytest.mark.ros
 
 REPLAY = "auv_bringup.replay"
+ENOUGH = ("--delay", 4)  # for discovery on a machine that is busy with other tests
 N_TICKS = 30
 KINDS = {"/clock": Clock, "/auv_1/state": VehicleState, "/auv_2/reference": TwistStamped}
 
@@ -48,7 +49,7 @@ def test_a_bag_is_published_as_it_was_recorded(recorded):
         heard = listen(at)
         paths = at.listen(PathMessage, "/auv_1/path", latched=True)
         began_s = time.monotonic()
-        with process(REPLAY, folder, "--rate", 2) as replay:
+        with process(REPLAY, folder, "--rate", 2, *ENOUGH) as replay:
             at.until(
                 lambda: all(len(heard[topic]) == len(by_topic[topic]) for topic in heard), "all is heard"
             )
@@ -66,9 +67,10 @@ def test_topics_start_and_clock_choose_what_is_published(recorded):
         heard = listen(at)
         paths = at.listen(PathMessage, "/auv_1/path", latched=True)
         wanted = ["--topics", "/auv_1/state", "/auv_1/path", "/clock"]
-        with process(REPLAY, folder, "--start", 2, "--clock", 50, "--rate", 2, *wanted) as replay:
+        with process(REPLAY, folder, "--start", 2, "--clock", 50, "--rate", 2, *ENOUGH, *wanted) as replay:
             status, out, errors = finish(replay, None)
         at.until(lambda: len(heard["/auv_1/state"]) == 11 and paths, "the end of the bag")
+        at.until(lambda: len(heard["/clock"]) >= 20, "half a second of clock")
     assert (status, errors) == (0, "")
     assert "12 messages of 2 topics replayed, 1.000 s of the bag" in out
     assert heard["/auv_1/state"] == by_topic["/auv_1/state"][20:]

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
 EXIT_DONE, EXIT_DIFFERENT, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 DEFAULT_CLOCK_HZ = 40.0
-DISCOVERY_MIN_S, DISCOVERY_MAX_S = 0.5, 3.0
+DEFAULT_DELAY_S = 1.0
+CONNECTION_LIMIT_S = 3.0
 ACKNOWLEDGE_LIMIT_S = 2.0
 
 
@@ -69,6 +70,13 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
         const=DEFAULT_CLOCK_HZ,
         metavar="HZ",
         help=f"make a /clock from the time of the bag, so often per wall second ({DEFAULT_CLOCK_HZ:g})",
+    )
+    parser.add_argument(
+        "--delay",
+        type=_offset,
+        default=DEFAULT_DELAY_S,
+        metavar="S",
+        help=f"wall seconds before the first message, for readers to be found ({DEFAULT_DELAY_S:g})",
     )
     parser.add_argument("--topics", nargs="+", default=[], metavar="T", help="publish these topics only")
     parser.add_argument(
@@ -160,7 +168,7 @@ def _replay(bag: Bag, options: argparse.Namespace) -> int:
         plan = _Plan(_make_publishers(node, bag, topics), latched, first_ns, last_ns)
         clock = _ClockSource(node, options.clock) if options.clock is not None else None
         everything = [*plan.publishers.values(), *([clock.publisher] if clock else [])]
-        _wait_for_readers(node, everything)
+        _wait_for_readers(node, everything, options.delay)
         count = _publish(bag, plan, _Pace(first_ns, options.rate), clock)
         _finish(everything)
     finally:
@@ -197,15 +205,16 @@ def _make_publishers(node: Node, bag: Bag, topics: Sequence[str]) -> dict[str, A
     return publishers
 
 
-def _wait_for_readers(node: Node, publishers: Sequence[Publisher]) -> None:
-    """Wait a moment for readers to be found, and until those that were are connected."""
-    began_s = time.monotonic()
-    while (waited_s := time.monotonic() - began_s) < DISCOVERY_MAX_S:
+def _wait_for_readers(node: Node, publishers: Sequence[Publisher], delay_s: float) -> None:
+    """Wait a while for readers to be found, and a little longer for those that were to be connected."""
+    _pause(delay_s)
+    limit_s = time.monotonic() + CONNECTION_LIMIT_S
+    while time.monotonic() < limit_s:
         connected = all(
             publisher.get_subscription_count() >= node.count_subscribers(publisher.topic_name)
             for publisher in publishers
         )
-        if connected and waited_s >= DISCOVERY_MIN_S:
+        if connected:
             return
         _pause(0.02)
 
