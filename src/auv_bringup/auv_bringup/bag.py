@@ -19,6 +19,8 @@ from rosbags.typesys.store import Typestore
 from auv_bringup.bag_writer import METADATA_FILE, BagError
 from auv_bringup.mcap_scan import McapScan, messages_in_time_order
 
+_YAML_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, where it was built
+
 
 class RecordedMessage(NamedTuple):
     """One message of a bag."""
@@ -139,10 +141,14 @@ def _typestore(topics: Collection[RecordedTopic]) -> Typestore:
     return store
 
 
+def _load_yaml(text: str) -> Any:
+    return yaml.load(text, _YAML_LOADER)  # noqa: S506 - it is a safe loader
+
+
 def _offered_qos(text: str) -> tuple[dict[str, Any], ...]:
     """Return the QoS profiles that a channel names; none where they cannot be read."""
     try:
-        profiles = yaml.safe_load(text)
+        profiles = _load_yaml(text)
     except yaml.YAMLError:
         return ()
     return tuple(each for each in profiles if isinstance(each, dict)) if isinstance(profiles, list) else ()
@@ -167,7 +173,7 @@ def _files_by_metadata(folder: Path) -> list[Path]:
     """Return the files that metadata.yaml names."""
     try:
         text = (folder / METADATA_FILE).read_text()
-        information = yaml.safe_load(text)["rosbag2_bagfile_information"]
+        information = _load_yaml(text)["rosbag2_bagfile_information"]
         storage, names = information["storage_identifier"], list(information["relative_file_paths"])
     except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError):
         raise BagError(f"{folder / METADATA_FILE} is not the metadata of a bag") from None

@@ -17,6 +17,7 @@ Chunks are compressed with zstd: the numbers of a slowly moving flock shrink to 
 from __future__ import annotations
 
 import os
+import textwrap
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -127,7 +128,7 @@ class BagWriter:
         self._file_name = f"{bag_dir.resolve().name}_0.mcap"
         self._ros_distro = ros_distro
         self._tally = _Tally()
-        self._topics: list[Topic] = []
+        self._topic_texts: list[str] = []
         self._counts: list[int] = []
         self._schema_ids: dict[str, int] = {}
         self._file = self._create()
@@ -161,7 +162,7 @@ class BagWriter:
                 "topic_type_hash": topic.type.type_hash,
             },
         )
-        self._topics.append(topic)
+        self._topic_texts.append(_topic_text(topic))
         self._counts.append(0)
         return channel
 
@@ -213,56 +214,59 @@ class BagWriter:
         except OSError as error:
             raise BagError(f"cannot create the bag {self._dir}: {error.strerror}") from None
 
-    def _information(self) -> dict[str, Any]:
-        """Return the content of metadata.yaml, in the order of Jazzy's recorder."""
+    def _information(self) -> str:
+        """Return the content of metadata.yaml, in the order of Jazzy's recorder.
+
+        Topics are serialised once, when they come: this is done again and again while messages wait.
+        """
         tally = self._tally
-        start = {"nanoseconds_since_epoch": tally.first_ns}
-        duration = {"nanoseconds": tally.duration_ns}
-        return {
+        span = {
+            "duration": {"nanoseconds": tally.duration_ns},
+            "starting_time": {"nanoseconds_since_epoch": tally.first_ns},
+        }
+        head = {
             "version": METADATA_VERSION,
             "storage_identifier": "mcap",
-            "duration": duration,
-            "starting_time": start,
+            **span,
             "message_count": tally.count,
-            "topics_with_message_count": [
-                {"topic_metadata": _topic_metadata(topic), "message_count": count}
-                for topic, count in zip(self._topics, self._counts, strict=True)
-            ],
+        }
+        pairs = zip(self._topic_texts, self._counts, strict=True)
+        topics = [f"{text}\n    message_count: {count}" for text, count in pairs]
+        file = {"path": self._file_name, **dict(reversed(span.items())), "message_count": tally.count}
+        tail = {
             "compression_format": "",
             "compression_mode": "",
             "relative_file_paths": [self._file_name],
-            "files": [
-                {
-                    "path": self._file_name,
-                    "starting_time": dict(start),
-                    "duration": dict(duration),
-                    "message_count": tally.count,
-                }
-            ],
+            "files": [file],
             "custom_data": None,
             "ros_distro": self._ros_distro,
         }
+        return "\n".join(
+            [_dump(head), f"topics_with_message_count:{'' if topics else ' []'}", *topics, _dump(tail)]
+        )
 
     def _add_metadata_record(self) -> None:
         """Put what metadata.yaml says into the MCAP file too, where rosbag2 looks for it."""
-        self._mcap.add_metadata("rosbag2", {"serialized_metadata": _dump(self._information())})
+        self._mcap.add_metadata("rosbag2", {"serialized_metadata": self._information()})
 
     def _write_metadata_file(self) -> None:
         """Replace metadata.yaml in one step."""
         temporary = self._dir / f".{METADATA_FILE}.{os.getpid()}"
-        temporary.write_text(_dump({"rosbag2_bagfile_information": self._information()}) + "\n")
+        body = textwrap.indent(self._information(), "  ")
+        temporary.write_text(f"rosbag2_bagfile_information:\n{body}\n")
         temporary.replace(self._dir / METADATA_FILE)
 
 
-def _topic_metadata(topic: Topic) -> dict[str, Any]:
-    """Return a topic's entry of metadata.yaml."""
-    return {
+def _topic_text(topic: Topic) -> str:
+    """Return a topic's entry of metadata.yaml, without its last line, the message count."""
+    metadata = {
         "name": topic.name,
         "type": topic.type.name,
         "serialization_format": "cdr",
         "offered_qos_profiles": [each.to_dict() for each in topic.offered_qos],
         "type_description_hash": topic.type.type_hash,
     }
+    return "  - " + textwrap.indent(_dump({"topic_metadata": metadata}), "    ").removeprefix("    ")
 
 
 def _split_duration(duration_ns: int) -> dict[str, int]:
