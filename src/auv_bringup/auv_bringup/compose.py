@@ -79,9 +79,7 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
     ]
 
 
-def node_specs(
-    scenario: Scenario, *, mode: str, bag_dir: Path | None, epoch_s: float = 0.0
-) -> list[NodeSpec]:
+def node_specs(scenario: Scenario, *, mode: str, bag_dir: Path | None) -> list[NodeSpec]:
     """
     Return every node of a run.
 
@@ -93,11 +91,9 @@ def node_specs(
         ``lockstep`` or ``realtime``.
     bag_dir : Path, optional
         Where the recorder writes; without it there is no recorder.
-    epoch_s : float
-        ROS time of scenario time 0 (s), for ``realtime``.
 
     """
-    run = {"mode": mode, "epoch_s": float(epoch_s), "recorded": bag_dir is not None}
+    run = {"mode": mode, "recorded": bag_dir is not None}
     specs = [_relay_spec(scenario, run)]
     for vehicle, agent in zip(vehicle_configs(scenario), agent_configs(scenario), strict=True):
         specs.append(_vehicle_spec("vehicle", "auv_sim", vehicle.vehicle_id, {**run, **_plain(vehicle)}))

@@ -24,7 +24,6 @@ from auv_bringup.node_start import (
     command_line,
     log_name,
     node_environment,
-    realtime_epoch_s,
     write_params_file,
 )
 from auv_bringup.processes import ChildProcesses, Interrupts, last_lines
@@ -90,9 +89,8 @@ def fly(
         Where to show how far it is, and messages.
 
     """
-    epoch_s = realtime_epoch_s(scenario) if mode == "realtime" else 0.0
     bag_dir = results_dir / BAG if with_bag else None
-    specs = node_specs(scenario, mode=mode, bag_dir=bag_dir, epoch_s=epoch_s)
+    specs = node_specs(scenario, mode=mode, bag_dir=bag_dir)
     environ = node_environment(os.environ, domain_id=domain_id, discovery=discovery)
     return fly_nodes(
         specs,
@@ -183,7 +181,7 @@ def _end_in_order(
         recorders, grace_s=RECORDER_GRACE_S, is_hurried=lambda: interrupts.is_hurried
     )
     for exit_ in exits + recorder_exits:
-        if exit_.returncode != 0:
+        if exit_.returncode not in (0, LOST_STATUS):
             progress.message(
                 f"warning: {exit_.name} did not end cleanly: {exit_.words}; "
                 f"its log is {children.log(exit_.name)}"

@@ -8,18 +8,12 @@ here.
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Mapping
 from pathlib import Path
 
 import yaml
 
 from auv_bringup.compose import NodeSpec
-from auv_bringup.scenario import Scenario
-
-START_S_PER_NODE = 0.5
-"""Start-up is processor time: 0.15 to 0.4 s per process on two quiet cores."""
-START_S = 2.0
 
 
 def command_line(spec: NodeSpec, params_file: Path) -> list[str]:
@@ -84,12 +78,6 @@ def node_environment(environ: Mapping[str, str], *, domain_id: int, discovery: s
 def export_line(domain_id: int, discovery: str) -> str:
     """Return the shell command after which the user's own ROS 2 tools see a run."""
     return f"export ROS_DOMAIN_ID={domain_id} ROS_AUTOMATIC_DISCOVERY_RANGE={discovery.upper()}"
-
-
-def realtime_epoch_s(scenario: Scenario) -> float:
-    """Return the wall time (s, Unix) at which a `realtime` flight begins: all nodes should be up by then."""
-    processes = 2 * len(scenario.vehicles) + 2
-    return float(round(time.time() + START_S + START_S_PER_NODE * processes))
 
 
 def config_file(name: str) -> Path:

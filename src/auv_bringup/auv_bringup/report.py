@@ -16,7 +16,6 @@ import os
 import platform
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING, Any
@@ -25,6 +24,7 @@ import matplotlib
 import numpy as np
 
 from auv_bringup.figures import Figure
+from auv_bringup.metric_words import shown_metrics, value_text
 
 if TYPE_CHECKING:
     from auv_bringup.scenario import Scenario
@@ -35,56 +35,6 @@ _CLOSE_LIMIT_M = 4.0
 _CONSISTENT_SHARE = (0.90, 0.985)
 _SHOWN_PACKAGES = ("numpy", "scipy", "filterpy", "matplotlib", "mcap", "rosbags", "ros-jazzy-rclpy")
 
-
-@dataclass(frozen=True)
-class _Row:
-    """How a metric is shown."""
-
-    unit: str
-    words: str
-    digits: int = 3
-
-
-_ROWS = {
-    "pair_distance_min_m": _Row(
-        "m", "smallest distance of two hull centres at any time, lost vehicles included"
-    ),
-    "formed_at_s": _Row("s", "end of the first 10 s with every pair under 4 m", 1),
-    "pair_distance_formed_min_m": _Row("m", "smallest pair distance once formed"),
-    "pair_distance_formed_max_m": _Row("m", "largest pair distance once formed"),
-    "pair_distance_settled_min_m": _Row("m", "smallest pair distance after 100 s", 4),
-    "pair_distance_settled_max_m": _Row("m", "largest pair distance after 100 s", 4),
-    "approach_time_2pct_s": _Row(
-        "s", "after this every pair stays within 2 % of its own mean over t > 20 s", 1
-    ),
-    "centroid_path_rms_m": _Row("m", "mean of the vehicles to the path, rms after 100 s", 4),
-    "centroid_path_rms_after_200s_m": _Row("m", "the same after 200 s", 4),
-    "consensus_error_max_m": _Row(
-        "m", "worst estimate of the flocking centre against the true mean, after 100 s", 4
-    ),
-    "obstacle_clearance_min_m": _Row("m", "smallest distance from a hull centre to an obstacle"),
-    "neighbour_position_rmse_m": _Row(
-        "m", "error of what vehicles believe of each other, rms after 100 s", 4
-    ),
-    "neighbour_within_2sigma_ratio": _Row(
-        "", "share of these errors inside the filter's own 2-sigma band (0.954 expected)"
-    ),
-    "neighbour_age_mean_s": _Row("s", "mean age of what vehicles know of each other, after 100 s", 2),
-    "neighbour_age_max_s": _Row("s", "largest age of it", 2),
-    "packets_sent": _Row("", "acoustic packets sent"),
-    "packet_delivery_ratio": _Row("", "receptions / (packets sent x other vehicles)"),
-    "packet_delay_mean_s": _Row("s", "from the start of transmission to the end of reception, mean"),
-    "packet_delay_max_s": _Row("s", "the same, largest"),
-    "collision": _Row("", "two hulls touched"),
-    "collision_at_s": _Row("s", "when they first did", 1),
-    "lost_vehicles": _Row("", "vehicles whose computer was lost"),
-    "vehicles": _Row("", "number of vehicles"),
-    "duration_s": _Row("s", "scenario time flown", 1),
-    "real_time_factor": _Row("", "simulated seconds per second of wall time", 1),
-    "scenario": _Row("", "name of the scenario"),
-    "seed": _Row("", "seed of every random number"),
-    "mode": _Row("", "how the run was driven"),
-}
 
 # Continuous-time solution of the same equations (RK4, 0.01 s, 650 s) and, where printed, the thesis's value.
 _REFERENCES: dict[str, dict[str, tuple[float, str]]] = {
@@ -313,16 +263,13 @@ def _numbers_table(scenario: Scenario, metrics: dict[str, Any]) -> str:
     head = "<tr><th>meaning</th><th class='value'>value</th><th>unit</th>"
     head += "<th class='value'>reference</th><th class='value'>thesis</th>" if references else ""
     rows = [head + "<th class='key'>key</th></tr>"]
-    for key in [*_ROWS, *(key for key in metrics if key not in _ROWS)]:
-        if key not in metrics:
-            continue
-        row = _ROWS.get(key, _Row("", key.replace("_", " ")))
-        text = _value_text(metrics[key], row.digits)
-        cells = [f"<td>{html.escape(row.words)}</td>"]
+    for key, meaning in shown_metrics(metrics):
+        text = value_text(metrics[key], meaning.digits)
+        cells = [f"<td>{html.escape(meaning.words)}</td>"]
         cells.append(
             f"<td class='value{'' if metrics[key] is not None else ' none'}'>{html.escape(text)}</td>"
         )
-        cells.append(f"<td>{html.escape(row.unit)}</td>")
+        cells.append(f"<td>{html.escape(meaning.unit)}</td>")
         if references:
             reference, thesis = references.get(key, (None, ""))
             shown = "" if reference is None else f"{reference:g}"
@@ -336,18 +283,6 @@ def _numbers_table(scenario: Scenario, metrics: dict[str, Any]) -> str:
         else ""
     )
     return "<table>\n" + "\n".join(rows) + "\n</table>\n" + note
-
-
-def _value_text(value: Any, digits: int) -> str:
-    if value is None:
-        return "–"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.{digits}f}"
-    if isinstance(value, list):
-        return ", ".join(str(item) for item in value) or "none"
-    return str(value)
 
 
 def _figures_section(figures: Sequence[Figure]) -> str:

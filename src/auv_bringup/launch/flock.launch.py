@@ -30,7 +30,7 @@ from launch_ros.actions import Node
 
 from auv_bringup import results
 from auv_bringup.compose import NodeSpec, node_specs
-from auv_bringup.node_start import node_environment, realtime_epoch_s, write_params_file
+from auv_bringup.node_start import node_environment, write_params_file
 from auv_bringup.plan import DEFAULT_SCENARIO, ROS_MODES, make_plan, start_results
 from auv_core.params import ConfigError
 
@@ -87,7 +87,6 @@ def start_flight(context: LaunchContext) -> list[Action]:
         plan.scenario,
         mode=plan.mode,
         bag_dir=folder / results.BAG if given["bag"] == "true" else None,
-        epoch_s=realtime_epoch_s(plan.scenario) if plan.mode == "realtime" else 0.0,
     )
     actions = {spec.role: [] for spec in specs}
     for spec in specs:

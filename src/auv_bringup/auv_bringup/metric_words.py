@@ -1,0 +1,78 @@
+"""The metrics in words: unit, meaning and digits, the same for the terminal and the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """How a metric is shown."""
+
+    unit: str
+    words: str
+    digits: int = 3
+
+
+MEANINGS = {
+    "pair_distance_min_m": Meaning(
+        "m", "smallest distance of two hull centres at any time, lost vehicles included"
+    ),
+    "formed_at_s": Meaning("s", "end of the first 10 s with every pair under 4 m", 1),
+    "pair_distance_formed_min_m": Meaning("m", "smallest pair distance once formed"),
+    "pair_distance_formed_max_m": Meaning("m", "largest pair distance once formed"),
+    "pair_distance_settled_min_m": Meaning("m", "smallest pair distance after 100 s", 4),
+    "pair_distance_settled_max_m": Meaning("m", "largest pair distance after 100 s", 4),
+    "approach_time_2pct_s": Meaning(
+        "s", "after this every pair stays within 2 % of its own mean over t > 20 s", 1
+    ),
+    "centroid_path_rms_m": Meaning("m", "mean of the vehicles to the path, rms after 100 s", 4),
+    "centroid_path_rms_after_200s_m": Meaning("m", "the same after 200 s", 4),
+    "consensus_error_max_m": Meaning(
+        "m", "worst estimate of the flocking centre against the true mean, after 100 s", 4
+    ),
+    "obstacle_clearance_min_m": Meaning("m", "smallest distance from a hull centre to an obstacle"),
+    "neighbour_position_rmse_m": Meaning(
+        "m", "error of what vehicles believe of each other, rms after 100 s", 4
+    ),
+    "neighbour_within_2sigma_ratio": Meaning(
+        "", "share of these errors inside the filter's own 2-sigma band (0.954 expected)"
+    ),
+    "neighbour_age_mean_s": Meaning("s", "mean age of what vehicles know of each other, after 100 s", 2),
+    "neighbour_age_max_s": Meaning("s", "largest age of it", 2),
+    "packets_sent": Meaning("", "acoustic packets sent"),
+    "packet_delivery_ratio": Meaning("", "receptions / (packets sent x other vehicles)"),
+    "packet_delay_mean_s": Meaning("s", "from the start of transmission to the end of reception, mean"),
+    "packet_delay_max_s": Meaning("s", "the same, largest"),
+    "collision": Meaning("", "two hulls touched"),
+    "collision_at_s": Meaning("s", "when they first did", 1),
+    "lost_vehicles": Meaning("", "vehicles whose computer was lost"),
+    "vehicles": Meaning("", "number of vehicles"),
+    "duration_s": Meaning("s", "scenario time flown", 1),
+    "real_time_factor": Meaning("", "simulated seconds per second of wall time", 1),
+    "scenario": Meaning("", "name of the scenario"),
+    "seed": Meaning("", "seed of every random number"),
+    "mode": Meaning("", "how the run was driven"),
+}
+
+
+def shown_metrics(metrics: dict[str, Any]) -> Iterator[tuple[str, Meaning]]:
+    """Yield the keys that `metrics` has, those with a known meaning first and in their order."""
+    for key in [*MEANINGS, *(key for key in metrics if key not in MEANINGS)]:
+        if key in metrics:
+            yield key, MEANINGS.get(key, Meaning("", key.replace("_", " ")))
+
+
+def value_text(value: Any, digits: int) -> str:
+    """Return a metric as text; a dash for what does not exist."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.{digits}f}"
+    if isinstance(value, list):
+        return ", ".join(str(item) for item in value) or "none"
+    return str(value)
