@@ -16,3 +16,5 @@ unset PYTHONHOME
 export VIRTUAL_ENV=$venv PATH=$venv/bin:$PATH
 set +u
 source "$root/install/setup.bash"
+# Ten processes import the same modules at every start: let Python keep what it compiled.
+unset PYTHONDONTWRITEBYTECODE
