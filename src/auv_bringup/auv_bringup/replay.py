@@ -16,15 +16,15 @@ from tqdm import tqdm
 
 from auv_bringup.bag import Bag, RecordedMessage
 from auv_bringup.bag_writer import BagError
-from auv_bringup.re_estimate import Comparison, re_estimate
 from auv_bringup.recorded_topics import CLOCK_TOPIC
 from auv_bringup.ros_types import is_latched, message_class, offer_like_recorded, prepare_environment
-from auv_bringup.scenario import load_scenario
 from auv_core.params import ConfigError
 
 if TYPE_CHECKING:
     from rclpy.node import Node
     from rclpy.publisher import Publisher
+
+    from auv_bringup.re_estimate import Comparison
 
 EXIT_DONE, EXIT_DIFFERENT, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 DEFAULT_CLOCK_HZ = 40.0
@@ -111,6 +111,9 @@ def _offset(text: str) -> float:
 
 def _re_estimate(bag: Bag) -> int:
     """Run the filters again and report the differences."""
+    from auv_bringup.re_estimate import re_estimate
+    from auv_bringup.scenario import load_scenario
+
     scenario_file = bag.folder.parent / "scenario.yaml"
     if not scenario_file.is_file():
         raise BagError(f"{scenario_file} is missing; --re-estimate takes the filter settings from it")

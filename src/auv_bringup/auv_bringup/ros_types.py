@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from auv_bringup.bag_writer import BagError, Qos
 from auv_bringup.domains import DomainError, asked_domain
-from auv_bringup.node_start import node_environment
 
 if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
@@ -92,6 +91,8 @@ def prepare_environment(discovery: str) -> None:
     BagError
         If $ROS_DOMAIN_ID holds no domain.
     """
+    from auv_bringup.node_start import node_environment
+
     try:
         domain_id = asked_domain(os.environ)
     except DomainError as error:
