@@ -13,12 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
-from auv_bringup.scenario_file import ID, SCENARIOS_DIR, find_file, override, read_raw, with_presets
+from auv_bringup.scenario_file import ID, SCENARIOS_DIR, find_file, override, read_raw, to_yaml, with_presets
 from auv_core.geometry import Vec3, distance
-from auv_core.params import ConfigError, Section, dump, load, param
+from auv_core.params import ConfigError, Section, dump, load, param, shown
 from auv_core.plugins import find_plugin
 from auv_flocking.agent import CONSENSUS, CONTROLLERS, FLOCKING, REFERENCES, SEPARATION
 from auv_flocking.neighbours import NeighbourConfig
@@ -26,6 +25,7 @@ from auv_flocking.report import REPORT_BYTES
 from auv_sim.acoustics.medium import MAC, MODEM, OUTAGE, PROPAGATION, AcousticMedium, MediumConfig
 from auv_sim.vehicle import MODELS, substeps
 
+MAX_M = 1e5
 _STARTS_STREAM = 2
 _START_TRIES = 20_000
 
@@ -34,7 +34,7 @@ _START_TRIES = 20_000
 class Obstacle:
     """A point to keep away from."""
 
-    position_ned_m: Vec3 = param("position (m; NED)")
+    position_ned_m: Vec3 = param("position (m; NED)", minimum=-MAX_M, maximum=MAX_M)
     safety_distance_m: float = param(
         "distance at which vehicles begin to give way (m)", default=2.0, above=0.0
     )
@@ -57,7 +57,10 @@ class VehicleEntry:
     id: str = param("name, also the ROS namespace: a lower-case letter, then letters, digits, underscores")
     model: Section = param("equations of motion and numbers", plugins=MODELS)
     position_ned_m: Vec3 | None = param(
-        "start (m; NED); left out, it is drawn from random_starts", default=None
+        "start (m; NED); left out, it is drawn from random_starts",
+        default=None,
+        minimum=-MAX_M,
+        maximum=MAX_M,
     )
     heading_rad: float = param(
         "start heading (rad, from north towards east)", default=0.0, minimum=-7.0, maximum=7.0
@@ -68,8 +71,8 @@ class VehicleEntry:
 class RandomStarts:
     """Starts drawn by the seed, uniform in a ball, apart from each other and below the surface."""
 
-    centre_ned_m: Vec3 = param("centre of the ball (m; NED)")
-    radius_m: float = param("radius of the ball (m)", above=0.0)
+    centre_ned_m: Vec3 = param("centre of the ball (m; NED)", minimum=-MAX_M, maximum=MAX_M)
+    radius_m: float = param("radius of the ball (m)", above=0.0, maximum=MAX_M)
     separation_m: float = param("smallest distance of two starts (m)", above=0.0)
     depth_min_m: float = param("smallest depth (m)", default=1.0, minimum=0.0)
 
@@ -119,9 +122,9 @@ class Scenario:
     environment: Environment = param("the water and its obstacles", default=Environment())
     random_starts: RandomStarts | None = param("starts for vehicles without one", default=None)
     seed: int = param("seed of every random number", default=1, minimum=0, maximum=2**31 - 1)
-    dt_s: float = param("physics step (s)", default=0.02, above=0.0, maximum=10.0)
+    dt_s: float = param("physics step (s)", default=0.02, minimum=1e-5, maximum=10.0)
     period_s: float = param(
-        "control period (s), a whole number of physics steps", default=0.1, above=0.0, maximum=10.0
+        "control period (s), a whole number of physics steps", default=0.1, minimum=1e-5, maximum=10.0
     )
     sampling: str = param(
         "laws held over the control period, or evaluated in every integration stage",
@@ -133,7 +136,9 @@ class Scenario:
     def __post_init__(self) -> None:
         """Check what no single value shows; messages begin with the field."""
         if not ID.match(self.name):
-            raise ValueError(f"name: {self.name!r} is not allowed; allowed: {_ID_WORDS}")
+            raise ValueError(f"name: {shown(self.name)} is not allowed; allowed: {_ID_WORDS}")
+        if not self.title.isprintable():
+            raise ValueError(f"title: {shown(self.title)} is not allowed; allowed: one line of text")
         substeps(self.period_s, self.dt_s)
         ticks = self.duration_s / self.period_s
         if round(ticks) < 1 or abs(ticks - round(ticks)) > 1e-6:
@@ -193,10 +198,12 @@ class Scenario:
         seen: set[str] = set()
         for index, vehicle in enumerate(self.vehicles):
             if not ID.match(vehicle.id):
-                raise ValueError(f"vehicles[{index}].id: {vehicle.id!r} is not allowed; allowed: {_ID_WORDS}")
+                raise ValueError(
+                    f"vehicles[{index}].id: {shown(vehicle.id)} is not allowed; allowed: {_ID_WORDS}"
+                )
             if vehicle.id in seen:
                 raise ValueError(
-                    f"vehicles[{index}].id: {vehicle.id!r} is not allowed; "
+                    f"vehicles[{index}].id: {shown(vehicle.id)} is not allowed; "
                     "allowed: an id that no other vehicle has"
                 )
             seen.add(vehicle.id)
@@ -205,7 +212,9 @@ class Scenario:
         ids = [vehicle.id for vehicle in self.vehicles]
         for index, leader in enumerate(self.leaders):
             if leader not in ids:
-                raise ValueError(f"leaders[{index}]: {leader!r} is not allowed; allowed: {', '.join(ids)}")
+                raise ValueError(
+                    f"leaders[{index}]: {shown(leader)} is not allowed; allowed: {', '.join(ids)}"
+                )
 
     def _check_commands(self) -> None:
         given = find_plugin(CONTROLLERS, self.agent.controller.kind).Controller.command
@@ -318,9 +327,7 @@ def list_scenarios() -> list[tuple[str, str]]:
 
 def scenario_to_yaml(scenario: Scenario) -> str:
     """Return the scenario as YAML from which `load_scenario` makes an equal one."""
-    return yaml.safe_dump(
-        dump(scenario), sort_keys=False, allow_unicode=True, default_flow_style=None, width=120
-    )
+    return to_yaml(dump(scenario))
 
 
 def _with_starts(scenario: Scenario) -> Scenario:

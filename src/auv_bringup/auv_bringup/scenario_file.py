@@ -8,7 +8,6 @@ are one line.
 from __future__ import annotations
 
 import re
-import reprlib
 from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
@@ -18,7 +17,7 @@ import yaml
 
 import auv_core.models
 import auv_sim.acoustics
-from auv_core.params import ConfigError
+from auv_core.params import ConfigError, shown
 
 SCENARIOS_DIR = Path(__file__).parent / "scenarios"
 ID = re.compile(r"[a-z][a-z0-9_]{0,30}\Z")
@@ -28,7 +27,8 @@ class _StrictYaml(yaml.SafeLoader):
     """YAML without duplicate keys, and with numbers such as 1e-3 read as numbers."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+        pairs = node.value if isinstance(node, yaml.MappingNode) else []
+        keys = [key.value for key, _ in pairs if isinstance(key, yaml.ScalarNode)]
         for key in keys:
             if keys.count(key) > 1:
                 raise yaml.constructor.ConstructorError(
@@ -37,11 +37,32 @@ class _StrictYaml(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
-_StrictYaml.add_implicit_resolver(
-    "tag:yaml.org,2002:float",
-    re.compile(r"[-+]?[0-9][0-9_]*(\.[0-9_]*)?[eE][-+]?[0-9]+\Z"),
-    list("-+0123456789"),
-)
+class _StrictYamlDumper(yaml.SafeDumper):
+    """The dumper for `_StrictYaml`: it quotes words that look like the numbers which that one reads."""
+
+
+for _yaml in (_StrictYaml, _StrictYamlDumper):
+    _yaml.add_implicit_resolver(
+        "tag:yaml.org,2002:float",
+        re.compile(r"[-+]?[0-9][0-9_]*(\.[0-9_]*)?[eE][-+]?[0-9]+\Z"),
+        list("-+0123456789"),
+    )
+
+# What PyYAML's constructors raise on an explicit tag that does not fit its value, such as `!!int ""`.
+_MISFIT = (ValueError, TypeError, LookupError, AttributeError, OverflowError)
+
+
+def to_yaml(plain: Any) -> str:
+    """Return plain data as YAML that `read_raw` reads back as it was."""
+    text: str = yaml.dump(
+        plain,
+        Dumper=_StrictYamlDumper,
+        sort_keys=False,
+        allow_unicode=True,
+        default_flow_style=None,
+        width=120,
+    )
+    return text
 
 
 def _parse_yaml(text: str, where: str) -> Any:
@@ -49,10 +70,14 @@ def _parse_yaml(text: str, where: str) -> Any:
         return yaml.load(text, Loader=_StrictYaml)  # noqa: S506 (a SafeLoader)
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 0
-        raise ConfigError(f"{where}: not YAML: {error.problem} (line {line})") from None
-    except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
-        reason = " ".join(str(error).split()) or "nested too deeply"
-        raise ConfigError(f"{where}: not YAML: {reason}") from None
+        problem = " ".join(str(error.problem).split())
+        raise ConfigError(f"{where}: not YAML: {problem} (line {line})") from None
+    except yaml.YAMLError as error:
+        raise ConfigError(f"{where}: not YAML: {' '.join(str(error).split())}") from None
+    except RecursionError:
+        raise ConfigError(f"{where}: not YAML that can be read: nested too deeply") from None
+    except _MISFIT:
+        raise ConfigError(f"{where}: not YAML: a value that does not fit its type") from None
 
 
 def find_file(name_or_path: str) -> Path:
@@ -95,38 +120,45 @@ def read_raw(path: Path) -> dict[str, Any]:
         ) from None
     raw = _parse_yaml(text, "scenario")
     if not isinstance(raw, dict):
-        raise ConfigError(
-            f"scenario: {reprlib.repr(raw)} is not allowed; allowed: a mapping of scenario keys"
-        )
+        raise ConfigError(f"scenario: {shown(raw)} is not allowed; allowed: a mapping of scenario keys")
     return raw
 
 
 def override(raw: dict[str, Any], override: str) -> None:
-    """Put ``path.to.key=value`` into the raw scenario."""
+    """
+    Put ``path.to.key=value`` into the raw scenario.
+
+    Raises
+    ------
+    ConfigError
+        For text that is no override, a path that leads nowhere, or a value that is not YAML.
+
+    """
     path, equals, text = override.partition("=")
     keys = path.split(".")
-    if not equals or not all(keys):
-        raise ConfigError(f"--set {override!r} is not allowed; allowed: path.to.key=value")
+    if not equals or not all(keys) or not path.isprintable():
+        raise ConfigError(f"--set {shown(override)} is not allowed; allowed: path.to.key=value")
     target: Any = raw
-    for index, key in enumerate(keys):
-        last = index == len(keys) - 1
-        where: Any = key
-        if isinstance(target, list):
-            if not key.isdecimal() or int(key) >= len(target):
-                raise ConfigError(
-                    f"--set {path}: {key!r} is not allowed; allowed: a number from 0 to {len(target) - 1}"
-                )
-            where = int(key)
-        elif not isinstance(target, dict):
-            raise ConfigError(
-                f"--set {path}: {'.'.join(keys[:index])} has no keys; it is {reprlib.repr(target)}"
-            )
-        elif not last and target.get(key) is None:
-            target[key] = {}
-        if last:
-            target[where] = _parse_yaml(text, f"--set {path}")
-        else:
-            target = target[where]
+    for depth in range(1, len(keys)):
+        where = _place(target, keys[:depth])
+        inner = target.get(where) if isinstance(target, dict) else target[where]
+        # A copy: what the file names by an alias (*name) in several places changes only here.
+        target[where] = {} if inner is None else inner.copy() if isinstance(inner, dict | list) else inner
+        target = target[where]
+    target[_place(target, keys)] = _parse_yaml(text, f"--set {path}")
+
+
+def _place(target: Any, keys: list[str]) -> str | int:
+    """Return the key or index that the last of `keys` means in `target`, which the others lead to."""
+    if isinstance(target, dict):
+        return keys[-1]
+    if not isinstance(target, list):
+        raise ConfigError(f"--set {'.'.join(keys)}: {'.'.join(keys[:-1])} has no keys; it is {shown(target)}")
+    names = [str(index) for index in range(len(target))]
+    if keys[-1] not in names:
+        allowed = f"a number from 0 to {names[-1]}" if names else "nothing, the list is empty"
+        raise ConfigError(f"--set {'.'.join(keys)}: {keys[-1]!r} is not allowed; allowed: {allowed}")
+    return int(keys[-1])
 
 
 def with_presets(raw: dict[str, Any]) -> dict[str, Any]:
@@ -158,7 +190,7 @@ def _preset(package: ModuleType, name: object, path: str) -> dict[str, Any]:
     folder = Path(str(package.__file__)).parent / "presets"
     names = sorted(file.stem for file in folder.glob("*.yaml"))
     if not isinstance(name, str) or name not in names:
-        raise ConfigError(f"{path}: {reprlib.repr(name)} is not allowed; allowed: {', '.join(names)}")
+        raise ConfigError(f"{path}: {shown(name)} is not allowed; allowed: {', '.join(names)}")
     return read_raw(folder / f"{name}.yaml")
 
 

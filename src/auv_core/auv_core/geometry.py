@@ -53,7 +53,8 @@ def quaternion_product(a: Quat, b: Quat) -> Quat:
 
 def distance(a: Vec3, b: Vec3) -> float:
     """Return the Euclidean distance of two points (m)."""
-    return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
+    x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]
+    return math.sqrt(x * x + y * y + z * z)
 
 
 def limited(v: Vec3, length: float) -> Vec3:

@@ -13,9 +13,11 @@ from auv_core.params import param
 class Params:
     """The defaults are the thesis's path."""
 
-    radius_m: float = param("radius of the circle (m)", default=10.0, above=0.0)
-    rate_radps: float = param("angle run through per second (rad/s)", default=0.01)
-    depth_m: float = param("depth of the circle (m; NED z)", default=10.0)
+    radius_m: float = param("radius of the circle (m)", default=10.0, above=0.0, maximum=1e5)
+    rate_radps: float = param(
+        "angle run through per second (rad/s)", default=0.01, minimum=-10.0, maximum=10.0
+    )
+    depth_m: float = param("depth of the circle (m; NED z)", default=10.0, minimum=0.0, maximum=1e5)
     heading_rad: float = param("heading to hold (rad, from north towards east)", default=math.pi / 3.0)
 
 
