@@ -272,6 +272,12 @@ class Scenario:
             raise ValueError(
                 "sampling: 'continuous' is not allowed; allowed: sampled, unless acoustics.preset is ideal"
             )
+        for name, section in (("flocking", self.agent.flocking), ("consensus", self.agent.consensus)):
+            if getattr(section.params, "uses_flock_velocity", False):
+                raise ValueError(
+                    "sampling: 'continuous' is not allowed; allowed: sampled, since "
+                    f"agent.{name}.params pass the flock's velocity on by packets"
+                )
 
     def _check_medium(self) -> None:
         try:

@@ -139,6 +139,8 @@ def test_a_current_with_kinematic_vehicles_is_refused():
     [
         "acoustics.preset=lossy",
         "acoustics.outage.kind=bernoulli",
+        "agent.flocking.params.feedforward=flock",
+        "agent.consensus.params.follow_flock=true",
     ],
 )
 def test_continuous_time_is_refused_for_what_lives_on_packets(override):

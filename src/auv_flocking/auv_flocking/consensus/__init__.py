@@ -9,5 +9,6 @@ To add one, write one file with ``Params`` and ``Consensus(params)`` with
 * ``step(own, centre, neighbour_centres, flock_velocity, dt_s) -> Vec3``: the estimate `dt_s` later, the
   inputs held.
 
-The file's name is its ``kind``.
+Where they look at the flock's velocity, ``Params`` says so with a property ``uses_flock_velocity``: packets
+carry it, so such a filter is refused in continuous time.  The file's name is its ``kind``.
 """

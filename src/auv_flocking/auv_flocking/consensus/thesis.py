@@ -28,6 +28,11 @@ class Params:
     rate_ps: float = param("rate k of the filter (1/s)", default=1.0, above=0.0)
     follow_flock: bool = param("add the flock's velocity to the estimate's rate", default=False)
 
+    @property
+    def uses_flock_velocity(self) -> bool:
+        """Whether the filter needs what packets say of the flock's velocity."""
+        return self.follow_flock
+
 
 class Consensus:
     """One vehicle's filter; the estimate itself is kept by the caller."""

@@ -54,6 +54,11 @@ class Params:
         "longest position feedback, and longest steering of a leader (m/s)", default=1e9, above=0.0
     )
 
+    @property
+    def uses_flock_velocity(self) -> bool:
+        """Whether the law needs what packets say of the flock's velocity."""
+        return self.feedforward == "flock"
+
 
 class SeparationLaw(Protocol):
     """A law of the folder ``separation``."""
