@@ -28,9 +28,38 @@ def test_lockstep_stamps_are_scenario_time_whatever_the_wall_says():
     assert clock.stamp_s(7) == clock.scenario_s(7) == 7 * 0.1
 
 
-def test_realtime_begins_at_the_epoch_or_at_the_start_of_the_node():
+def test_lockstep_knows_its_start_and_a_given_epoch_is_the_start():
+    assert _clock("lockstep").started
+    assert _clock("realtime", epoch_s=50.0).started
     assert _clock("realtime", epoch_s=50.0).stamp_s(10) == pytest.approx(51.0)
-    assert _clock("realtime").stamp_s(10) == pytest.approx(1001.0)
+
+
+def test_realtime_without_an_epoch_begins_when_it_is_started():
+    clock = _clock("realtime")
+    assert not clock.started
+    clock.start(200.0)
+    assert clock.started
+    assert clock.stamp_s(10) == pytest.approx(201.0)
+
+
+def test_realtime_started_without_an_epoch_begins_now():
+    clock = _clock("realtime", now_s=lambda: 1000.0)
+    clock.start()
+    assert clock.stamp_s(10) == pytest.approx(1001.0)
+
+
+def test_an_epoch_once_set_stays():
+    clock = _clock("realtime", epoch_s=50.0)
+    clock.start(200.0)
+    assert clock.epoch_s == 50.0
+
+
+@pytest.mark.parametrize(
+    ("mode", "epoch_s", "waits"),
+    [("lockstep", 0.0, True), ("lockstep", 5.0, True), ("realtime", 0.0, True), ("realtime", 5.0, False)],
+)
+def test_only_realtime_with_an_epoch_of_its_own_waits_for_nobody(mode, epoch_s, waits):
+    assert RunConfig(mode=mode, epoch_s=epoch_s).waits is waits
 
 
 def test_tick_now_counts_whole_periods_and_is_negative_before_the_epoch():
