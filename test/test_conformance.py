@@ -1,0 +1,269 @@
+"""Claims about every plugin found in every plugin folder; a new file is tested here without a word."""
+
+import copy
+import importlib
+import inspect
+import math
+from dataclasses import MISSING, fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from auv_control.controllers import VelocityReference
+from auv_core.messages import VehicleState, VelocityCommand, Wrench
+from auv_core.params import ConfigError, dump, load, load_section
+from auv_core.plugins import find_plugin, list_plugins
+from auv_flocking.flocking import PathPoint, View
+from auv_flocking.report import REPORT_BYTES
+from auv_flocking.separation import mathematical
+
+PERIOD_S = 0.1
+SEPARATION = mathematical.Separation(mathematical.Params())
+
+
+class _Inputs:
+    """Inputs that repeat: the same calls give the same points, and every one handed out is remembered."""
+
+    def __init__(self):
+        self._rng = np.random.default_rng(1)
+        self._given = []
+
+    def _kept(self, value):
+        self._given.append((value, copy.deepcopy(value)))
+        return value
+
+    def point(self, size=10.0):
+        return self._kept(tuple(self._rng.uniform(-size, size, 3).tolist()))
+
+    def points(self, count):
+        return self._kept([tuple(self._rng.uniform(-3.0, 3.0, 3).tolist()) for _ in range(count)])
+
+    def six(self, size):
+        return self._kept(tuple(self._rng.uniform(-size, size, 6).tolist()))
+
+    def attitude(self):
+        q = self._rng.normal(size=4)
+        return self._kept(tuple((q / np.linalg.norm(q)).tolist()))
+
+    def view(self):
+        obstacles = ((self.point(), 2.0),)
+        path = PathPoint(self.point(), self.point(0.1))
+        neighbours = tuple(self.points(4))
+        return self._kept(View(self.point(3.0), self.point(), self.point(0.2), neighbours, obstacles, path))
+
+    def assert_unchanged(self):
+        for value, before in self._given:
+            assert value == before
+
+
+def _fly_model(module, params, inputs):
+    model = module.Model(params)
+    assert model.command in ("wrench", "velocity")
+    assert params.hull_radius_m > 0.0
+    state = model.initial_state(inputs.point(), 0.7)
+    outputs = []
+    for size in (0.1, 10.0, 1e4):
+        given = model.limited_command(inputs.six(size))
+        for _ in range(5):
+            state = model.step(state, given, inputs.point(0.0 if model.command == "velocity" else 0.2), 0.02)
+            assert len(state) == 13
+            assert math.hypot(*state[3:7]) == pytest.approx(1.0, abs=1e-9)
+            outputs.append((given, state))
+    return outputs
+
+
+def _use_controller(module, params, inputs):
+    controller = module.Controller(params, PERIOD_S)
+    made = {"wrench": Wrench, "velocity": VelocityCommand}[controller.command]
+    outputs = []
+    for tick in range(20):
+        nav = VehicleState(tick, inputs.point(), inputs.attitude(), inputs.six(1.0))
+        command = controller.step(nav, VelocityReference(inputs.point(1.0), 0.5))
+        assert isinstance(command, made)
+        outputs.append(command.tau if made is Wrench else (*command.velocity, command.yaw_rate_radps))
+    return outputs
+
+
+def _follow_reference(module, params, _inputs):
+    path = module.Reference(params)
+    assert path.period_s is None or path.period_s > 0.0
+    outputs, step_s = [path.heading_rad], 1e-4
+    for t_s in (0.0, 1.0, 123.4, 650.0):
+        ahead, behind = path.position(t_s + step_s), path.position(t_s - step_s)
+        slope = np.subtract(ahead, behind) / (2.0 * step_s)
+        np.testing.assert_allclose(path.velocity(t_s), slope, atol=1e-5)
+        outputs.append((path.position(t_s), path.velocity(t_s)))
+    return outputs
+
+
+def _use_flocking(module, params, inputs):
+    outputs = []
+    for is_leader in (True, False):
+        law = module.Flocking(params, SEPARATION, is_leader)
+        for _ in range(10):
+            view = inputs.view()
+            outputs.append((law.velocity(view), law.flock_velocity(view.path, view.centre, inputs.points(3))))
+        outputs.append(law.flock_velocity(view.path, view.centre, []))
+    return outputs
+
+
+def _use_separation(module, params, inputs):
+    law = module.Separation(params)
+    own = inputs.point(1.0)
+    return [law.velocity(own, own, 2.0), *(law.velocity(own, inputs.point(3.0), 2.0) for _ in range(20))]
+
+
+def _use_consensus(module, params, inputs):
+    consensus = module.Consensus(params)
+    outputs = []
+    for count in (0, 1, 5):
+        arguments = (inputs.point(), inputs.point(), inputs.points(count), inputs.point(0.2))
+        rate = consensus.derivative(*arguments)
+        outputs.append((rate, consensus.step(*arguments, PERIOD_S), consensus.step(*arguments, 100.0)))
+        tiny = consensus.step(*arguments, 1e-6)
+        np.testing.assert_allclose(np.subtract(tiny, arguments[1]) / 1e-6, rate, atol=1e-3)
+    return outputs
+
+
+def _use_propagation(module, params, inputs):
+    propagation = module.Propagation(params)
+    delays = [propagation.delay_s(inputs.point(), inputs.point(1000.0)) for _ in range(10)]
+    assert min(delays) >= 0.0
+    return delays
+
+
+def _use_modem(module, params, _inputs):
+    modem = module.Modem(params)
+    airtimes = [modem.airtime_s(size) for size in (1, REPORT_BYTES)]
+    assert 0.0 <= airtimes[0] <= airtimes[1]
+    assert modem.max_range_m > 0.0
+    assert modem.max_payload_bytes >= REPORT_BYTES
+    return airtimes
+
+
+def _use_mac(module, params, _inputs):
+    mac = module.Mac(params, 4)
+    mac.check(1e-3)
+    starts = [mac.opportunity_s(address, tick, PERIOD_S) for tick in range(100) for address in range(1, 5)]
+    for index, start_s in enumerate(starts):
+        tick = index // 4
+        assert start_s is None or tick * PERIOD_S - 1e-8 <= start_s < (tick + 1) * PERIOD_S
+    assert all(any(start_s is not None for start_s in starts[address::4]) for address in range(4))
+    return [start_s for start_s in starts if start_s is not None]
+
+
+def _use_outage(module, params, _inputs):
+    first, second = module.Outage(params, 1), module.Outage(params, 1)
+    events = [(source, 3 - source, sequence) for source in (1, 2) for sequence in range(1, 50)]
+    forward = [first.lost(*event) for event in events]
+    assert [second.lost(*event) for event in reversed(events)] == forward[::-1], "only the event may matter"
+    return [float(lost) for lost in forward]
+
+
+ROLES = {
+    "auv_core.models": ("Model", _fly_model),
+    "auv_control.controllers": ("Controller", _use_controller),
+    "auv_control.references": ("Reference", _follow_reference),
+    "auv_flocking.flocking": ("Flocking", _use_flocking),
+    "auv_flocking.separation": ("Separation", _use_separation),
+    "auv_flocking.consensus": ("Consensus", _use_consensus),
+    "auv_sim.acoustics.propagation": ("Propagation", _use_propagation),
+    "auv_sim.acoustics.modem": ("Modem", _use_modem),
+    "auv_sim.acoustics.mac": ("Mac", _use_mac),
+    "auv_sim.acoustics.outage": ("Outage", _use_outage),
+}
+FOUND = [(folder, kind) for folder in ROLES for kind in list_plugins(folder)]
+every_plugin = pytest.mark.parametrize(("folder", "kind"), FOUND, ids=[f"{f}.{k}" for f, k in FOUND])
+
+
+def _presets(package):
+    return sorted((Path(importlib.import_module(package).__file__).parent / "presets").glob("*.yaml"))
+
+
+def _params(folder, kind):
+    """Return the params of a plugin, by name: its defaults, where it has them, and its presets."""
+    cls = find_plugin(folder, kind).Params
+    found = {}
+    if all(field.default is not MISSING for field in fields(cls)):
+        found["defaults"] = load(cls, {}, kind)
+    for path in _presets(folder):
+        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+        if raw["kind"] == kind:
+            found[path.stem] = load_section(raw, path.stem, folder).params
+    assert found, f"{kind} has neither defaults nor a preset"
+    return found
+
+
+def _flat(value):
+    if isinstance(value, tuple | list):
+        return [number for item in value for number in _flat(item)]
+    return [value]
+
+
+def test_every_folder_has_plugins():
+    assert {folder for folder, _ in FOUND} == set(ROLES)
+
+
+@every_plugin
+def test_params_come_from_defaults_or_a_preset_and_survive_dump_and_load(folder, kind):
+    for params in _params(folder, kind).values():
+        assert load(type(params), dump(params), kind) == params
+
+
+@every_plugin
+def test_unknown_keys_are_refused(folder, kind):
+    with pytest.raises(ConfigError, match=r"^x\.params: unknown key 'no_such_key'; allowed: \["):
+        load_section({"kind": kind, "params": {"no_such_key": 1}}, "x", folder)
+
+
+@every_plugin
+def test_the_class_of_the_role_and_everything_public_are_documented(folder, kind):
+    module = find_plugin(folder, kind)
+    class_name, _ = ROLES[folder]
+    documented = [module, module.Params, getattr(module, class_name)]
+    documented += [
+        member
+        for name, member in inspect.getmembers(getattr(module, class_name), inspect.isfunction)
+        if not name.startswith("_")
+    ]
+    for thing in documented:
+        assert inspect.getdoc(thing), thing
+    for field in fields(module.Params):
+        assert field.metadata["doc"], f"{kind}.{field.name}"
+
+
+@every_plugin
+def test_params_cannot_be_changed(folder, kind):
+    assert find_plugin(folder, kind).Params.__dataclass_params__.frozen
+
+
+@every_plugin
+def test_outputs_are_finite_and_inputs_left_alone(folder, kind):
+    _, use = ROLES[folder]
+    for params in _params(folder, kind).values():
+        inputs = _Inputs()
+        outputs = _flat(use(find_plugin(folder, kind), params, inputs))
+        assert outputs
+        assert np.isfinite(outputs).all()
+        assert all(type(number) is float for number in outputs), (
+            "plain floats, which travel and compare exactly"
+        )
+        inputs.assert_unchanged()
+
+
+@every_plugin
+def test_the_same_calls_give_the_same_outputs_to_the_last_bit(folder, kind):
+    _, use = ROLES[folder]
+    for params in _params(folder, kind).values():
+        first, second = (use(find_plugin(folder, kind), params, _Inputs()) for _ in range(2))
+        assert repr(first) == repr(second)
+
+
+@pytest.mark.parametrize("path", _presets("auv_sim.acoustics"), ids=lambda path: path.stem)
+def test_every_preset_of_the_water_names_all_four_parts(path):
+    raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+    assert set(raw) == {"propagation", "modem", "mac", "outage"}
+    for part, section in raw.items():
+        load_section(section, part, f"auv_sim.acoustics.{part}")
