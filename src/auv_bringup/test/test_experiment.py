@@ -153,15 +153,15 @@ def test_the_main_job_tracks_its_velocity_reference_over_ground(main_job):
     assert np.sqrt(np.mean(np.sum(np.square(errors), axis=1))) < 0.06
 
 
-def test_the_main_jobs_neighbour_errors_fit_the_filters_own_band(main_job):
-    """The errors of estimates lie within two of the filter's sigmas about as often as they should."""
+def test_the_main_jobs_neighbour_errors_are_no_larger_than_the_filters_believe(main_job):
+    """At least 95 % of them lie within two sigmas (all of them do: own navigation is exact here)."""
     _, recording = main_job
     late = slice(300, None)
     error = recording.neighbour_position_ned_m[late] - recording.position_ned_m[late][:-1, np.newaxis]
     sigma = np.sqrt(np.diagonal(recording.neighbour_covariance[late], axis1=-2, axis2=-1)[..., :3])
     known = np.isfinite(error) & np.isfinite(sigma)
     assert known.any()
-    assert 0.85 < (np.abs(error[known]) <= 2.0 * sigma[known]).mean() <= 1.0
+    assert (np.abs(error[known]) <= 2.0 * sigma[known]).mean() >= 0.95
 
 
 # Spec of ch. 5, section 3, over a short horizon: smallest distance ever (m), time of the 2 % approach (s).

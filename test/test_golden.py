@@ -1,0 +1,68 @@
+"""
+Claim: what runs amount to does not change unnoticed.
+
+Each file of ``golden/`` is a run and the metrics that it gave, each with its tolerance and its origin.
+`python -m pytest test/test_golden.py --regen` writes today's values and shows what has changed; a new file
+needs its run, and its metrics with the value null.
+"""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from auv_bringup.experiment import run_in_process
+from auv_bringup.metrics import compute_metrics
+from auv_bringup.scenario import load_scenario
+
+GOLDEN = sorted((Path(__file__).parent / "golden").glob("*.json"))
+
+
+def _measured(golden):
+    run = golden["run"]
+    scenario = load_scenario(
+        run["scenario"], overrides=run["overrides"], seed=run["seed"], duration_s=run["duration_s"]
+    )
+    return compute_metrics(run_in_process(scenario), scenario, mode="inprocess", real_time_factor=1.0)
+
+
+def _differences(golden, metrics):
+    """Return a line for every metric that is not what it was."""
+    lines = []
+    for key, expected in golden["metrics"].items():
+        now, was = metrics[key], expected["value"]
+        if was is None or now is None or isinstance(was, bool):
+            same = now is was
+        else:
+            same = now == pytest.approx(was, rel=expected["rtol"], abs=0.0)
+        if not same:
+            lines.append(f"{key}: was {was!r}, is {now!r} (rtol {expected['rtol']:g}; {expected['origin']})")
+    return lines
+
+
+@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+def test_a_run_amounts_to_what_it_did(path, request):
+    golden = json.loads(path.read_text(encoding="utf-8"))
+    metrics = _measured(golden)
+    differences = _differences(golden, metrics)
+    if request.config.getoption("--regen", default=False) and differences:
+        for key, expected in golden["metrics"].items():
+            expected["value"] = metrics[key]
+        path.write_text(json.dumps(golden, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        pytest.fail(f"{path.name} is written anew; say why in the commit:\n" + "\n".join(differences))
+    assert not differences, "\n".join(differences)
+
+
+@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+def test_every_golden_value_says_its_tolerance_and_its_origin(path):
+    golden = json.loads(path.read_text(encoding="utf-8"))
+    assert golden["metrics"]
+    for key, expected in golden["metrics"].items():
+        assert set(expected) == {"value", "rtol", "origin"}, key
+        assert expected["value"] is not None, key
+        assert 0.0 <= expected["rtol"] <= 0.05, key
+        assert len(expected["origin"]) > 10, key
+
+
+def test_there_are_golden_runs():
+    assert len(GOLDEN) >= 5
