@@ -245,6 +245,13 @@ def test_random_starts_keep_apart_below_the_surface_and_near_the_start_of_the_pa
     assert all(math.dist(start, scenario.reference_position(0.0)) <= 10.0 for start in starts)
 
 
+def test_random_starts_lie_no_shallower_than_asked():
+    overrides = ["random_starts.depth_min_m=11", "random_starts.separation_m=1"]
+    for seed in range(5):
+        scenario = load_scenario("flock_acoustic", overrides=overrides, seed=seed)
+        assert all(vehicle.position_ned_m[2] >= 11.0 for vehicle in scenario.vehicles)
+
+
 def test_random_starts_change_with_the_seed_and_only_with_it():
     def starts(seed):
         return [vehicle.position_ned_m for vehicle in load_scenario("flock_acoustic", seed=seed).vehicles]

@@ -6,13 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import auv_core.models
 from auv_control.controllers import VelocityReference
 from auv_control.controllers.velocity_pi import Controller, Params
-from auv_core.geometry import body_to_ned, heading_from_quaternion, ned_to_body, quaternion_from_heading
+from auv_core.geometry import (
+    body_to_ned,
+    heading_from_quaternion,
+    ned_to_body,
+    quaternion_from_heading,
+    quaternion_product,
+)
 from auv_core.messages import VehicleState
 from auv_core.models.six_dof import Model
 from auv_core.params import load_section
@@ -110,6 +116,24 @@ def test_limits_are_held_whatever_is_asked(attitude, nu, velocity, heading_rad):
         assert np.isfinite(tau).all()
         assert max(map(abs, tau[:3])) <= params.max_force_n
         assert max(map(abs, tau[3:])) <= params.max_moment_nm
+
+
+@settings(max_examples=60, deadline=None)
+@given(ATTITUDES, st.floats(-4.0, 4.0))
+def test_both_quaternions_of_an_attitude_give_the_same_wrench(attitude, heading_rad):
+    """So the hull turns the short way to its heading, never the long way round."""
+    turn = quaternion_product(
+        tuple(-x if i else x for i, x in enumerate(attitude)), quaternion_from_heading(heading_rad)
+    )
+    assume(abs(turn[0]) > 1e-9)  # at half a turn both ways are as short
+    other = tuple(-x for x in attitude)
+    first, second = (
+        Controller(Params(), PERIOD_S)
+        .step(VehicleState(0, (0.0,) * 3, q, (0.1,) * 6), VelocityReference((0.2, 0.0, 0.0), heading_rad))
+        .tau
+        for q in (attitude, other)
+    )
+    np.testing.assert_allclose(first, second, atol=1e-9)
 
 
 def test_the_limits_that_it_believes_in_are_those_of_the_vehicle():
