@@ -10,7 +10,8 @@ To add one, write one file with ``Params`` and ``Flocking(params, separation, is
 
 Both are pure functions of their arguments, so that the sampled agent and the continuous-time runner use the
 same law.  Where `velocity` looks at the flock's velocity, ``Params`` says so with a property
-``uses_flock_velocity``: packets carry it, so such a law is refused in continuous time.  The file's name is its ``kind``.
+``uses_flock_velocity``: packets carry it, so such a law is refused in continuous time.  The file's name
+is its ``kind``.
 """
 
 from __future__ import annotations
