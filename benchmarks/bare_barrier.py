@@ -1,7 +1,9 @@
 """
-The limit beside which the lock-step rate is quoted: the same processes, one small message out, one back, nothing else.
+The limit beside which the lock-step rate is quoted: the same processes, one small message out, one back,
+nothing else.
 
-`measure(workers, ticks)` starts that many worker processes; each answers every tick of the coordinator with one Int64.
+`measure(workers, ticks)` starts that many worker processes; each answers every tick of the coordinator with
+one Int64.
 """
 
 from __future__ import annotations
@@ -11,10 +13,11 @@ import sys
 import time
 
 import rclpy
-from auv_core.node_main import EVERY_TICK, Audience, Rendezvous, main_loop, make_executor
 from rclpy.node import Node
 from rclpy.task import Future
 from std_msgs.msg import Int64
+
+from auv_core.node_main import EVERY_TICK, Audience, Rendezvous, main_loop, make_executor
 
 _LIMIT_S = 120.0
 
@@ -23,23 +26,23 @@ class Worker(Node):
     """Answers every tick."""
 
     def __init__(self, number: int) -> None:
-        super().__init__(f'worker_{number}')
-        self._pub = self.create_publisher(Int64, 'answer', EVERY_TICK)
-        self.create_subscription(Int64, 'tick', self._pub.publish, EVERY_TICK)
+        super().__init__(f"worker_{number}")
+        self._pub = self.create_publisher(Int64, "answer", EVERY_TICK)
+        self.create_subscription(Int64, "tick", self._pub.publish, EVERY_TICK)
 
 
 class Coordinator(Node):
     """Sends a tick when all have answered the one before."""
 
     def __init__(self, workers: int, ticks: int) -> None:
-        super().__init__('coordinator')
+        super().__init__("coordinator")
         self.finished = Future()
         self.elapsed_s = 0.0
         self._workers, self._ticks = workers, ticks
         self._tick, self._answers, self._started_s = 0, 0, 0.0
-        self._pub = self.create_publisher(Int64, 'tick', EVERY_TICK)
-        self.create_subscription(Int64, 'answer', self._on_answer, EVERY_TICK)
-        names = frozenset(f'/worker_{number}' for number in range(workers))
+        self._pub = self.create_publisher(Int64, "tick", EVERY_TICK)
+        self.create_subscription(Int64, "answer", self._on_answer, EVERY_TICK)
+        names = frozenset(f"/worker_{number}" for number in range(workers))
         self._meeting = Rendezvous(self, [Audience(self._pub, names)], self._start)
 
     def _start(self) -> None:
@@ -70,7 +73,7 @@ def measure(workers: int, ticks: int) -> float:
     try:
         executor.spin_until_future_complete(node.finished, timeout_sec=_LIMIT_S)
         if not node.elapsed_s:
-            raise TimeoutError(f'the bare barrier did not finish within {_LIMIT_S:g} s')
+            raise TimeoutError(f"the bare barrier did not finish within {_LIMIT_S:g} s")
         return ticks / node.elapsed_s
     finally:
         for process in processes:
@@ -81,5 +84,5 @@ def measure(workers: int, ticks: int) -> float:
         rclpy.shutdown()
 
 
-if __name__ == '__main__':
+if __name__ == "__main__":
     raise SystemExit(main_loop(lambda: [Worker(int(sys.argv[1]))]))

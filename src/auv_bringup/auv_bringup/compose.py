@@ -154,7 +154,6 @@ def _recorder_spec(scenario: Scenario, bag_dir: Path) -> NodeSpec:
             "bag_dir": str(bag_dir),
             "topics_vehicles": [vehicle.id for vehicle in scenario.vehicles],
             "kinematic": scenario.kinematic,
-            "period_s": scenario.period_s,
         },
     )
 

@@ -7,13 +7,14 @@ here.
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import yaml
-
-from auv_bringup.compose import NodeSpec
+if TYPE_CHECKING:
+    from auv_bringup.compose import NodeSpec
 
 
 def command_line(spec: NodeSpec, params_file: Path) -> list[str]:
@@ -34,9 +35,8 @@ def write_params_file(spec: NodeSpec, folder: Path) -> Path:
     # The relay's process holds two nodes, relay and clock: what it is given is for both.
     key = "/**" if spec.role == "relay" else spec.name
     path = folder / f"{log_name(spec)}.yaml"
-    path.write_text(
-        yaml.safe_dump({key: {"ros__parameters": spec.params}}, sort_keys=False), encoding="utf-8"
-    )
+    # JSON is YAML with every word in quotes: without them ROS reads a vehicle called `y` as true.
+    path.write_text(json.dumps({key: {"ros__parameters": spec.params}}, indent=2) + "\n", encoding="utf-8")
     return path
 
 

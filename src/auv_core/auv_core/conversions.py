@@ -5,19 +5,35 @@ Records to ROS messages and back: the one place where frames, quaternion order a
 from __future__ import annotations
 
 import math
+import struct
+from functools import cache
 
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, TransformStamped, TwistStamped, Vector3, WrenchStamped
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
+from tf2_msgs.msg import TFMessage
 
 from auv_core.geometry import Quat, Vec3
-from auv_core.messages import Command, Inbox, Packet, Reception, VehicleState, VelocityCommand, Wrench
-from auv_msgs.msg import AcousticInbox, AcousticOutbox, AcousticPacket, AcousticReception
+from auv_core.messages import Command, Inbox, Packet, Reception, Vec6, VehicleState, VelocityCommand, Wrench
+from auv_core.stencil import Stencil, read_numbers
+from auv_msgs.msg import (
+    AcousticInbox,
+    AcousticOutbox,
+    AcousticPacket,
+    AcousticReception,
+    FlockingCentre,
+    NeighbourEstimate,
+    NeighbourEstimates,
+)
 from auv_msgs.msg import VehicleState as VehicleStateMsg
 
 WORLD_FRAME = "map_ned"
+
+_STATE = struct.Struct("<q13d")
+_SIX = struct.Struct("<6d")
+_NO_COVARIANCE = (0.0,) * 36
 
 
 def body_frame(vehicle_id: str) -> str:
@@ -51,39 +67,39 @@ def quaternion(q: Quat) -> Quaternion:
     return Quaternion(x=q[1], y=q[2], z=q[3], w=q[0])
 
 
-def state_to_msg(state: VehicleState, t_s: float) -> VehicleStateMsg:
-    """Return a vehicle's pose (NED) and nu (body) as the small state message."""
-    message = VehicleStateMsg(header=header(t_s, WORLD_FRAME), tick=state.tick)
-    message.pose.position = point(state.position)
-    message.pose.orientation = quaternion(state.attitude)
-    message.twist.linear = vector(state.nu[:3])
-    message.twist.angular = vector(state.nu[3:])
-    return message
+def state_stencil() -> Stencil:
+    """Return the small state message; fill it with `state_numbers`."""
+    return Stencil(VehicleStateMsg(header=header(0.0, WORLD_FRAME)), "q13d")
 
 
-def state_from_msg(message: VehicleStateMsg) -> VehicleState:
-    """Return the record of a state message."""
-    p, q = message.pose.position, message.pose.orientation
-    v, w = message.twist.linear, message.twist.angular
-    return VehicleState(message.tick, (p.x, p.y, p.z), (q.w, q.x, q.y, q.z), (v.x, v.y, v.z, w.x, w.y, w.z))
+def state_numbers(state: VehicleState) -> tuple[float, ...]:
+    """Return tick, pose (NED; the quaternion with w last) and nu (body) in the order of the message."""
+    w, x, y, z = state.attitude
+    return (state.tick, *state.position, x, y, z, w, *state.nu)
 
 
-def state_to_odometry(state: VehicleState, t_s: float, vehicle_id: str) -> Odometry:
-    """Return the same as nav_msgs/Odometry: pose in map_ned, twist in the body frame, no covariance."""
-    message = Odometry(header=header(t_s, WORLD_FRAME), child_frame_id=body_frame(vehicle_id))
-    message.pose.pose.position = point(state.position)
-    message.pose.pose.orientation = quaternion(state.attitude)
-    message.twist.twist.linear = vector(state.nu[:3])
-    message.twist.twist.angular = vector(state.nu[3:])
-    return message
+def state_from_bytes(data: bytes) -> VehicleState:
+    """Return the record of a serialised state message; raise ValueError for bytes that hold none."""
+    tick, px, py, pz, x, y, z, w, *nu = read_numbers(data, _STATE)
+    return VehicleState(tick, (px, py, pz), (w, x, y, z), (nu[0], nu[1], nu[2], nu[3], nu[4], nu[5]))
 
 
-def state_to_transform(state: VehicleState, t_s: float, vehicle_id: str) -> TransformStamped:
-    """Return the transform map_ned -> body of a vehicle."""
-    message = TransformStamped(header=header(t_s, WORLD_FRAME), child_frame_id=body_frame(vehicle_id))
-    message.transform.translation = vector(state.position)
-    message.transform.rotation = quaternion(state.attitude)
-    return message
+def odometry_stencil(vehicle_id: str) -> Stencil:
+    """Return nav_msgs/Odometry, pose in map_ned, twist in the body frame; fill it with `odometry_numbers`."""
+    message = Odometry(header=header(0.0, WORLD_FRAME), child_frame_id=body_frame(vehicle_id))
+    return Stencil(message, "85d")
+
+
+def odometry_numbers(state: VehicleState) -> tuple[float, ...]:
+    """Return pose, its covariance, twist, its covariance; the truth has none."""
+    numbers = state_numbers(state)
+    return (*numbers[1:8], *_NO_COVARIANCE, *numbers[8:], *_NO_COVARIANCE)
+
+
+def transform_stencil(vehicle_id: str) -> Stencil:
+    """Return the transform map_ned -> body of a vehicle; fill it with the pose of `state_numbers`."""
+    message = TransformStamped(header=header(0.0, WORLD_FRAME), child_frame_id=body_frame(vehicle_id))
+    return Stencil(TFMessage(transforms=[message]), "7d", stamp_at=8)
 
 
 def map_to_map_ned() -> TransformStamped:
@@ -96,42 +112,48 @@ def map_to_map_ned() -> TransformStamped:
     return message
 
 
-def command_to_msg(command: Command, t_s: float, vehicle_id: str) -> WrenchStamped | TwistStamped:
-    """Return a wrench in the body frame, or a velocity command in map_ned."""
+def command_stencil(vehicle_id: str, *, takes_velocity: bool) -> Stencil:
+    """Return the command message of a vehicle, a wrench in the body frame or a velocity in map_ned."""
+    if takes_velocity:
+        return velocity_stencil()
+    return Stencil(WrenchStamped(header=header(0.0, body_frame(vehicle_id))), "6d")
+
+
+def velocity_stencil() -> Stencil:
+    """Return a velocity (m/s; NED) and a yaw rate as geometry_msgs/TwistStamped."""
+    return Stencil(TwistStamped(header=header(0.0, WORLD_FRAME)), "6d")
+
+
+def command_numbers(command: Command) -> Vec6:
+    """Return [X, Y, Z, K, M, N] (N, N m; body), or [NED velocity, 0, 0, yaw rate] (m/s, rad/s)."""
     if isinstance(command, Wrench):
-        wrench = WrenchStamped(header=header(t_s, body_frame(vehicle_id)))
-        wrench.wrench.force = vector(command.tau[:3])
-        wrench.wrench.torque = vector(command.tau[3:])
-        return wrench
-    return velocity_msg(command.velocity, command.yaw_rate_radps, t_s)
+        return command.tau
+    return (*command.velocity, 0.0, 0.0, command.yaw_rate_radps)
 
 
-def velocity_msg(velocity: Vec3, yaw_rate_radps: float, t_s: float) -> TwistStamped:
-    """Return a velocity (m/s; NED) and a yaw rate as a message."""
-    twist = TwistStamped(header=header(t_s, WORLD_FRAME))
-    twist.twist.linear = vector(velocity)
-    twist.twist.angular.z = yaw_rate_radps
-    return twist
-
-
-def command_from_msg(message: WrenchStamped | TwistStamped) -> Command:
-    """Return the record of a command message; raise ValueError when a number in it is not finite."""
-    if isinstance(message, WrenchStamped):
-        f, m = message.wrench.force, message.wrench.torque
-        values = (f.x, f.y, f.z, m.x, m.y, m.z)
-        command: Command = Wrench(values)
-    else:
-        v = message.twist.linear
-        values = (v.x, v.y, v.z, 0.0, 0.0, message.twist.angular.z)
-        command = VelocityCommand((v.x, v.y, v.z), message.twist.angular.z)
+def command_from_bytes(data: bytes, *, takes_velocity: bool) -> Command:
+    """Return the record of a serialised command; raise ValueError when a number in it is not finite."""
+    x, y, z, k, m, n = values = read_numbers(data, _SIX)
     if not all(map(math.isfinite, values)):
         raise ValueError(f"a command with a number that is not finite: {values}")
-    return command
+    return VelocityCommand((x, y, z), n) if takes_velocity else Wrench((x, y, z, k, m, n))
 
 
-def stamp_s(time: Time) -> float:
-    """Return a ROS stamp in seconds."""
-    return float(time.sec) + 1e-9 * float(time.nanosec)
+def centre_stencil() -> Stencil:
+    """Return auv_msgs/FlockingCentre; fill it with tick, position (m; NED) and velocity (m/s; NED)."""
+    return Stencil(FlockingCentre(header=header(0.0, WORLD_FRAME)), "q6d")
+
+
+@cache
+def neighbours_stencil(count: int) -> Stencil:
+    """
+    Return auv_msgs/NeighbourEstimates with `count` neighbours: tick, count, then per neighbour 44 numbers.
+    """
+    message = NeighbourEstimates(
+        header=header(0.0, WORLD_FRAME), neighbours=[NeighbourEstimate() for _ in range(count)]
+    )
+    layouts = ["B3x43d" if index == 0 else "B7x43d" for index in range(count)]
+    return Stencil(message, "qI" + "".join(layouts))
 
 
 def packet_to_msg(packet: Packet) -> AcousticPacket:

@@ -26,6 +26,8 @@ FLOCKING = "auv_flocking.flocking"
 SEPARATION = "auv_flocking.separation"
 CONSENSUS = "auv_flocking.consensus"
 
+_CLOCK_SLACK_S = 1.0
+
 Obstacles = tuple[tuple[Vec3, float], ...]
 
 
@@ -124,7 +126,7 @@ class Agent:
             What the modem received since the last tick.
 
         """
-        self._receive(inbox)
+        self._receive(inbox, t_s)
         self.neighbours = self._table.estimates(t_s)
         self.centre = nav.position if self._next_centre is None else self._next_centre
         centres = [neighbour.centre for neighbour in self.neighbours]
@@ -160,12 +162,24 @@ class Agent:
         rate: Vec3 = self._consensus.derivative(position, centre, neighbour_centres, self.flock_velocity)
         return rate
 
-    def _receive(self, inbox: Inbox) -> None:
+    def _receive(self, inbox: Inbox, t_s: float) -> None:
         for reception in inbox.receptions:
             try:
-                self._table.receive(decode(reception.packet.payload))
+                report = decode(reception.packet.payload)
             except ReportError:
                 self.rejected += 1
+                continue
+            if self._is_plausible(report, t_s):
+                self._table.receive(report)
+            else:
+                self.rejected += 1
+
+    def _is_plausible(self, report: Report, t_s: float) -> bool:
+        """
+        Tell whether a report comes from another vehicle of the fleet, and from this run and not its future.
+        """
+        other = report.address != self._config.address and report.address <= self._config.fleet_size
+        return other and 0.0 <= report.time_s <= t_s + _CLOCK_SLACK_S
 
     def _packet(self, tick: int, t_s: float, nav: VehicleState) -> Packet:
         self._sequence += 1

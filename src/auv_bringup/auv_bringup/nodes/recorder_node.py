@@ -38,7 +38,6 @@ class RecorderConfig:
     bag_dir: str = param("folder of the bag; it must not exist yet")
     topics_vehicles: tuple[str, ...] = param("ids of the vehicles whose topics are recorded")
     kinematic: bool = param("whether the vehicles take cmd_vel instead of cmd_wrench", default=False)
-    period_s: float = param("control period (s)", default=0.1, above=0.0)
 
 
 class RecorderNode(Node):

@@ -36,7 +36,6 @@ from auv_msgs.msg import (
     AcousticInbox,
     AcousticOutbox,
     FlockingCentre,
-    NeighbourEstimate,
     NeighbourEstimates,
     VehicleState,
 )
@@ -64,6 +63,10 @@ class AgentNode(Node):
 
     def _connect(self) -> None:
         command = (TwistStamped, "cmd_vel") if self._agent.takes_velocity else (WrenchStamped, "cmd_wrench")
+        vehicle_id = self._config.vehicle_id
+        self._command_stencil = convert.command_stencil(vehicle_id, takes_velocity=self._agent.takes_velocity)
+        self._reference_stencil = convert.velocity_stencil()
+        self._centre_stencil = convert.centre_stencil()
         self._command_pub = self.create_publisher(*command, EVERY_TICK)
         self._outbox_pub = self.create_publisher(AcousticOutbox, "acoustic/tx", EVERY_TICK)
         self._reference_pub = self.create_publisher(TwistStamped, "reference", EVERY_TICK)
@@ -72,7 +75,7 @@ class AgentNode(Node):
         self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
         self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
         self._path_pub = self.create_publisher(Path, "path", LATCHED) if self._config.is_leader else None
-        self.create_subscription(VehicleState, "nav", self._on_nav, EVERY_TICK)
+        self.create_subscription(VehicleState, "nav", self._on_nav, EVERY_TICK, raw=True)
         self.create_subscription(AcousticInbox, "acoustic/rx", self._on_inbox, EVERY_TICK)
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
@@ -102,8 +105,9 @@ class AgentNode(Node):
     def _begin(self) -> None:
         steady_timer(self, self._config.period_s, self._run_free)
 
-    def _on_nav(self, message: VehicleState) -> None:
-        self._navs[message.tick] = convert.state_from_msg(message)
+    def _on_nav(self, data: bytes) -> None:
+        nav = convert.state_from_bytes(data)
+        self._navs[nav.tick] = nav
         if self._ticks.lockstep:
             self._step_if_ready()
 
@@ -135,7 +139,7 @@ class AgentNode(Node):
     def _step(self, tick: int, nav: State, inbox: Inbox) -> None:
         command, packets = self._agent.step(self._ticks.scenario_s(tick), nav, inbox)
         t_s = self._ticks.stamp_s(tick)
-        self._command_pub.publish(convert.command_to_msg(command, t_s, self._config.vehicle_id))
+        self._command_pub.publish(self._command_stencil.filled(t_s, *convert.command_numbers(command)))
         self._outbox_pub.publish(convert.outbox_to_msg(tick, packets, t_s, self._config.vehicle_id))
         self._publish_beliefs(tick, t_s)
         if tick % MARKER_TICKS == 0:
@@ -145,27 +149,16 @@ class AgentNode(Node):
 
     def _publish_beliefs(self, tick: int, t_s: float) -> None:
         agent = self._agent
-        header = convert.header(t_s, convert.WORLD_FRAME)
-        self._reference_pub.publish(convert.velocity_msg(agent.reference.velocity, 0.0, t_s))
-        self._centre_pub.publish(
-            FlockingCentre(
-                header=header,
-                tick=tick,
-                position=convert.point(agent.centre),
-                velocity=convert.vector(agent.centre_rate),
-            )
+        self._reference_pub.publish(
+            self._reference_stencil.filled(t_s, *agent.reference.velocity, 0.0, 0.0, 0.0)
         )
-        neighbours = [
-            NeighbourEstimate(
-                address=estimate.address,
-                position=convert.point(estimate.position),
-                velocity=convert.vector(estimate.velocity),
-                covariance=estimate.covariance.ravel(),
-                age_s=estimate.age_s,
-            )
-            for estimate in agent.neighbours
-        ]
-        self._neighbours_pub.publish(NeighbourEstimates(header=header, tick=tick, neighbours=neighbours))
+        self._centre_pub.publish(self._centre_stencil.filled(t_s, tick, *agent.centre, *agent.centre_rate))
+        numbers: list[float] = []
+        for estimate in agent.neighbours:
+            numbers += (estimate.address, *estimate.position, *estimate.velocity)
+            numbers += (*estimate.covariance.ravel().tolist(), estimate.age_s)
+        count = len(agent.neighbours)
+        self._neighbours_pub.publish(convert.neighbours_stencil(count).filled(t_s, tick, count, *numbers))
 
     def _markers(self, tick: int) -> list[Any]:
         t_s = self._ticks.stamp_s(tick)

@@ -89,6 +89,7 @@ class AcousticRelayNode(Node):
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
 
     def _connect(self) -> None:
+        self._state_stencil = convert.state_stencil()
         self._rx_pubs = [
             self.create_publisher(AcousticInbox, f"/{name}/acoustic/rx", EVERY_TICK) for name in self._ids
         ]
@@ -101,7 +102,7 @@ class AcousticRelayNode(Node):
         self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
         for index, name in enumerate(self._ids):
             self.create_subscription(
-                VehicleStateMsg, f"/{name}/state", partial(self._on_state, index), EVERY_TICK
+                VehicleStateMsg, f"/{name}/state", partial(self._on_state, index), EVERY_TICK, raw=True
             )
             self.create_subscription(
                 AcousticOutbox, f"/{name}/acoustic/tx", partial(self._on_outbox, index), EVERY_TICK
@@ -123,14 +124,15 @@ class AcousticRelayNode(Node):
         else:
             steady_timer(self, self._period_s, self._run_free)
 
-    def _on_state(self, index: int, message: VehicleStateMsg) -> None:
+    def _on_state(self, index: int, data: bytes) -> None:
         if index in self._adrift:
             return
         self._heard_at_s["vehicle_node", index] = time.monotonic()
+        state = convert.state_from_bytes(data)
         if not self._ticks.lockstep:
-            self._states[index] = convert.state_from_msg(message)
-        elif self._barrier.state(index, message.tick):
-            self._next_states[index] = convert.state_from_msg(message)
+            self._states[index] = state
+        elif self._barrier.state(index, state.tick):
+            self._next_states[index] = state
             self._try_advance()
 
     def _on_outbox(self, index: int, message: AcousticOutbox) -> None:
@@ -230,7 +232,8 @@ class AcousticRelayNode(Node):
     def _publish_drift(self, index: int) -> None:
         state = self._adrift[index].step(None)
         self._next_states[index] = state
-        self._hull_pubs[index].publish(convert.state_to_msg(state, self._ticks.stamp_s(state.tick)))
+        t_s = self._ticks.stamp_s(state.tick)
+        self._hull_pubs[index].publish(self._state_stencil.filled(t_s, *convert.state_numbers(state)))
 
     def _publish_stats(self, tick: int) -> None:
         links = [

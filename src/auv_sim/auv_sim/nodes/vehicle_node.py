@@ -18,6 +18,7 @@ from auv_core.messages import VehicleState as State
 from auv_core.node_main import EVERY_TICK, Audience, Rendezvous, main_loop, now_s, steady_timer, when_running
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
+from auv_core.stencil import read_stamp_s
 from auv_msgs.msg import VehicleState
 from auv_sim.vehicle import Vehicle, VehicleConfig
 
@@ -39,10 +40,11 @@ class VehicleNode(Node):
         self._odom_pub = self.create_publisher(Odometry, "odom", EVERY_TICK)
         self._tf_pub = self.create_publisher(TFMessage, "/tf", EVERY_TICK)
         self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
-        if self._vehicle.takes_velocity:
-            self.create_subscription(TwistStamped, "cmd_vel", self._on_command, EVERY_TICK)
-        else:
-            self.create_subscription(WrenchStamped, "cmd_wrench", self._on_command, EVERY_TICK)
+        command = (TwistStamped, "cmd_vel") if self._vehicle.takes_velocity else (WrenchStamped, "cmd_wrench")
+        self.create_subscription(*command, self._on_command, EVERY_TICK, raw=True)
+        self._state_stencil = convert.state_stencil()
+        self._odom_stencil = convert.odometry_stencil(self._config.vehicle_id)
+        self._tf_stencil = convert.transform_stencil(self._config.vehicle_id)
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
@@ -65,15 +67,15 @@ class VehicleNode(Node):
     def _begin(self) -> None:
         steady_timer(self, self._config.period_s, self._run_free)
 
-    def _on_command(self, message: WrenchStamped | TwistStamped) -> None:
+    def _on_command(self, data: bytes) -> None:
         try:
-            self._command = convert.command_from_msg(message)
+            self._command = convert.command_from_bytes(data, takes_velocity=self._vehicle.takes_velocity)
         except ValueError as error:
             self.get_logger().error(f"{error}; the actuators rest", throttle_duration_sec=1.0)
             self._command = None
         if not self._clock_ticks.lockstep:
             return
-        tick = self._clock_ticks.tick_of_stamp(convert.stamp_s(message.header.stamp))
+        tick = self._clock_ticks.tick_of_stamp(read_stamp_s(data))
         if tick != self._vehicle.state.tick:
             self.get_logger().warning(
                 f"a command for tick {tick}, but this is tick {self._vehicle.state.tick}: not used"
@@ -90,12 +92,13 @@ class VehicleNode(Node):
 
     def _publish(self, state: State) -> None:
         t_s = self._clock_ticks.stamp_s(state.tick)
-        message = convert.state_to_msg(state, t_s)
-        self._state_pub.publish(message)
-        self._nav_pub.publish(message)
+        numbers = convert.state_numbers(state)
+        data = self._state_stencil.filled(t_s, *numbers)
+        self._state_pub.publish(data)
+        self._nav_pub.publish(data)
+        self._odom_pub.publish(self._odom_stencil.filled(t_s, *convert.odometry_numbers(state)))
+        self._tf_pub.publish(self._tf_stencil.filled(t_s, *numbers[1:8]))
         vehicle_id = self._config.vehicle_id
-        self._odom_pub.publish(convert.state_to_odometry(state, t_s, vehicle_id))
-        self._tf_pub.publish(TFMessage(transforms=[convert.state_to_transform(state, t_s, vehicle_id)]))
         if state.tick % MARKER_TICKS == 0:
             diameter_m = 2.0 * self._config.model.params.hull_radius_m
             self._marker_pub.publish(

@@ -1,0 +1,151 @@
+"""Messages filled in as bytes are the messages that they claim to be."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+pytestmark = pytest.mark.ros
+
+numbers = st.floats(allow_nan=False, allow_infinity=False)
+vec3 = st.tuples(numbers, numbers, numbers)
+vec6 = st.tuples(*[numbers] * 6)
+times_s = st.floats(0.0, 1.9e9)
+
+
+def states():
+    from auv_core.messages import VehicleState
+
+    quaternion = st.tuples(numbers, numbers, numbers, numbers)
+    return st.builds(VehicleState, st.integers(0, 2**62), vec3, quaternion, vec6)
+
+
+def read(data, kind):
+    from rclpy.serialization import deserialize_message
+
+    return deserialize_message(data, kind)
+
+
+def assert_stamped(header, t_s, frame_id):
+    assert header.frame_id == frame_id
+    assert header.stamp.sec + 1e-9 * header.stamp.nanosec == pytest.approx(t_s, abs=1e-6)
+
+
+def test_a_state_survives_the_way_through_its_message():
+    from auv_core import conversions as convert
+    from auv_msgs.msg import VehicleState
+
+    stencil = convert.state_stencil()
+
+    @settings(deadline=None)
+    @given(state=states(), t_s=times_s)
+    def check(state, t_s):
+        data = stencil.filled(t_s, *convert.state_numbers(state))
+        message = read(data, VehicleState)
+        assert_stamped(message.header, t_s, "map_ned")
+        position, orientation = message.pose.position, message.pose.orientation
+        assert message.tick == state.tick
+        assert (position.x, position.y, position.z) == state.position
+        assert (orientation.w, orientation.x, orientation.y, orientation.z) == state.attitude
+        assert (message.twist.linear.x, message.twist.angular.z) == (state.nu[0], state.nu[5])
+        assert convert.state_from_bytes(data) == state
+
+    check()
+
+
+def test_odometry_and_transform_say_what_the_state_says():
+    from nav_msgs.msg import Odometry
+    from tf2_msgs.msg import TFMessage
+
+    from auv_core import conversions as convert
+
+    odometry, transform = convert.odometry_stencil("auv_1"), convert.transform_stencil("auv_1")
+
+    @settings(deadline=None)
+    @given(state=states(), t_s=times_s)
+    def check(state, t_s):
+        message = read(odometry.filled(t_s, *convert.odometry_numbers(state)), Odometry)
+        assert_stamped(message.header, t_s, "map_ned")
+        assert message.child_frame_id == "auv_1/base_link_frd"
+        assert message.pose.pose.position.y == state.position[1]
+        assert message.pose.pose.orientation.w == state.attitude[0]
+        assert message.twist.twist.linear.x == state.nu[0]
+        assert message.twist.twist.angular.z == state.nu[5]
+        assert not message.pose.covariance.any()
+        assert not message.twist.covariance.any()
+        (tf,) = read(transform.filled(t_s, *convert.state_numbers(state)[1:8]), TFMessage).transforms
+        assert_stamped(tf.header, t_s, "map_ned")
+        assert tf.child_frame_id == "auv_1/base_link_frd"
+        assert tf.transform.translation.z == state.position[2]
+        assert tf.transform.rotation.w == state.attitude[0]
+
+    check()
+
+
+def test_commands_survive_the_way_through_their_messages():
+    from geometry_msgs.msg import TwistStamped, WrenchStamped
+
+    from auv_core import conversions as convert
+    from auv_core.messages import VelocityCommand, Wrench
+    from auv_core.stencil import read_stamp_s
+
+    @settings(deadline=None)
+    @given(tau=vec6, t_s=times_s)
+    def check(tau, t_s):
+        for command, kind, frame in (
+            (Wrench(tau), WrenchStamped, "auv_2/base_link_frd"),
+            (VelocityCommand(tau[:3], tau[5]), TwistStamped, "map_ned"),
+        ):
+            velocity = kind is TwistStamped
+            stencil = convert.command_stencil("auv_2", takes_velocity=velocity)
+            data = stencil.filled(t_s, *convert.command_numbers(command))
+            assert_stamped(read(data, kind).header, t_s, frame)
+            assert read_stamp_s(data) == pytest.approx(t_s, abs=1e-6)
+            assert convert.command_from_bytes(data, takes_velocity=velocity) == command
+
+    check()
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_a_command_that_is_not_finite_is_refused(bad):
+    from auv_core import conversions as convert
+
+    data = convert.command_stencil("a", takes_velocity=False).filled(1.0, 0.0, 0.0, bad, 0.0, 0.0, 0.0)
+    with pytest.raises(ValueError, match="not finite"):
+        convert.command_from_bytes(data, takes_velocity=False)
+
+
+@given(data=st.binary(max_size=100))
+def test_bytes_that_are_no_message_are_refused_and_nothing_else_happens(data):
+    from auv_core import conversions as convert
+
+    with pytest.raises(ValueError, match="bytes that are not such a message"):
+        convert.state_from_bytes(data)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 5])
+def test_neighbour_estimates_hold_every_number(count):
+    from auv_core import conversions as convert
+    from auv_msgs.msg import NeighbourEstimates
+
+    rows = [[k + 1, *(100.0 * k + n for n in range(43))] for k in range(count)]
+    flat = [number for row in rows for number in row]
+    data = convert.neighbours_stencil(count).filled(2.5, 25, count, *flat)
+    message = read(data, NeighbourEstimates)
+    assert (message.tick, len(message.neighbours)) == (25, count)
+    for row, neighbour in zip(rows, message.neighbours, strict=True):
+        assert neighbour.address == row[0]
+        assert [neighbour.position.x, neighbour.velocity.z] == [row[1], row[6]]
+        assert list(neighbour.covariance) == row[7:43]
+        assert neighbour.age_s == row[43]
+
+
+def test_a_flocking_centre_holds_every_number():
+    from auv_core import conversions as convert
+    from auv_msgs.msg import FlockingCentre
+
+    message = read(convert.centre_stencil().filled(2.5, 25, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0), FlockingCentre)
+    position, velocity = message.position, message.velocity
+    assert (message.tick, position.x, position.y, position.z) == (25, 1.0, 2.0, 3.0)
+    assert (velocity.x, velocity.y, velocity.z) == (4.0, 5.0, 6.0)
