@@ -144,9 +144,9 @@ def test_every_metric_is_shown(report: tuple[str, Outline]) -> None:
 
 
 def test_no_metric_is_shown_without_words_of_its_own() -> None:
-    from auv_bringup.report import _ROWS
+    from auv_bringup.metric_words import MEANINGS
 
-    assert set(make_metrics(make_scenario())) == set(_ROWS)
+    assert set(make_metrics(make_scenario())) == set(MEANINGS)
 
 
 def test_a_hostile_scenario_stays_text(tmp_path: Path) -> None:
