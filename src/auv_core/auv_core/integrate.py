@@ -23,10 +23,10 @@ def rk4_step(derivative: Callable[[float, State], State], t_s: float, state: Sta
     """
     half = 0.5 * dt_s
     k1 = derivative(t_s, state)
-    k2 = derivative(t_s + half, tuple([x + half * k for x, k in zip(state, k1, strict=True)]))
-    k3 = derivative(t_s + half, tuple([x + half * k for x, k in zip(state, k2, strict=True)]))
-    k4 = derivative(t_s + dt_s, tuple([x + dt_s * k for x, k in zip(state, k3, strict=True)]))
+    k2 = derivative(t_s + half, tuple([x + half * k for x, k in zip(state, k1, strict=False)]))
+    k3 = derivative(t_s + half, tuple([x + half * k for x, k in zip(state, k2, strict=False)]))
+    k4 = derivative(t_s + dt_s, tuple([x + dt_s * k for x, k in zip(state, k3, strict=False)]))
     sixth = dt_s / 6.0
     return tuple(
-        [x + sixth * (a + 2.0 * (b + c) + d) for x, a, b, c, d in zip(state, k1, k2, k3, k4, strict=True)]
+        [x + sixth * (a + 2.0 * (b + c) + d) for x, a, b, c, d in zip(state, k1, k2, k3, k4, strict=False)]
     )

@@ -26,7 +26,17 @@ from auv_flocking.report import Report
 
 Matrix = NDArray[np.float64]
 
-_SAME_AXIS: Matrix = np.tile(np.eye(3), (2, 2))
+
+def _on_every_axis(block: list[list[float]]) -> Matrix:
+    """Return the (6, 6) matrix that does on every axis what the (2, 2) block does to position and rate."""
+    return np.asarray(np.kron(block, np.eye(3)), dtype=np.float64)
+
+
+_IDENTITY = np.eye(6)
+_DRIFT = _on_every_axis([[0.0, 1.0], [0.0, 0.0]])
+_POSITION = _on_every_axis([[1.0, 0.0], [0.0, 0.0]])
+_COUPLING = _on_every_axis([[0.0, 1.0], [1.0, 0.0]])
+_VELOCITY = _on_every_axis([[0.0, 0.0], [0.0, 1.0]])
 
 
 @dataclass(frozen=True)
@@ -65,9 +75,7 @@ class NeighbourEstimate:
 
 def transition_matrix(dt_s: float) -> Matrix:
     """Return F (6, 6) of the constant-velocity model over `dt_s`."""
-    matrix = np.eye(6)
-    matrix[0, 3] = matrix[1, 4] = matrix[2, 5] = dt_s
-    return matrix
+    return _IDENTITY + dt_s * _DRIFT
 
 
 def process_noise(dt_s: float, acceleration_psd: float) -> Matrix:
@@ -75,10 +83,8 @@ def process_noise(dt_s: float, acceleration_psd: float) -> Matrix:
     Return Q (6, 6) of white acceleration over `dt_s`: q [[dt^3/3, dt^2/2], [dt^2/2, dt]] on every axis,
     exact.
     """
-    position = acceleration_psd * dt_s**3 / 3.0
-    both = acceleration_psd * dt_s**2 / 2.0
-    velocity = acceleration_psd * dt_s
-    return np.array([[position, both], [both, velocity]]).repeat(3, axis=0).repeat(3, axis=1) * _SAME_AXIS
+    q = acceleration_psd * dt_s
+    return (q * dt_s * dt_s / 3.0) * _POSITION + (0.5 * q * dt_s) * _COUPLING + q * _VELOCITY
 
 
 class _Track:
@@ -91,6 +97,7 @@ class _Track:
         self._filter.R = np.diag([config.position_std_m**2] * 3 + [config.velocity_std_mps**2] * 3)
         self._filter.P = self._filter.R.copy()
         self.report = report
+        self._growth = self._covariance_growth()
 
     def update(self, report: Report) -> None:
         dt_s = report.time_s - self.report.time_s
@@ -99,15 +106,28 @@ class _Track:
         self._filter.predict()
         self._filter.update(_measurement(report), HJacobian=lambda _x: np.eye(6), Hx=lambda x: x)
         self.report = report
+        self._growth = self._covariance_growth()
+
+    def _covariance_growth(self) -> tuple[Matrix, Matrix, Matrix, Matrix]:
+        """
+        Return the coefficients of F P F^T + Q as a cubic in the age: at every tick that is cheaper than the
+        product.
+        """
+        covariance, psd = self._filter.P, self._config.acceleration_psd
+        drifted = _DRIFT @ covariance
+        return (
+            covariance,
+            drifted + drifted.T + psd * _VELOCITY,
+            drifted @ _DRIFT.T + (0.5 * psd) * _COUPLING,
+            (psd / 3.0) * _POSITION,
+        )
 
     def estimate(self, t_s: float) -> NeighbourEstimate:
         report = self.report
         age_s = t_s - report.time_s
         x: list[float] = self._filter.x.tolist()
-        transition = transition_matrix(age_s)
-        covariance = transition @ self._filter.P @ transition.T + process_noise(
-            age_s, self._config.acceleration_psd
-        )
+        constant, linear, square, cube = self._growth
+        covariance = constant + age_s * (linear + age_s * (square + age_s * cube))
         return NeighbourEstimate(
             report.address,
             (x[0] + age_s * x[3], x[1] + age_s * x[4], x[2] + age_s * x[5]),
