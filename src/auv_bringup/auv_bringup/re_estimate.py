@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from auv_bringup.bag import Bag
-from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable
+from auv_bringup.bag_writer import BagError
+from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable, is_plausible
 from auv_flocking.report import ReportError, decode
 
 TOLERANCE = 1e-9
@@ -69,15 +70,26 @@ def re_estimate(bag: Bag, vehicle_ids: Sequence[str], config: NeighbourConfig, p
         Control period (s); the estimates of tick k are for k * period_s.
     """
     result = Comparison()
-    for vehicle_id in vehicle_ids:
-        _compare_agent(bag, vehicle_id, NeighbourTable(config), period_s, result)
+    if "/clock" not in bag.topics:
+        raise BagError(
+            f"{bag.path}: a real-time bag does not say which packets an "
+            "estimate used; allowed: a bag of a lockstep run"
+        )
+    for index in range(len(vehicle_ids)):
+        _compare_agent(bag, vehicle_ids, index, NeighbourTable(config), period_s, result)
     return result
 
 
 def _compare_agent(
-    bag: Bag, vehicle_id: str, table: NeighbourTable, period_s: float, result: Comparison
+    bag: Bag,
+    vehicle_ids: Sequence[str],
+    index: int,
+    table: NeighbourTable,
+    period_s: float,
+    result: Comparison,
 ) -> None:
     """Repeat one agent's estimates and add their differences to the result."""
+    vehicle_id = vehicle_ids[index]
     inboxes = _by_tick(bag, f"/{vehicle_id}/acoustic/rx")
     recorded = _by_tick(bag, f"/{vehicle_id}/neighbours")
     known = next((tick for tick in range(len(inboxes)) if tick not in inboxes), len(inboxes))
@@ -85,9 +97,11 @@ def _compare_agent(
     for tick in range(known):
         for reception in inboxes[tick].receptions:
             try:
-                table.receive(decode(reception.packet.payload.tobytes()))
+                report = decode(reception.packet.payload.tobytes())
             except ReportError:
                 continue  # as the agent does: not a report, not used
+            if is_plausible(report, index + 1, len(vehicle_ids), tick * period_s):
+                table.receive(report)
         if tick in recorded:
             _compare_tick(recorded[tick].neighbours, table.estimates(tick * period_s), result)
 

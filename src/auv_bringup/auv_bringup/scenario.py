@@ -211,6 +211,10 @@ class Scenario:
     def _check_leaders(self) -> None:
         ids = [vehicle.id for vehicle in self.vehicles]
         for index, leader in enumerate(self.leaders):
+            if leader in self.leaders[:index]:
+                raise ValueError(
+                    f"leaders[{index}]: {shown(leader)} is not allowed; allowed: an id that is no leader yet"
+                )
             if leader not in ids:
                 raise ValueError(
                     f"leaders[{index}]: {shown(leader)} is not allowed; allowed: {', '.join(ids)}"

@@ -22,7 +22,14 @@ from rclpy.duration import Duration
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    QoSCompatibility,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_check_compatible,
+)
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
@@ -166,8 +173,13 @@ class Rendezvous:
         return set(audience.nodes) - set(self._subscribers(audience))
 
     def _subscribers(self, audience: Audience) -> list[str]:
-        infos = self._node.get_subscriptions_info_by_topic(audience.publisher.topic_name)
-        return [f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos]
+        """Return the readers that can match at all: one that asks for what is not offered never does."""
+        offered = audience.publisher.qos_profile
+        return [
+            f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+            for info in self._node.get_subscriptions_info_by_topic(audience.publisher.topic_name)
+            if qos_check_compatible(offered, info.qos_profile)[0] != QoSCompatibility.ERROR
+        ]
 
 
 def _hand_over(nodes: Sequence[Node]) -> None:

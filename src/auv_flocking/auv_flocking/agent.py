@@ -17,7 +17,7 @@ from auv_core.messages import Command, Inbox, Packet, VehicleState
 from auv_core.params import Section, param
 from auv_core.plugins import find_plugin
 from auv_flocking.flocking import PathPoint, View
-from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable
+from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable, is_plausible
 from auv_flocking.report import Report, ReportError, decode, encode
 
 REFERENCES = "auv_control.references"
@@ -25,8 +25,6 @@ CONTROLLERS = "auv_control.controllers"
 FLOCKING = "auv_flocking.flocking"
 SEPARATION = "auv_flocking.separation"
 CONSENSUS = "auv_flocking.consensus"
-
-_CLOCK_SLACK_S = 1.0
 
 Obstacles = tuple[tuple[Vec3, float], ...]
 
@@ -107,6 +105,11 @@ class Agent:
         return bool(self._controller.command == "velocity")
 
     @property
+    def outdated(self) -> int:
+        """Number of packets that came after a newer one of the same sender."""
+        return self._table.outdated
+
+    @property
     def path_period_s(self) -> float | None:
         """Time of one round of the path (s), or None."""
         period_s: float | None = self._path.period_s
@@ -169,17 +172,10 @@ class Agent:
             except ReportError:
                 self.rejected += 1
                 continue
-            if self._is_plausible(report, t_s):
+            if is_plausible(report, self._config.address, self._config.fleet_size, t_s):
                 self._table.receive(report)
             else:
                 self.rejected += 1
-
-    def _is_plausible(self, report: Report, t_s: float) -> bool:
-        """
-        Tell whether a report comes from another vehicle of the fleet, and from this run and not its future.
-        """
-        other = report.address != self._config.address and report.address <= self._config.fleet_size
-        return other and 0.0 <= report.time_s <= t_s + _CLOCK_SLACK_S
 
     def _packet(self, tick: int, t_s: float, nav: VehicleState) -> Packet:
         self._sequence += 1

@@ -26,6 +26,8 @@ from auv_flocking.report import Report
 
 Matrix = NDArray[np.float64]
 
+_CLOCK_SLACK_S = 1.0
+
 
 def _on_every_axis(block: list[list[float]]) -> Matrix:
     """Return the (6, 6) matrix that does on every axis what the (2, 2) block does to position and rate."""
@@ -145,6 +147,12 @@ class _Track:
 
 def _measurement(report: Report) -> Matrix:
     return np.array((*report.position, *report.velocity))
+
+
+def is_plausible(report: Report, own_address: int, fleet_size: int, t_s: float) -> bool:
+    """Tell whether a report comes from another vehicle of the fleet, and from this run and not its future."""
+    other = report.address != own_address and report.address <= fleet_size
+    return other and 0.0 <= report.time_s <= t_s + _CLOCK_SLACK_S
 
 
 class NeighbourTable:

@@ -168,6 +168,7 @@ class AgentNode(Node):
             markers.append(
                 lines(f"{name} path", 0, t_s, self._path_points(), (0.3, 0.9, 0.3, 1.0), joined=True)
             )
+        if self._config.address == 1:
             for number, (obstacle, safety_distance_m) in enumerate(self._config.obstacles):
                 colour = (0.9, 0.3, 0.2, 0.25)
                 markers.append(sphere("obstacles", number, t_s, obstacle, 2.0 * safety_distance_m, colour))
@@ -187,6 +188,7 @@ class AgentNode(Node):
                 KeyValue(key="neighbours", value=str(len(agent.neighbours))),
                 KeyValue(key="oldest_packet_s", value=f"{oldest_s:.3f}"),
                 KeyValue(key="packets_rejected", value=str(agent.rejected)),
+                KeyValue(key="packets_outdated", value=str(agent.outdated)),
             ],
         )
         return DiagnosticArray(header=convert.header(t_s, ""), status=[status])

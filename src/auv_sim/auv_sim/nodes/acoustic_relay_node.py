@@ -186,10 +186,12 @@ class AcousticRelayNode(Node):
     def _transmit(self, packets: dict[int, list[Packet]]) -> None:
         if len(self._states) < len(self._ids):
             return
-        try:
-            self._medium.transmit(packets, self._positions())
-        except ValueError as error:
-            self.get_logger().error(f"{error}: not sent")
+        positions = self._positions()
+        for source in sorted(packets):
+            try:
+                self._medium.transmit({source: packets[source]}, positions)
+            except ValueError as error:
+                self.get_logger().error(f"{error}: not sent")
 
     def _positions(self) -> list[Vec3]:
         return [self._states[index].position for index in range(len(self._ids))]
@@ -199,6 +201,10 @@ class AcousticRelayNode(Node):
             return self._meeting.missing()
         if self._ticks.lockstep:
             return [self._node_name(role, index) for role, index in self._barrier.owed()]
+        if self._barrier.tick < 0:
+            return [
+                self._node_name("vehicle_node", i) for i in range(len(self._ids)) if i not in self._states
+            ]
         return [self._node_name(role, index) for role, index in self._silent()]
 
     def _node_name(self, role: str, index: int) -> str:

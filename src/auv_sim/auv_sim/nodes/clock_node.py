@@ -169,7 +169,7 @@ class ClockNode(Node):
             return ["/recorder_node"]
         if (self._ticks.lockstep or not self._started) and now_s - self._moved_at_s < self._limit_s:
             return []
-        return self._silent()
+        return self._silent() or ([] if self._started else ["/acoustic_relay_node"])
 
     def _silent(self) -> list[str]:
         return self._awaited() if self.has_room else ["/recorder_node"]

@@ -1,0 +1,57 @@
+"""What the README shows works as it stands there."""
+
+import re
+import sys
+import types
+from pathlib import Path
+
+import pytest
+
+import auv_flocking.separation
+from auv_bringup.experiment import run_in_process
+from auv_bringup.scenario import list_scenarios, load_scenario
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def block(language):
+    (text,) = re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+    return text
+
+
+def test_the_scenario_of_the_readme_flies(tmp_path):
+    path = tmp_path / "pair.yaml"
+    path.write_text(block("yaml"), encoding="utf-8")
+    recording = run_in_process(load_scenario(str(path), duration_s=5.0))
+    assert recording.vehicle_ids == ("auv_1", "auv_2")
+    assert len(recording.sent) > 0
+
+
+def test_the_law_of_the_readme_flies_as_one_new_file(tmp_path, monkeypatch):
+    (tmp_path / "gentle.py").write_text(block("python"), encoding="utf-8")
+    folder = auv_flocking.separation
+    monkeypatch.setattr(folder, "__path__", [*folder.__path__, str(tmp_path)])
+    monkeypatch.delitem(sys.modules, "auv_flocking.separation.gentle", raising=False)
+    usual = run_in_process(load_scenario("flock_acoustic", duration_s=40.0))
+    overrides = ["agent.separation.kind=gentle", "agent.separation.params.strength_mps=0.4"]
+    gentle = run_in_process(load_scenario("flock_acoustic", duration_s=40.0, overrides=overrides))
+    assert isinstance(sys.modules.pop("auv_flocking.separation.gentle"), types.ModuleType)
+    assert (usual.position_ned_m[-1] != gentle.position_ned_m[-1]).any()
+
+
+@pytest.mark.parametrize("name", [name for name, _ in list_scenarios()])
+def test_every_scenario_stands_in_the_readme(name):
+    assert f"`{name}`" in README
+
+
+@pytest.mark.parametrize("target", re.findall(r"\]\((?!http)([^)#]+)\)", README))
+def test_links_lead_somewhere(target):
+    assert (ROOT / target).exists()
+
+
+@pytest.mark.parametrize("option", sorted(set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", README))))
+def test_options_named_in_the_readme_exist(option):
+    sources = [*(ROOT / "scripts").iterdir(), *(ROOT / "src/auv_bringup/auv_bringup").glob("*.py")]
+    ours = any(f'"{option}"' in path.read_text(encoding="utf-8") for path in sources if path.is_file())
+    assert ours or option in {"--help", "--ros-args", "--params-file"}
