@@ -133,6 +133,51 @@ def test_set_up_again_does_nothing_and_is_quick():
     assert spent_s < 5.0
 
 
+def run_venv_on_path(checkout: Path, command: str, ros: Path | None = None) -> int:
+    """Run a function of scripts/venv_on_path.bash in `checkout`, with the ROS in `ros` sourced."""
+    script = f'set -eu; source "$1"/places.bash; source "$1"/venv_on_path.bash; {command}'
+    environment = {"PATH": os.environ["PATH"], **({"AMENT_PREFIX_PATH": str(ros)} if ros else {})}
+    return subprocess.run(
+        ["/bin/bash", "-c", script, "bash", str(checkout / "scripts")],
+        env=environment,
+        timeout=60.0,
+        check=False,
+    ).returncode
+
+
+@pytest.mark.ros  # reads what colcon made
+@pytest.mark.parametrize("name", ["setup.bash", "local_setup.bash"])
+def test_beside_a_sourced_jazzy_the_install_folder_brings_the_venv(checkout, tmp_path, name):
+    ros = tmp_path / "jazzy"
+    (ros / "lib/python3.99/site-packages/rclpy").mkdir(parents=True)
+    install = checkout / "install"
+    install.mkdir()
+    for made in ("setup.bash", "local_setup.bash", "_local_setup_util_sh.py"):
+        shutil.copy(ROOT / "install" / made, install)
+    assert run_venv_on_path(checkout, "has_venv_on_path", ros) == 1
+    for _ in range(2):
+        assert run_venv_on_path(checkout, "put_venv_on_path; has_venv_on_path", ros) == 0
+
+    # Sourced twice, after another workspace: it is there once, and behind what was there.
+    sourced = subprocess.run(
+        ["/bin/bash", "-c", 'source "$1"; source "$1"; echo "$PYTHONPATH"', "bash", str(install / name)],
+        env={"PATH": os.environ["PATH"], "PYTHONPATH": "/other"},
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+        check=True,
+    )
+    entries = sourced.stdout.strip().split(":")
+    site_packages = str(checkout / ".venv-jazzy/lib/python3.99/site-packages")
+    assert entries.count(site_packages) == 1
+    assert entries.index("/other") < entries.index(site_packages)
+    assert sourced.stderr == ""
+
+
+def test_ros_from_pypi_needs_no_venv_on_the_path(checkout):
+    assert run_venv_on_path(checkout, "has_venv_on_path") == 0
+
+
 @pytest.mark.slow
 def test_without_a_network_set_up_says_so_and_the_next_one_starts_again(checkout):
     nowhere = "http://127.0.0.1:9"
