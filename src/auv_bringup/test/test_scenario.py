@@ -67,8 +67,8 @@ REFUSED_VALUES = [
     ("duration_s=soon", ".duration_s: 'soon' is not allowed; allowed: a finite number above 0"),
     ("vehicles=4", ".vehicles: 4 is not allowed; allowed: a list"),
     ("seed=1.5", ".seed: 1.5 is not allowed; allowed: a whole number"),
-    ("seed=-1", ".seed: -1 is not allowed; allowed: a finite number at least 0 and at most 2.14748e+09"),
-    ("schema=2", ".schema: 2 is not allowed; allowed: a finite number at least 1 and at most 1"),
+    ("seed=-1", ".seed: -1 is not allowed; allowed: a whole number at least 0 and at most 2147483647"),
+    ("schema=2", ".schema: 2 is not allowed; allowed: a whole number at least 1 and at most 1"),
     (
         "acoustics.outage.params.loss_prob=2",
         ".acoustics.outage.params.loss_prob: 2.0 is not allowed; allowed",
@@ -78,6 +78,7 @@ REFUSED_VALUES = [
     ("vehicles.1.id=auv_1", ".vehicles[1].id: 'auv_1' is not allowed; allowed: an id that no other vehicle"),
     ("vehicles.1.id=AUV-2", ".vehicles[1].id: 'AUV-2' is not allowed; allowed: a lower-case letter"),
     ("leaders=[auv_9]", ".leaders[0]: 'auv_9' is not allowed; allowed: auv_1, auv_2, auv_3, auv_4"),
+    ("leaders=[auv_1, auv_1]", ".leaders[1]: 'auv_1' is not allowed; allowed: an id that is no leader yet"),
     ("dt_s=0.03", ".period_s: 0.1 is not allowed; allowed: a whole multiple of dt_s = 0.03"),
     ("dt_s=1e-300", ".dt_s: 1e-300 is not allowed; allowed: a finite number at least 1e-05"),
     ("duration_s=0.25", ".duration_s: 0.25 is not allowed; allowed: a whole multiple of period_s = 0.1"),

@@ -32,6 +32,7 @@ from rclpy.qos import (
 )
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from auv_core.params import ConfigError
 from auv_core.run_config import TickClock
@@ -174,12 +175,22 @@ class Rendezvous:
 
     def _subscribers(self, audience: Audience) -> list[str]:
         """Return the readers that can match at all: one that asks for what is not offered never does."""
-        offered = audience.publisher.qos_profile
-        return [
-            f"{info.node_namespace.rstrip('/')}/{info.node_name}"
-            for info in self._node.get_subscriptions_info_by_topic(audience.publisher.topic_name)
-            if qos_check_compatible(offered, info.qos_profile)[0] != QoSCompatibility.ERROR
+        topic = audience.publisher.topic_name
+        own_name = self._node.get_fully_qualified_name()
+        # What the graph says of ourselves, since it has the middleware's defaults filled in.
+        offers = [
+            i.qos_profile for i in self._node.get_publishers_info_by_topic(topic) if _name(i) == own_name
         ]
+        return [
+            _name(info)
+            for info in self._node.get_subscriptions_info_by_topic(topic)
+            if all(qos_check_compatible(o, info.qos_profile)[0] != QoSCompatibility.ERROR for o in offers)
+        ]
+
+
+def _name(info: TopicEndpointInfo) -> str:
+    """Return the full name of the node behind an endpoint."""
+    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
 
 
 def _hand_over(nodes: Sequence[Node]) -> None:

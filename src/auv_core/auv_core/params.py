@@ -131,26 +131,29 @@ def dump(value: object) -> Any:
     return value
 
 
-def check_number(value: float, path: str, bounds: Mapping[str, Any]) -> None:
-    """Raise `ConfigError` when `value` is not finite or lies outside the bounds of a `param`."""
+def check_number(value: float, path: str, bounds: Mapping[str, Any], *, is_whole: bool = False) -> None:
+    """Raise `ConfigError` when `value` is not finite or lies outside the bounds of a (whole) `param`."""
     low, high, above = bounds.get("minimum"), bounds.get("maximum"), bounds.get("above")
     inside = (
         (low is None or value >= low) and (high is None or value <= high) and (above is None or value > above)
     )
     if not math.isfinite(value) or not inside:
-        raise ConfigError(f"{path}: {value!r} is not allowed; allowed: {allowed_range(bounds)}")
+        raise ConfigError(
+            f"{path}: {value!r} is not allowed; allowed: {allowed_range(bounds, is_whole=is_whole)}"
+        )
 
 
-def allowed_range(bounds: Mapping[str, Any]) -> str:
-    """Return the bounds of a `param` in words."""
-    parts = []
-    if bounds.get("minimum") is not None:
-        parts.append(f"at least {bounds['minimum']:g}")
-    if bounds.get("above") is not None:
-        parts.append(f"above {bounds['above']:g}")
-    if bounds.get("maximum") is not None:
-        parts.append(f"at most {bounds['maximum']:g}")
-    return "a finite number" + (" " + " and ".join(parts) if parts else "")
+def allowed_range(bounds: Mapping[str, Any], *, is_whole: bool = False) -> str:
+    """Return the bounds of a `param` in words; those of a whole number to the last digit."""
+    words = {"minimum": "at least", "above": "above", "maximum": "at most"}
+    parts = [
+        f"{word} {bounds[key] if is_whole else format(bounds[key], 'g')}"
+        for key, word in words.items()
+        if bounds.get(key) is not None
+    ]
+    return ("a whole number" if is_whole else "a finite number") + (
+        " " + " and ".join(parts) if parts else ""
+    )
 
 
 def _keys(cls: Any) -> str:
@@ -224,10 +227,11 @@ def _scalar(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> A
             return raw
         raise ConfigError(f"{path}: {shown(raw)} is not allowed; allowed: true or false")
     if hint is int:
-        if isinstance(raw, int) and not isinstance(raw, bool):
-            check_number(raw if abs(raw) < 2**63 else math.inf, path, metadata)
+        if isinstance(raw, int) and not isinstance(raw, bool) and abs(raw) < 2**63:
+            check_number(raw, path, metadata, is_whole=True)
             return raw
-        raise ConfigError(f"{path}: {shown(raw)} is not allowed; allowed: a whole number")
+        allowed = allowed_range(metadata, is_whole=True)
+        raise ConfigError(f"{path}: {shown(raw)} is not allowed; allowed: {allowed}")
     if hint is float:
         if isinstance(raw, int | float) and not isinstance(raw, bool):
             value = math.inf if abs(raw) >= 1e300 else float(raw)
