@@ -15,10 +15,11 @@ import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 from auv_bringup import results
 from auv_bringup.domains import DomainClaim, DomainError, claim_domain
+from auv_bringup.one_line_parser import OneLineParser
 from auv_bringup.plan import DEFAULT_SCENARIO, MODES, ROS_MODES, Plan, make_plan, start_results
 
 if TYPE_CHECKING:
@@ -74,6 +75,8 @@ exit status:
   3    a vehicle or node was lost, and the flight was stopped
   4    two hulls touched; the flight was completed
   130  Ctrl-C
+  A touch of hulls is found in the recording. With --no-bag a run with nodes has none:
+  the touch is not noticed, and the status is not 4.
 
 examples:
   ./scripts/run                                  the main job: 650 s, four vehicles
@@ -84,13 +87,6 @@ examples:
   ./scripts/run my_scenario.yaml --mode inprocess --out /tmp/results
   ./scripts/run --report results/flock_acoustic-1-lockstep
 """
-
-
-class _OneLineParser(argparse.ArgumentParser):
-    """A parser whose complaints are one line."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(BAD_INPUT, f"error: {message} (./scripts/run --help says more)\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -114,7 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _OneLineParser(
+    parser = OneLineParser(
         prog="./scripts/run",
         description=_HELP,
         epilog=_EPILOG,

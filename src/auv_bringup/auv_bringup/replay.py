@@ -16,6 +16,7 @@ from tqdm import tqdm
 
 from auv_bringup.bag import Bag, RecordedMessage
 from auv_bringup.bag_writer import BagError
+from auv_bringup.one_line_parser import OneLineParser, refusal
 from auv_bringup.recorded_topics import CLOCK_TOPIC
 from auv_bringup.ros_types import is_latched, message_class, offer_like_recorded, prepare_environment
 from auv_core.params import ConfigError
@@ -51,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Read the command line."""
-    parser = argparse.ArgumentParser(
+    parser = OneLineParser(
         prog="./scripts/replay",
         description="Publish a recorded bag again, with the recorded types, QoS and timing.",
         epilog="A recorded /clock is published as it was, unless --clock makes a new one.",
@@ -95,18 +96,26 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
 
 def _positive(text: str) -> float:
     """Return a finite number above zero."""
-    value = float(text)
+    value = _number(text)
     if not (math.isfinite(value) and value > 0.0):
-        raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
+        raise refusal(text, "a finite number above 0")
     return value
 
 
 def _offset(text: str) -> float:
     """Return a finite number that is not negative."""
-    value = float(text)
+    value = _number(text)
     if not (math.isfinite(value) and value >= 0.0):
-        raise argparse.ArgumentTypeError(f"{text} is not a number from 0")
+        raise refusal(text, "a finite number of at least 0")
     return value
+
+
+def _number(text: str) -> float:
+    """Return a number, NaN where the text is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
 
 
 def _re_estimate(bag: Bag) -> int:

@@ -16,6 +16,7 @@ import numpy as np
 import yaml
 
 from auv_bringup.bag_writer import BagError
+from auv_bringup.one_line_parser import OneLineParser, refusal
 from auv_bringup.ros_types import message_class, prepare_environment
 
 if TYPE_CHECKING:
@@ -50,9 +51,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Read the command line."""
-    parser = argparse.ArgumentParser(
-        prog="./scripts/topic", description="Look at the topics of $ROS_DOMAIN_ID."
-    )
+    parser = OneLineParser(prog="./scripts/topic", description="Look at the topics of $ROS_DOMAIN_ID.")
     parser.add_argument(
         "--discovery", choices=("localhost", "subnet"), default="localhost", help="where to look"
     )
@@ -83,17 +82,25 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
 
 def _positive(text: str) -> float:
     """Return a number above zero, at most an hour."""
-    value = float(text)
+    allowed = "a number of seconds above 0 and at most 3600"
+    try:
+        value = float(text)
+    except ValueError:
+        raise refusal(text, allowed) from None
     if not 0.0 < value <= 3600.0:
-        raise argparse.ArgumentTypeError(f"{text} is not a number of seconds above 0")
+        raise refusal(text, allowed)
     return value
 
 
 def _count(text: str) -> int:
     """Return a whole number from 1."""
-    value = int(text)
+    allowed = "a whole number of at least 1"
+    try:
+        value = int(text)
+    except ValueError:
+        raise refusal(text, allowed) from None
     if value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 1")
+        raise refusal(text, allowed)
     return value
 
 

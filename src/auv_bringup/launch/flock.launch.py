@@ -5,6 +5,7 @@ Fly a scenario with `ros2 launch`: the nodes of `./scripts/run`, started the ROS
     ros2 launch auv_bringup flock.launch.py scenario:=flock_acoustic seed:=7 mode:=realtime
     ros2 launch auv_bringup flock.launch.py set:='acoustics.outage.params.loss_prob=0.5; duration_s=60'
 
+It takes a ROS domain as `./scripts/run` does: $ROS_DOMAIN_ID, or the next that no other run holds.
 It makes the same results folder, with the scenario and the bag, and ends by itself when the flight is over.
 Metrics, figures and report are then made by `ros2 run auv_bringup run --report FOLDER`.
 """
@@ -30,7 +31,8 @@ from launch_ros.actions import Node
 
 from auv_bringup import results
 from auv_bringup.compose import NodeSpec, node_specs
-from auv_bringup.node_start import node_environment, write_params_file
+from auv_bringup.domains import DomainClaim, claim_domain
+from auv_bringup.node_start import export_line, node_environment, write_params_file
 from auv_bringup.plan import DEFAULT_SCENARIO, ROS_MODES, make_plan, start_results
 from auv_core.params import ConfigError
 
@@ -80,6 +82,8 @@ def start_flight(context: LaunchContext) -> list[Action]:
         seed=seed_of(given["seed"]),
         overrides=[part.strip() for part in given["set"].split(";") if part.strip()],
     )
+    # Never released: the nodes need it until launch ends, and the kernel drops it with this process.
+    claim = claim_domain(os.environ)
     folder = start_results(plan, Path(given["out"])).resolve()
     params_dir = folder / results.LOGS / "params"
     params_dir.mkdir()
@@ -99,7 +103,8 @@ def start_flight(context: LaunchContext) -> list[Action]:
     )
     return [
         LogInfo(msg=f"{plan.scenario.name}: {plan.scenario.title}; results go to {folder}"),
-        *environment_actions(given["discovery"]),
+        *domain_notes(claim, given["discovery"]),
+        *environment_actions(claim.domain_id, given["discovery"]),
         RegisterEventHandler(OnProcessExit(on_exit=ending.process_ended)),
         *nodes,
     ]
@@ -114,9 +119,19 @@ def seed_of(text: str) -> int | None:
     return int(text)
 
 
-def environment_actions(discovery: str) -> list[Action]:
+def domain_notes(claim: DomainClaim, discovery: str) -> list[Action]:
+    """Return the actions that say in which domain the nodes are, and how to look in."""
+    notes = [LogInfo(msg=f"to look in from another shell:  {export_line(claim.domain_id, discovery)}")]
+    if claim.is_moved:
+        moved = (
+            f"ROS domain {claim.asked_id} is in use by another run; this one takes domain {claim.domain_id}"
+        )
+        notes.insert(0, LogInfo(msg=moved))
+    return notes
+
+
+def environment_actions(domain_id: int, discovery: str) -> list[Action]:
     """Return the actions that give the nodes the environment that `./scripts/run` gives them."""
-    domain_id = int(os.environ.get("ROS_DOMAIN_ID", "").strip() or "0")
     wanted = node_environment(os.environ, domain_id=domain_id, discovery=discovery)
     unwanted = sorted(set(os.environ) - set(wanted))
     changed = sorted(name for name in wanted if os.environ.get(name) != wanted[name])

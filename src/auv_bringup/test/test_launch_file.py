@@ -1,13 +1,17 @@
 """The launch file, with small stand-ins for `launch` and `launch_ros`, which no package index has."""
 
+import gc
 import importlib.util
 import json
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
 import pytest
 import yaml
+
+from auv_bringup.domains import DomainError, claim_domain
 
 LAUNCH_FILE = Path(__file__).parents[1] / "launch" / "flock.launch.py"
 
@@ -82,7 +86,23 @@ def arguments_of(description):
 
 
 @pytest.fixture
-def start(launch_file, tmp_path):
+def claims(launch_file, tmp_path, monkeypatch):
+    """The domains that the launch file has claimed, with locks of this test; given back after it."""
+    found = []
+
+    with ExitStack() as stack:
+
+        def claim(environ):
+            found.append(stack.enter_context(claim_domain(environ, tmp_path / "locks")))
+            return found[-1]
+
+        monkeypatch.setattr(launch_file, "claim_domain", claim)
+        monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+        yield found
+
+
+@pytest.fixture
+def start(launch_file, claims, tmp_path):
     """Start a flight with some arguments given; return the actions."""
     declared, function = arguments_of(launch_file.generate_launch_description())
     defaults = {name: options["default_value"] for name, options in declared.items()}
@@ -163,6 +183,51 @@ def test_the_nodes_stay_on_this_machine_unless_told_otherwise(start, monkeypatch
         action.arguments for action in of_kind(actions, "SetEnvironmentVariable")
     ]
     assert not of_kind(actions, "UnsetEnvironmentVariable")
+
+
+def domain_of(actions):
+    """Return the domain that the nodes get, and what the launch file says."""
+    (domain,) = {
+        value
+        for name, value in (action.arguments for action in of_kind(actions, "SetEnvironmentVariable"))
+        if name == "ROS_DOMAIN_ID"
+    } or {None}  # not set: as in the environment
+    return domain, [action.options["msg"] for action in of_kind(actions, "LogInfo")]
+
+
+def test_the_nodes_get_the_domain_asked_for(start, monkeypatch):
+    domain, said = domain_of(start())
+    assert domain is None
+    assert said[-1].endswith("export ROS_DOMAIN_ID=7 ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST")
+    assert not any("in use" in line for line in said)
+    monkeypatch.delenv("ROS_DOMAIN_ID")
+    assert domain_of(start())[0] == "0"
+
+
+def test_a_domain_that_another_run_holds_is_left_to_it(start, tmp_path):
+    with claim_domain({"ROS_DOMAIN_ID": "7"}, tmp_path / "locks"):
+        domain, said = domain_of(start(discovery="subnet"))
+    assert domain == "8"
+    assert said[-2] == "ROS domain 7 is in use by another run; this one takes domain 8"
+    assert said[-1].endswith("export ROS_DOMAIN_ID=8 ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET")
+
+
+def test_the_domain_stays_claimed_when_all_is_started(start, claims, tmp_path):
+    start()
+    assert [claim.domain_id for claim in claims] == [7]
+    claims.clear()
+    gc.collect()
+    with claim_domain({"ROS_DOMAIN_ID": "7"}, tmp_path / "locks") as other:
+        assert other.domain_id == 8
+
+
+@pytest.mark.parametrize("text", ["abc", "-1", "150"])
+def test_a_domain_that_is_none_starts_nothing_and_leaves_no_folder(start, tmp_path, monkeypatch, text):
+    monkeypatch.setenv("ROS_DOMAIN_ID", text)
+    with pytest.raises(DomainError, match=r"ROS_DOMAIN_ID: .* is not allowed; allowed: ") as refusal:
+        start()
+    assert len(str(refusal.value).splitlines()) == 1
+    assert not (tmp_path / "results").exists()
 
 
 def flight(actions):

@@ -22,6 +22,7 @@ class Wheel:
 @dataclass(frozen=True)
 class Cart:
     seats: int = param("number of seats", minimum=1, maximum=9)
+    number: int = param("number plate", default=0, minimum=0, maximum=2**31 - 1)
     load_ratio: float = param("how full it is", default=0.5, minimum=0.0, maximum=1.0)
     gear: str = param("gear", default="slow", choices=("slow", "fast"))
     name: str = param("what people call it", default="")
@@ -38,7 +39,7 @@ class Cart:
 
 NOT_CARTS = [
     ({}, "cart.seats: missing; it is number of seats"),
-    ({"sets": 2}, "cart: unknown key 'sets'; allowed: [seats, load_ratio"),
+    ({"sets": 2}, "cart: unknown key 'sets'; allowed: [seats, number, load_ratio"),
     ({7: 2}, "cart: unknown key 7;"),
     ({10**6000: 2}, "cart: unknown key"),
     ([1], "cart: [1] is not allowed; allowed: a mapping with the keys [seats"),
@@ -49,13 +50,14 @@ WORD, WHOLE, FINITE = "allowed: a word", "allowed: a whole number", "allowed: a 
 A_MODEL, A_MAPPING = "allowed: kinematic, six_dof", "allowed: a mapping"
 
 REFUSED = [
-    ("seats", 2.0, ": 2.0", WHOLE),
+    ("seats", 2.0, ": 2.0", f"{WHOLE} at least 1 and at most 9"),
     ("seats", True, ": True", WHOLE),
     ("seats", "2", ": '2'", WHOLE),
-    ("seats", 0, ": 0", f"{FINITE} at least 1 and at most 9"),
-    ("seats", 10, ": 10", f"{FINITE} at least 1 and at most 9"),
-    ("seats", 10**30, "", FINITE),
-    ("seats", 10**6000, "", FINITE),
+    ("seats", 0, ": 0", f"{WHOLE} at least 1 and at most 9"),
+    ("seats", 10, ": 10", f"{WHOLE} at least 1 and at most 9"),
+    ("number", -1, ": -1", f"{WHOLE} at least 0 and at most 2147483647"),
+    ("seats", 10**30, ": 1000", f"{WHOLE} at least 1 and at most 9"),
+    ("seats", 10**6000, ": a number too long to print", f"{WHOLE} at least 1 and at most 9"),
     ("name", 10**6000, ": a number too long to print", WORD),
     ("load_ratio", 1.5, ": 1.5", f"{FINITE} at least 0 and at most 1"),
     ("load_ratio", -1e-9, ": -1e-09", FINITE),

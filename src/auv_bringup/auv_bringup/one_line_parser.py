@@ -1,0 +1,24 @@
+"""What the commands share to refuse their arguments in one line."""
+
+from __future__ import annotations
+
+import argparse
+from typing import NoReturn
+
+from auv_core.params import shown
+
+BAD_ARGUMENTS = 2
+"""Exit status of a command whose arguments are not allowed."""
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """A parser whose complaints are one line; so are those of its subcommands."""
+
+    def error(self, message: str) -> NoReturn:
+        """End the program with a complaint."""
+        self.exit(BAD_ARGUMENTS, f"error: {' '.join(message.split())} ({self.prog} --help says more)\n")
+
+
+def refusal(text: str, allowed: str) -> argparse.ArgumentTypeError:
+    """Return what an argument's type function raises: the value that was given, and what is allowed."""
+    return argparse.ArgumentTypeError(f"{shown(text)} is not allowed; allowed: {allowed}")
