@@ -15,6 +15,7 @@ import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 from auv_bringup import results
@@ -383,10 +384,24 @@ class _TracebackPlace:
             return Path(stream.name)
 
 
+class _Interrupted(KeyboardInterrupt):
+    """
+    A signal asked for the end.
+
+    Of its own class, since CPython remembers a plain KeyboardInterrupt that hits an exec() of text, as
+    dataclasses do while a module is imported, and then ends by SIGINT although it was caught.
+    """
+
+
 def _make_signals_interrupt() -> None:
     """Let SIGINT, SIGTERM and SIGHUP raise KeyboardInterrupt, even in a shell's background."""
+
+    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
+        del number, frame
+        raise _Interrupted
+
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.default_int_handler)
+        signal.signal(number, interrupt)
 
 
 def _fail(status: int, line: str) -> int:
