@@ -87,7 +87,7 @@ def test_commands_survive_the_way_through_their_messages():
     from geometry_msgs.msg import TwistStamped, WrenchStamped
 
     from auv_core import conversions as convert
-    from auv_core.messages import VelocityCommand, Wrench
+    from auv_core.messages import VelocityCommand, Wrench, command_numbers
     from auv_core.stencil import read_stamp_s
 
     @settings(deadline=None)
@@ -99,7 +99,7 @@ def test_commands_survive_the_way_through_their_messages():
         ):
             velocity = kind is TwistStamped
             stencil = convert.command_stencil("auv_2", takes_velocity=velocity)
-            data = stencil.filled(t_s, *convert.command_numbers(command))
+            data = stencil.filled(t_s, *command_numbers(command))
             assert_stamped(read(data, kind).header, t_s, frame)
             assert read_stamp_s(data) == pytest.approx(t_s, abs=1e-6)
             assert convert.command_from_bytes(data, takes_velocity=velocity) == command

@@ -10,8 +10,7 @@ from auv_bringup.compose import agent_configs, vehicle_configs
 from auv_bringup.continuous import run_continuous
 from auv_bringup.recording import Recording
 from auv_bringup.scenario import Scenario
-from auv_core.geometry import Vec3
-from auv_core.messages import Command, Inbox, Packet, VehicleState, Wrench
+from auv_core.messages import Command, Inbox, Packet, VehicleState, command_numbers
 from auv_flocking.agent import Agent
 from auv_sim.acoustics.medium import AcousticMedium
 from auv_sim.vehicle import Vehicle
@@ -83,7 +82,7 @@ class _Log:
     ) -> None:
         self.states(tick, states)
         r = self._recording
-        r.command[tick] = [_command_values(command) for command in commands]
+        r.command[tick] = [command_numbers(command) for command in commands]
         r.reference_velocity_ned_mps[tick] = [agent.reference.velocity for agent in agents]
         r.centre_ned_m[tick] = [agent.centre for agent in agents]
         r.centre_velocity_ned_mps[tick] = [agent.centre_rate for agent in agents]
@@ -107,10 +106,3 @@ class _Log:
         r.received = np.array(self._received, dtype=np.int64).reshape(-1, 4)
         r.delay_s = np.array(self._delays_s)
         return r
-
-
-def _command_values(command: Command) -> tuple[float, ...]:
-    if isinstance(command, Wrench):
-        return command.tau
-    velocity: Vec3 = command.velocity
-    return (*velocity, 0.0, 0.0, command.yaw_rate_radps)

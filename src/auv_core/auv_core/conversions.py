@@ -16,7 +16,7 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from auv_core.geometry import Quat, Vec3
-from auv_core.messages import Command, Inbox, Packet, Reception, Vec6, VehicleState, VelocityCommand, Wrench
+from auv_core.messages import Command, Inbox, Packet, Reception, VehicleState, VelocityCommand, Wrench
 from auv_core.stencil import Stencil, read_numbers
 from auv_msgs.msg import (
     AcousticInbox,
@@ -122,13 +122,6 @@ def command_stencil(vehicle_id: str, *, takes_velocity: bool) -> Stencil:
 def velocity_stencil() -> Stencil:
     """Return a velocity (m/s; NED) and a yaw rate as geometry_msgs/TwistStamped."""
     return Stencil(TwistStamped(header=header(0.0, WORLD_FRAME)), "6d")
-
-
-def command_numbers(command: Command) -> Vec6:
-    """Return [X, Y, Z, K, M, N] (N, N m; body), or [NED velocity, 0, 0, yaw rate] (m/s, rad/s)."""
-    if isinstance(command, Wrench):
-        return command.tau
-    return (*command.velocity, 0.0, 0.0, command.yaw_rate_radps)
 
 
 def command_from_bytes(data: bytes, *, takes_velocity: bool) -> Command:

@@ -42,6 +42,13 @@ class VelocityCommand:
 Command = Wrench | VelocityCommand
 
 
+def command_numbers(command: Command) -> Vec6:
+    """Return [X, Y, Z, K, M, N] (N, N m; body), or [NED velocity, 0, 0, yaw rate] (m/s, rad/s)."""
+    if isinstance(command, Wrench):
+        return command.tau
+    return (*command.velocity, 0.0, 0.0, command.yaw_rate_radps)
+
+
 @dataclass(frozen=True, slots=True)
 class Packet:
     """What an agent hands to its modem. `destination` 0 means everybody; addresses count from 1."""

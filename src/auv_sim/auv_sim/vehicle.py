@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
-from auv_core.messages import Command, VehicleState, VelocityCommand
+from auv_core.messages import Command, VehicleState, command_numbers
 from auv_core.params import Section, param
 from auv_core.plugins import find_plugin
 
@@ -83,11 +83,7 @@ class Vehicle:
         """
         Return the state one control period later; without a command the actuators rest and the hull drifts.
         """
-        values = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        if isinstance(command, VelocityCommand):
-            values = (*command.velocity, 0.0, 0.0, command.yaw_rate_radps)
-        elif command is not None:
-            values = command.tau
+        values = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if command is None else command_numbers(command)
         given = self._model.limited_command(values)
         for _ in range(self._substeps):
             self._state = self._model.step(self._state, given, self._current, self._dt_s)

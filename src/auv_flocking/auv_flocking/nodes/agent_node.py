@@ -17,7 +17,7 @@ from visualization_msgs.msg import MarkerArray
 from auv_core import conversions as convert
 from auv_core.geometry import Vec3
 from auv_core.markers import MARKER_TICKS, lines, sphere
-from auv_core.messages import Inbox, Reception
+from auv_core.messages import Inbox, Reception, command_numbers
 from auv_core.messages import VehicleState as State
 from auv_core.node_main import (
     EVERY_TICK,
@@ -139,7 +139,7 @@ class AgentNode(Node):
     def _step(self, tick: int, nav: State, inbox: Inbox) -> None:
         command, packets = self._agent.step(self._ticks.scenario_s(tick), nav, inbox)
         t_s = self._ticks.stamp_s(tick)
-        self._command_pub.publish(self._command_stencil.filled(t_s, *convert.command_numbers(command)))
+        self._command_pub.publish(self._command_stencil.filled(t_s, *command_numbers(command)))
         self._outbox_pub.publish(convert.outbox_to_msg(tick, packets, t_s, self._config.vehicle_id))
         self._publish_beliefs(tick, t_s)
         if tick % MARKER_TICKS == 0:
