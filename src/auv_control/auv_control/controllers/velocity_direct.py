@@ -22,6 +22,7 @@ class Controller:
     """The velocity as it is, and a yaw rate towards the heading."""
 
     command = "velocity"
+    follows = "velocity"
 
     def __init__(self, params: Params, period_s: float) -> None:
         del period_s

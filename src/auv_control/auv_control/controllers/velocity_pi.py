@@ -37,6 +37,7 @@ class Controller:
     """PI on velocity, PD on attitude; the heading is held and roll and pitch are brought to zero."""
 
     command = "wrench"
+    follows = "velocity"
 
     def __init__(self, params: Params, period_s: float) -> None:
         self._params = params

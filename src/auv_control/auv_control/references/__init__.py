@@ -1,7 +1,30 @@
 """
-References: the path in space and time that a leader follows.
+References: the path in space and time that a vehicle follows.
 
-To add one, write one file with ``Params`` and ``Reference(params)`` with ``heading_rad``, ``period_s`` (time
-of one round, or None), ``position(t_s)`` (m; NED) and ``velocity(t_s)`` (m/s; NED), its exact derivative.
-The file's name is its ``kind``.
+To add one, write one file with ``Params`` and ``Reference(params)`` with ``period_s`` (time of one round, or
+None) and ``at(t_s) -> PathPoint``, whose rates are the exact derivatives of its values.  The file's name is
+its ``kind``.
 """
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from auv_core.geometry import Vec3
+
+
+@dataclass(frozen=True, slots=True)
+class PathPoint:
+    """
+    The reference at one instant.
+
+    Position (m), velocity (m/s) and acceleration (m/s^2) in NED; heading (rad, from north towards east) with
+    its rate (rad/s) and acceleration (rad/s^2).
+    """
+
+    position: Vec3
+    velocity: Vec3
+    acceleration: Vec3 = (0.0, 0.0, 0.0)
+    heading_rad: float = 0.0
+    heading_rate_radps: float = 0.0
+    heading_acceleration_radps2: float = 0.0

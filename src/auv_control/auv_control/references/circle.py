@@ -1,11 +1,11 @@
-"""Horizontal circle about the origin at a constant depth and heading, thesis Eqs. (5.44) and (6.47)."""
+"""Horizontal circle about the origin at a constant depth, thesis Eqs. (2.48), (3.37)-(3.38), (5.44) and (6.47)."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from auv_core.geometry import Vec3
+from auv_control.references import PathPoint
 from auv_core.params import param
 
 
@@ -19,6 +19,9 @@ class Params:
     )
     depth_m: float = param("depth of the circle (m; NED z)", default=10.0, minimum=0.0, maximum=1e5)
     heading_rad: float = param("heading to hold (rad, from north towards east)", default=math.pi / 3.0)
+    heading: str = param(
+        "hold heading_rad, or point along the path", default="fixed", choices=("fixed", "tangent")
+    )
 
 
 class Reference:
@@ -26,18 +29,24 @@ class Reference:
 
     def __init__(self, params: Params) -> None:
         self._params = params
-        self.heading_rad = params.heading_rad
         self.period_s = 2.0 * math.pi / abs(params.rate_radps) if params.rate_radps else None
 
-    def position(self, t_s: float) -> Vec3:
-        """Return the point of the path at `t_s` (m; NED)."""
+    def at(self, t_s: float) -> PathPoint:
+        """Return the point of the path at `t_s`."""
         p = self._params
         angle = p.rate_radps * t_s
-        return (p.radius_m * math.sin(angle), p.radius_m * math.cos(angle), p.depth_m)
-
-    def velocity(self, t_s: float) -> Vec3:
-        """Return the velocity of that point (m/s; NED)."""
-        p = self._params
-        angle = p.rate_radps * t_s
+        sine, cosine = math.sin(angle), math.cos(angle)
         speed_mps = p.radius_m * p.rate_radps
-        return (speed_mps * math.cos(angle), -speed_mps * math.sin(angle), 0.0)
+        pull_mps2 = speed_mps * p.rate_radps
+        along = p.heading == "tangent"
+        return PathPoint(
+            position=(p.radius_m * sine, p.radius_m * cosine, p.depth_m),
+            velocity=(speed_mps * cosine, -speed_mps * sine, 0.0),
+            acceleration=(-pull_mps2 * sine, -pull_mps2 * cosine, 0.0),
+            heading_rad=math.remainder(_course(p, angle), 2.0 * math.pi) if along else p.heading_rad,
+            heading_rate_radps=-p.rate_radps if along else 0.0,
+        )
+
+
+def _course(params: Params, angle: float) -> float:
+    return -angle if params.rate_radps >= 0.0 else math.pi - angle

@@ -31,6 +31,11 @@ class Model:
     def __init__(self, params: Params) -> None:
         self.params = params
 
+    @property
+    def top_speed_mps(self) -> float:
+        """Infinite: a single integrator has no actuators."""
+        return math.inf
+
     def initial_state(self, position: Vec3, heading_rad: float) -> State:
         """Return the state at rest."""
         return (*position, *quaternion_from_heading(heading_rad), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

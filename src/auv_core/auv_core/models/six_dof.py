@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from auv_core.drag import steady_speed_mps
 from auv_core.geometry import Quat, Vec3, quaternion_from_heading
 from auv_core.integrate import State, rk4_step
 from auv_core.messages import Vec6
@@ -185,6 +186,22 @@ class Model:
         self.params = params
         self._constants = constants(params)
 
+    @property
+    def top_speed_mps(self) -> float:
+        """Speed that the weakest of the three forces can hold against the drag (m/s)."""
+        p = self.params
+        return min(
+            steady_speed_mps(linear, quadratic, force_n)
+            for linear, quadratic, force_n in zip(
+                p.linear_damping[:3], p.quadratic_damping[:3], p.max_wrench[:3], strict=True
+            )
+        )
+
+    def kinetic_energy(self, nu: Vec6) -> float:
+        """Return nu^T M nu / 2 (J)."""
+        (lx, ly, lz), (hx, hy, hz) = momentum((nu[0], nu[1], nu[2]), (nu[3], nu[4], nu[5]), self._constants)
+        return 0.5 * (nu[0] * lx + nu[1] * ly + nu[2] * lz + nu[3] * hx + nu[4] * hy + nu[5] * hz)
+
     def initial_state(self, position: Vec3, heading_rad: float) -> State:
         """Return the state of a level vehicle at rest."""
         attitude: Quat = quaternion_from_heading(heading_rad)
@@ -203,6 +220,14 @@ class Model:
         """
         c = self._constants
         after = rk4_step(lambda _t_s, x: derivative(x, command, current, c), 0.0, state, dt_s)
-        norm = math.sqrt(after[3] ** 2 + after[4] ** 2 + after[5] ** 2 + after[6] ** 2)
-        attitude = tuple([value / norm for value in after[3:7]])
-        return (*after[:3], *attitude, *after[7:])
+        return self.normalised(after)
+
+    def derivative(self, state: State, tau: Vec6, current: Vec3) -> State:
+        """Return the rate of change of `state`; see the function of the same name."""
+        return derivative(state, tau, current, self._constants)
+
+    def normalised(self, state: State) -> State:
+        """Return the state with an attitude quaternion of length 1."""
+        norm = math.sqrt(state[3] ** 2 + state[4] ** 2 + state[5] ** 2 + state[6] ** 2)
+        attitude = tuple([value / norm for value in state[3:7]])
+        return (*state[:3], *attitude, *state[7:])

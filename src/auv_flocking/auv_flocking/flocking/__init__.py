@@ -18,15 +18,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
-
-
-@dataclass(frozen=True, slots=True)
-class PathPoint:
-    """The reference at one instant: position (m; NED) and velocity (m/s; NED)."""
-
-    position: Vec3
-    velocity: Vec3
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,9 +28,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from auv_control.references import PathPoint
 from auv_core.geometry import Vec3, limited
 from auv_core.params import param
-from auv_flocking.flocking import PathPoint, View
+from auv_flocking.flocking import View
 
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
 

@@ -1,0 +1,153 @@
+"""
+Level vehicle in surge, sway, heave and yaw, neutral and without roll and pitch (thesis Eqs. (2.10), (3.5), (3.13)).
+
+    m11 u' =  m22 v r - d(u) u + X         m33 w' = -d(w) w + Z
+    m22 v' = -m11 u r - d(v) v + Y         m44 r' = (m11 - m22) u v - d(r) r + N
+
+with d(a) = d_L + d_Q |a|, all relative to the water.  Chapter 2 is the same without heave.
+
+Two parameters select how the thesis itself simulated it, against what it prints:
+
+* ``frame: flat`` takes J = I, so that eta' = nu: u, v, w are then the NED rates of the position, whatever the
+  heading; ``body`` is eta' = J(psi) nu.
+* ``drag: thesis`` is d(a) = d_L + d_Q a, (2.10) as printed.  Below a = -d_L / d_Q it drives the vehicle on
+  instead of braking it, and a run may end without a finite solution; ``abs`` is the drag of a real hull.
+
+Deviation: thesis (2.10) counts the drag among the Coriolis terms; here C only turns momentum and does no
+work, and D only takes energy (both are tested; for `abs` and `body`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from auv_core.drag import steady_speed_mps
+from auv_core.geometry import Vec3, quaternion_from_heading
+from auv_core.integrate import State, rk4_step
+from auv_core.messages import Vec6
+from auv_core.params import param
+
+Vec4 = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Params:
+    """Numbers of a vehicle. Four-vectors are in the order surge, sway, heave, yaw."""
+
+    inertia: Vec4 = param("mass (kg) and moment of inertia (kg m^2) with what the water adds", above=0.0)
+    linear_damping: Vec4 = param("linear damping d_L (N s/m, N m s/rad)", minimum=0.0)
+    quadratic_damping: Vec4 = param("quadratic damping d_Q (N s^2/m^2, N m s^2/rad^2)", minimum=0.0)
+    coriolis: bool = param("whether surge, sway and yaw are coupled by C(nu)", default=True)
+    frame: str = param(
+        "nu in the body frame, or in NED as the thesis simulated", default="body", choices=("body", "flat")
+    )
+    drag: str = param("|a| a, or a^2 as the thesis prints it", default="abs", choices=("abs", "thesis"))
+    max_force_n: float | None = param("actuator limit per axis (N); left out: none", default=None, above=0.0)
+    max_moment_nm: float | None = param(
+        "limit of the yaw moment (N m); left out: none", default=None, above=0.0
+    )
+    hull_radius_m: float = param("radius of the sphere around the hull (m)", default=0.3, above=0.0)
+
+
+class Model:
+    """A vehicle that takes a wrench, of which it feels X, Y, Z and N; integrated by RK4."""
+
+    command = "wrench"
+
+    def __init__(self, params: Params) -> None:
+        self.params = params
+        self._is_flat = params.frame == "flat"
+        self._is_printed_drag = params.drag == "thesis"
+        self._max_force_n = math.inf if params.max_force_n is None else params.max_force_n
+        self._max_moment_nm = math.inf if params.max_moment_nm is None else params.max_moment_nm
+
+    @property
+    def top_speed_mps(self) -> float:
+        """Speed that the weakest of the three forces can hold against the drag (m/s), infinite without limits."""
+        p = self.params
+        return min(
+            steady_speed_mps(linear, quadratic, self._max_force_n)
+            for linear, quadratic in zip(p.linear_damping[:3], p.quadratic_damping[:3], strict=True)
+        )
+
+    def initial_state(self, position: Vec3, heading_rad: float) -> State:
+        """Return the state at rest."""
+        return (*position, *quaternion_from_heading(heading_rad), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def limited_command(self, tau: Vec6) -> Vec6:
+        """Return what the actuators give for the wrench asked: clipped axis by axis, no roll and pitch moment."""
+        f, m = self._max_force_n, self._max_moment_nm
+        return (_clipped(tau[0], f), _clipped(tau[1], f), _clipped(tau[2], f), 0.0, 0.0, _clipped(tau[5], m))
+
+    def kinetic_energy(self, nu: Vec6) -> float:
+        """Return nu^T M nu / 2 (J)."""
+        a, b, c, d = self.params.inertia
+        return 0.5 * (a * nu[0] ** 2 + b * nu[1] ** 2 + c * nu[2] ** 2 + d * nu[5] ** 2)
+
+    def derivative(self, state: State, tau: Vec6, current: Vec3) -> State:
+        """
+        Return the rate of change of the 13 floats of a state.
+
+        Parameters
+        ----------
+        state : (13,) tuple
+            NED position (m), quaternion body to NED (w, x, y, z; level), nu (m/s, rad/s).
+        tau : (6,) tuple
+            Wrench of the actuators (N, N m; body, or NED where the frame is flat).
+        current : (3,) tuple
+            Velocity of the water (m/s; NED).
+
+        """
+        qw, qz = state[3], state[6]
+        u, v, w, r = state[7], state[8], state[9], state[12]
+        cosine, sine = (1.0, 0.0) if self._is_flat else (qw * qw - qz * qz, 2.0 * qw * qz)
+        cu, cv = cosine * current[0] + sine * current[1], cosine * current[1] - sine * current[0]
+        turning = 0.0 if self._is_flat else r
+        x, y, z, n = self._accelerations((u - cu, v - cv, w - current[2], r), tau)
+        return (
+            cosine * u - sine * v,
+            sine * u + cosine * v,
+            w,
+            -0.5 * qz * r,
+            0.0,
+            0.0,
+            0.5 * qw * r,
+            x + turning * cv,
+            y - turning * cu,
+            z,
+            0.0,
+            0.0,
+            n,
+        )
+
+    def _accelerations(self, water: Vec4, tau: Vec6) -> Vec4:
+        """Return the rates of nu relative to the water, turning frame included."""
+        p = self.params
+        m11, m22, m33, m44 = p.inertia
+        u, v, w, r = water
+        dx, dy, dz, dn = (
+            (linear + quadratic * (a if self._is_printed_drag else abs(a))) * a
+            for linear, quadratic, a in zip(p.linear_damping, p.quadratic_damping, water, strict=True)
+        )
+        turn = 1.0 if p.coriolis else 0.0
+        return (
+            (tau[0] + turn * m22 * v * r - dx) / m11,
+            (tau[1] - turn * m11 * u * r - dy) / m22,
+            (tau[2] - dz) / m33,
+            (tau[5] + turn * (m11 - m22) * u * v - dn) / m44,
+        )
+
+    def normalised(self, state: State) -> State:
+        """Return the state with an attitude quaternion of length 1."""
+        norm = math.hypot(state[3], state[6])
+        return (*state[:3], state[3] / norm, 0.0, 0.0, state[6] / norm, *state[7:])
+
+    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float) -> State:
+        """Return the state `dt_s` later, the wrench `command` held."""
+        after = rk4_step(lambda _t_s, x: self.derivative(x, command, current), 0.0, state, dt_s)
+        return self.normalised(after)
+
+
+def _clipped(value: float, limit: float) -> float:
+    return max(-limit, min(limit, value))
