@@ -4,10 +4,15 @@ Rigid body in six degrees of freedom, relative to the water: Fossen's marine cra
     M nu_r_dot + C(nu_r) nu_r + D(nu_r) nu_r + g(eta) = tau,      eta_dot = J(eta) nu,     nu_r = nu - J^-1
     nu_c
 
-(Fossen 2021, Handbook of Marine Craft Hydrodynamics and Motion Control, ch. 6-8) for hulls with three planes
-of symmetry, the origin at the hull's centre (= centre of buoyancy) and the centre of gravity z_G below it.
-Added mass and damping are diagonal, z_G couples surge with pitch and sway with roll.  Attitude is a unit
-quaternion, so that there is no singular pitch angle.
+(Fossen 2021, Handbook of Marine Craft Hydrodynamics and Motion Control, ch. 6-8) for hulls with three
+planes of symmetry, the origin at the hull's centre (= centre of buoyancy) and the centre of gravity z_G
+below it. Added mass and damping are diagonal, z_G couples surge with pitch and sway with roll.  Attitude is
+a unit quaternion, so that there is no singular pitch angle; the matrix of Euler rates, thesis Eqs.
+(2.6)-(2.7), which is singular at a pitch of 90 degrees, is nowhere used.
+
+``cog_couples: false`` leaves z_G out of M and C, but not out of g: the vehicle of thesis Eqs. (4.2) and
+(4.14), whose Table 4.1 has a mass and no coupling.  Deviation: it is a hull whose weight acts where its
+mass does not.
 
 Roll and pitch are states like any other, held by the righting moment z_G W and by whatever the controller
 adds: at the accelerations of a flock (a few cm/s^2) they stay within a degree, but a hull that is pushed
@@ -40,11 +45,16 @@ class Params:
     quadratic_damping: Vec6 = param("quadratic damping (N s^2/m^2, N m s^2/rad^2), positive", minimum=0.0)
     weight_n: float = param("weight (N)", above=0.0)
     buoyancy_n: float = param("buoyancy (N)", above=0.0)
-    max_wrench: Vec6 = param("actuator limit per axis (N, N m; body)", above=0.0)
     hull_radius_m: float = param("radius of the sphere around the hull (m)", above=0.0)
+    max_wrench: Vec6 | None = param(
+        "actuator limit per axis (N, N m; body); left out: none", default=None, above=0.0
+    )
+    cog_couples: bool = param(
+        "whether z_G couples surge with pitch and sway with roll in M; in g it always counts", default=True
+    )
 
     def __post_init__(self) -> None:
-        s = self.mass_kg * self.cog_z_m
+        s = _static_moment_kgm(self)
         for linear, angular, name in ((0, 1, "surge-pitch"), (1, 0, "sway-roll")):
             mass = self.mass_kg + self.added_mass[linear]
             inertia = self.inertia_kgm2[angular] + self.added_mass[3 + angular]
@@ -56,6 +66,11 @@ class Params:
 
 
 Constants = tuple[float, ...]
+
+
+def _static_moment_kgm(params: Params) -> float:
+    """Return m z_G as it stands in M and C."""
+    return params.mass_kg * params.cog_z_m if params.cog_couples else 0.0
 
 
 def constants(params: Params) -> Constants:
@@ -70,7 +85,7 @@ def constants(params: Params) -> Constants:
     return (
         *masses,
         *inertias,
-        params.mass_kg * params.cog_z_m,
+        _static_moment_kgm(params),
         *params.linear_damping,
         *params.quadratic_damping,
         params.weight_n - params.buoyancy_n,
@@ -188,12 +203,13 @@ class Model:
 
     @property
     def top_speed_mps(self) -> float:
-        """Speed that the weakest of the three forces can hold against the drag (m/s)."""
+        """Speed that the weakest of the three forces can hold against the drag (m/s); without limits inf."""
         p = self.params
+        limits = (math.inf,) * 3 if p.max_wrench is None else p.max_wrench[:3]
         return min(
             steady_speed_mps(linear, quadratic, force_n)
             for linear, quadratic, force_n in zip(
-                p.linear_damping[:3], p.quadratic_damping[:3], p.max_wrench[:3], strict=True
+                p.linear_damping[:3], p.quadratic_damping[:3], limits, strict=True
             )
         )
 
@@ -208,7 +224,9 @@ class Model:
         return (*position, *attitude, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     def limited_command(self, tau: Vec6) -> Vec6:
-        """Return the wrench that the actuators give for the wrench asked: clipped axis by axis."""
+        """Return the wrench that the actuators give for the wrench asked: clipped axis by axis, if at all."""
+        if self.params.max_wrench is None:
+            return tau
         a, b, c, d, e, f = (
             max(-limit, min(limit, value)) for value, limit in zip(tau, self.params.max_wrench, strict=True)
         )
