@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from auv_bringup.bag import Bag
 from auv_bringup.bag_writer import BagError
-from auv_bringup.recording import Recording
+from auv_bringup.recording import Recording, law_states
 
 if TYPE_CHECKING:
     from auv_bringup.scenario import Scenario
@@ -100,6 +100,8 @@ class _RunReader:
         self._command = [_Series(6) for _ in range(n)]
         self._reference = [_Series(3) for _ in range(n)]
         self._centre = [_Series(6) for _ in range(n)]
+        self._law_state: dict[tuple[int, int], list[float]] = {}
+        self._holding: set[tuple[int, int]] = set()
         self._neighbours = [_Series(n * _NEIGHBOUR_WIDTH) for _ in range(n)]
         self._sent: list[tuple[int, int, int]] = []
         self._received: list[tuple[int, int, int, int, float]] = []
@@ -130,6 +132,7 @@ class _RunReader:
         for i, name in enumerate(self._ids):
             self._add_truth(recording, i)
             self._add_decisions(recording, i, lost=name in self._lost)
+        self._add_laws(recording)
         self._add_packets(recording)
         return recording
 
@@ -155,6 +158,14 @@ class _RunReader:
         recording.neighbour_age_s[:, i] = neighbours[..., 42]
         if lost:
             recording.lost_at_s[i] = (max(self._command[i].values, default=-1) + 1) * self._period_s
+
+    def _add_laws(self, recording: Recording) -> None:
+        """Fill in what the laws remembered and when agents held the safe command."""
+        k, n = recording.n_ticks, recording.n_vehicles
+        recording.law_state = law_states(self._law_state, k, n)
+        for tick, i in self._holding:
+            if tick < k:
+                recording.holding[tick, i] = True
 
     def _add_packets(self, recording: Recording) -> None:
         """Fill in the packets of the ticks that are kept: by tick and vehicle, then as they came."""
@@ -184,6 +195,7 @@ class _RunReader:
                 "cmd_vel": self._take_velocity_command,
                 "reference": self._take_reference,
                 "flocking_centre": self._take_centre,
+                "control_status": self._take_control_status,
                 "neighbours": self._take_neighbours,
                 "acoustic/tx": self._take_sent,
                 "acoustic/rx": self._take_received,
@@ -214,6 +226,12 @@ class _RunReader:
 
     def _take_centre(self, i: int, centre: Any) -> None:
         self._centre[i].values[centre.tick] = np.array(_xyz(centre.position) + _xyz(centre.velocity))
+
+    def _take_control_status(self, i: int, status: Any) -> None:
+        if len(status.law_state):
+            self._law_state[status.tick, i] = list(status.law_state)
+        if status.holding:
+            self._holding.add((status.tick, i))
 
     def _take_neighbours(self, i: int, message: Any) -> None:
         table = np.full((len(self._ids), _NEIGHBOUR_WIDTH), np.nan)

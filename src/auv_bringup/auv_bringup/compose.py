@@ -49,8 +49,11 @@ def vehicle_configs(scenario: Scenario) -> list[VehicleConfig]:
             current_ned_mps=scenario.environment.current_ned_mps,
             dt_s=scenario.dt_s,
             period_s=scenario.period_s,
+            address=index + 1,
+            seed=scenario.seed,
+            navigation=scenario.environment.navigation,
         )
-        for vehicle in scenario.vehicles
+        for index, vehicle in enumerate(scenario.vehicles)
     ]
 
 
@@ -68,7 +71,7 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
             hold_s=settings.hold_s,
             obstacles_ned_m=tuple(x for obstacle in obstacles for x in obstacle.position_ned_m),
             obstacle_safety_distances_m=tuple(obstacle.safety_distance_m for obstacle in obstacles),
-            reference=scenario.reference,
+            reference=scenario.reference if vehicle.reference is None else vehicle.reference,
             flocking=settings.flocking,
             separation=settings.separation,
             consensus=settings.consensus,

@@ -8,7 +8,7 @@ import numpy as np
 
 from auv_bringup.compose import agent_configs, vehicle_configs
 from auv_bringup.continuous import run_continuous
-from auv_bringup.recording import Recording
+from auv_bringup.recording import Recording, law_states
 from auv_bringup.scenario import Scenario
 from auv_core.messages import Command, Inbox, Packet, VehicleState, command_numbers
 from auv_flocking.agent import Agent
@@ -37,18 +37,20 @@ def run_in_process(scenario: Scenario, *, on_progress: Progress | None = None) -
     medium = AcousticMedium(scenario.medium_config)
     log = _Log(scenario)
     states = [vehicle.state for vehicle in vehicles]
+    navs = [vehicle.nav for vehicle in vehicles]
     for tick in range(scenario.ticks):
         positions = [state.position for state in states]
         inboxes = medium.exchange(tick, positions)
         commands: list[Command] = []
         handed_over: dict[int, Sequence[Packet]] = {}
         for index, agent in enumerate(agents):
-            command, packets = agent.step(tick * scenario.period_s, states[index], inboxes[index])
+            command, packets = agent.step(tick * scenario.period_s, navs[index], inboxes[index])
             commands.append(command)
             handed_over[index + 1] = packets
         medium.transmit(handed_over, positions)
         log.tick(tick, states, agents, commands, inboxes, handed_over)
         states = [vehicle.step(command) for vehicle, command in zip(vehicles, commands, strict=True)]
+        navs = [vehicle.nav for vehicle in vehicles]
         if on_progress is not None and tick % 100 == 99:
             on_progress((tick + 1) * scenario.period_s)
     log.states(scenario.ticks, states)
@@ -64,6 +66,7 @@ class _Log:
         self._sent: list[tuple[int, int, int]] = []
         self._received: list[tuple[int, int, int, int]] = []
         self._delays_s: list[float] = []
+        self._law_states: dict[tuple[int, int], Sequence[float]] = {}
 
     def states(self, tick: int, states: Sequence[VehicleState]) -> None:
         r = self._recording
@@ -84,9 +87,13 @@ class _Log:
         r = self._recording
         r.command[tick] = [command_numbers(command) for command in commands]
         r.reference_velocity_ned_mps[tick] = [agent.reference.velocity for agent in agents]
-        r.centre_ned_m[tick] = [agent.centre for agent in agents]
-        r.centre_velocity_ned_mps[tick] = [agent.centre_rate for agent in agents]
+        r.holding[tick] = [bool(agent.holding) for agent in agents]
         for index, agent in enumerate(agents):
+            if agent.flocks:
+                r.centre_ned_m[tick, index] = agent.centre
+                r.centre_velocity_ned_mps[tick, index] = agent.centre_rate
+            if agent.law_state:
+                self._law_states[tick, index] = agent.law_state
             for estimate in agent.neighbours:
                 other = estimate.address - 1
                 r.neighbour_position_ned_m[tick, index, other] = estimate.position
@@ -102,6 +109,7 @@ class _Log:
 
     def finished(self) -> Recording:
         r = self._recording
+        r.law_state = law_states(self._law_states, r.n_ticks, r.n_vehicles)
         r.sent = np.array(self._sent, dtype=np.int64).reshape(-1, 3)
         r.received = np.array(self._received, dtype=np.int64).reshape(-1, 4)
         r.delay_s = np.array(self._delays_s)

@@ -480,7 +480,8 @@ def _approach_window_s(t_s: FloatArray, distances_m: FloatArray) -> float:
 
 def _plot_spacing(panels: tuple[Any, Any], scenario: Scenario) -> None:
     """Draw the distance below which the law pushes vehicles apart, where the law has one."""
-    spacing_m = getattr(scenario.agent.flocking.params, "spacing_m", None)
+    law = scenario.agent.flocking
+    spacing_m = None if law is None else getattr(law.params, "spacing_m", None)
     if spacing_m is None:
         return
     for axes in panels:

@@ -36,6 +36,7 @@ _VEHICLE_TOPICS = (
     TopicSpec("acoustic/rx", "auv_msgs/msg/AcousticInbox"),
     TopicSpec("reference", "geometry_msgs/msg/TwistStamped"),
     TopicSpec("flocking_centre", "auv_msgs/msg/FlockingCentre"),
+    TopicSpec("control_status", "auv_msgs/msg/ControlStatus"),
     TopicSpec("neighbours", "auv_msgs/msg/NeighbourEstimates"),
     TopicSpec("path", "nav_msgs/msg/Path", latched=True),
 )

@@ -11,7 +11,7 @@ not exist: the estimate of a neighbour that was never heard, the command of a ve
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 _VERSION_KEY = "format_version"
 
 
@@ -48,12 +48,16 @@ class Recording:
     velocity_body : (K + 1, N, 6) array
         True nu = [u, v, w, p, q, r] (m/s, rad/s; body FRD).
     command : (K, N, 6) array
-        Wrench (N, N m; body FRD); for a kinematic vehicle velocity (m/s, NED) in the
+        Wrench (N, N m; body FRD) asked of the actuators; for a kinematic vehicle velocity (m/s, NED) in the
         first three components and yaw rate (rad/s) in the last.
     reference_velocity_ned_mps : (K, N, 3) array
-        Velocity that the flocking law asks for (m/s, NED).
+        Velocity that the flocking law asks for, or that of the vehicle's own path (m/s, NED).
     centre_ned_m, centre_velocity_ned_mps : (K, N, 3) arrays
         Each vehicle's own estimate of the flocking centre (m and m/s, NED).
+    law_state : (K, N, S) array
+        What each vehicle's law remembers (parameter estimates and the like; see the law), S of the longest.
+    holding : (K, N) array of bool
+        Whether the agent gave the safe command instead of the law's.
     neighbour_position_ned_m, neighbour_velocity_ned_mps : (K, N, N, 3) arrays
         Estimate [k, i, j] that vehicle i holds of vehicle j (m and m/s, NED).
     neighbour_covariance : (K, N, N, 6, 6) array
@@ -80,6 +84,8 @@ class Recording:
     reference_velocity_ned_mps: FloatArray
     centre_ned_m: FloatArray
     centre_velocity_ned_mps: FloatArray
+    law_state: FloatArray
+    holding: NDArray[np.bool_]
     neighbour_position_ned_m: FloatArray
     neighbour_velocity_ned_mps: FloatArray
     neighbour_covariance: FloatArray
@@ -122,7 +128,7 @@ class Recording:
         """
         arrays: dict[str, Any] = {}
         for name, shape in _shapes(len(t_s), len(vehicle_ids)).items():
-            fill_value = 0 if _dtype(name) is np.int64 else np.nan
+            fill_value = np.nan if _dtype(name) is np.float64 else 0
             arrays[name] = np.full([size or 0 for size in shape], fill_value, dtype=_dtype(name))
         arrays["t_s"] = np.array(t_s, dtype=np.float64)
         return cls(vehicle_ids=tuple(vehicle_ids), **arrays)
@@ -169,6 +175,22 @@ class Recording:
         return cls(**values)
 
 
+def law_states(
+    states: Mapping[tuple[int, int], Sequence[float]], n_ticks: int, n_vehicles: int
+) -> FloatArray:
+    """
+    Return `Recording.law_state` from what the laws remembered, by tick and vehicle index.
+
+    Rows are NaN where nothing is given, and filled up with NaN to the length of the longest.
+    """
+    size = max((len(state) for state in states.values()), default=0)
+    table = np.full((n_ticks, n_vehicles, size), np.nan)
+    for (tick, index), state in states.items():
+        if tick < n_ticks:
+            table[tick, index, : len(state)] = state
+    return table
+
+
 def _shapes(n_states: int, n: int) -> dict[str, tuple[int | None, ...]]:
     """Return the expected shape of every array; None where any number of rows will do."""
     k = n_states - 1
@@ -181,6 +203,8 @@ def _shapes(n_states: int, n: int) -> dict[str, tuple[int | None, ...]]:
         "reference_velocity_ned_mps": (k, n, 3),
         "centre_ned_m": (k, n, 3),
         "centre_velocity_ned_mps": (k, n, 3),
+        "law_state": (k, n, None),
+        "holding": (k, n),
         "neighbour_position_ned_m": (k, n, n, 3),
         "neighbour_velocity_ned_mps": (k, n, n, 3),
         "neighbour_covariance": (k, n, n, 6, 6),
@@ -192,7 +216,9 @@ def _shapes(n_states: int, n: int) -> dict[str, tuple[int | None, ...]]:
     }
 
 
-def _dtype(name: str) -> type[np.int64] | type[np.float64]:
+def _dtype(name: str) -> type[np.int64] | type[np.float64] | type[np.bool_]:
+    if name == "holding":
+        return np.bool_
     return np.int64 if name in ("sent", "received") else np.float64
 
 

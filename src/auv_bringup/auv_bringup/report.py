@@ -179,11 +179,11 @@ def _flown(scenario: Scenario, metrics: dict[str, Any]) -> str:
     """Say in two sentences what was flown."""
     n = len(scenario.vehicles)
     who = "all leaders" if len(scenario.leaders) == n else f"leaders: {', '.join(scenario.leaders) or 'none'}"
+    if scenario.agent.flocking is None:
+        who = f"each by itself with the law {scenario.agent.controller.kind}"
+    path = "" if scenario.reference is None else f", their path a {scenario.reference.kind}"
     flown_s = metrics.get("duration_s", scenario.duration_s)
-    first = (
-        f"{n} vehicle{'s' if n != 1 else ''} ({who}) flew {flown_s:g} s, "
-        f"their path a {scenario.reference.kind}{_water(scenario)}."
-    )
+    first = f"{n} vehicle{'s' if n != 1 else ''} ({who}) flew {flown_s:g} s{path}{_water(scenario)}."
     if scenario.sampling == "continuous":
         laws = "the laws were evaluated in every integration stage"
     else:

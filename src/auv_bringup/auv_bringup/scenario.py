@@ -11,19 +11,29 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_bringup.scenario_file import ID, SCENARIOS_DIR, find_file, override, read_raw, to_yaml, with_presets
+from auv_bringup.scenario_checks import check_scenario
+from auv_bringup.scenario_file import (
+    ID,
+    ID_WORDS,
+    SCENARIOS_DIR,
+    find_file,
+    override,
+    read_raw,
+    to_yaml,
+    with_presets,
+)
 from auv_core.geometry import Vec3, distance
 from auv_core.params import ConfigError, Section, dump, load, param, shown
 from auv_core.plugins import find_plugin
 from auv_flocking.agent import CONSENSUS, CONTROLLERS, FLOCKING, REFERENCES, SEPARATION
 from auv_flocking.neighbours import NeighbourConfig
-from auv_flocking.report import REPORT_BYTES
-from auv_sim.acoustics.medium import MAC, MODEM, OUTAGE, PROPAGATION, AcousticMedium, MediumConfig
-from auv_sim.vehicle import MODELS, substeps
+from auv_sim.acoustics.medium import MAC, MODEM, OUTAGE, PROPAGATION, MediumConfig
+from auv_sim.vehicle import EXACT, MODELS, NAVIGATION, substeps
 
 MAX_M = 1e5
 _STARTS_STREAM = 2
@@ -48,6 +58,7 @@ class Environment:
         "velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0), minimum=-5.0, maximum=5.0
     )
     obstacles: tuple[Obstacle, ...] = param("points to keep away from, known to every vehicle", default=())
+    navigation: Section = param("how well vehicles know their own motion", default=EXACT, plugins=NAVIGATION)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,6 +76,22 @@ class VehicleEntry:
     heading_rad: float = param(
         "start heading (rad, from north towards east)", default=0.0, minimum=-7.0, maximum=7.0
     )
+    reference: Section | None = param(
+        "path of this vehicle alone; left out, it is the scenario's", default=None, plugins=REFERENCES
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """One component of the first vehicle's path error at one instant, a metric of its own."""
+
+    axis: str = param("NED axis", choices=("x", "y", "z"))
+    time_s: float = param("scenario time, to a tenth of a second (s)", minimum=0.0, maximum=1e6)
+
+    @property
+    def key(self) -> str:
+        """Name of the metric, such as ``x_err_5p4_m``."""
+        return f"{self.axis}_err_{self.time_s:.1f}_m".replace(".", "p")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,12 +117,17 @@ class Acoustics:
 
 @dataclass(frozen=True, kw_only=True)
 class AgentSettings:
-    """What every vehicle's computer runs."""
+    """
+    What every vehicle's computer runs: a controller that follows a velocity under a flocking law with
+    separation and consensus, or a controller that follows a path or a region by itself.
+    """
 
-    flocking: Section = param("flocking law", plugins=FLOCKING)
-    separation: Section = param("separation law", plugins=SEPARATION)
-    consensus: Section = param("consensus filter of the flocking centre", plugins=CONSENSUS)
-    controller: Section = param("from velocity to command", plugins=CONTROLLERS)
+    controller: Section = param("from velocity, path or region to command", plugins=CONTROLLERS)
+    flocking: Section | None = param("flocking law", default=None, plugins=FLOCKING)
+    separation: Section | None = param("separation law", default=None, plugins=SEPARATION)
+    consensus: Section | None = param(
+        "consensus filter of the flocking centre", default=None, plugins=CONSENSUS
+    )
     neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
     hold_s: float = param(
         "hold station at most so long until every neighbour was heard (s)", default=0.0, minimum=0.0
@@ -115,10 +147,11 @@ class Scenario:
     vehicles: tuple[VehicleEntry, ...] = param(
         "the vehicles; their order gives the acoustic addresses 1, 2, ..."
     )
-    leaders: tuple[str, ...] = param("ids of the vehicles that know the path")
-    reference: Section = param("path of the flock", plugins=REFERENCES)
     agent: AgentSettings = param("what every vehicle's computer runs")
     acoustics: Acoustics = param("the medium between the vehicles")
+    leaders: tuple[str, ...] = param("ids of the vehicles of a flock that know the path", default=())
+    reference: Section | None = param("path to follow", default=None, plugins=REFERENCES)
+    readings: tuple[Reading, ...] = param("path errors to report at instants", default=())
     environment: Environment = param("the water and its obstacles", default=Environment())
     random_starts: RandomStarts | None = param("starts for vehicles without one", default=None)
     seed: int = param("seed of every random number", default=1, minimum=0, maximum=2**31 - 1)
@@ -136,7 +169,7 @@ class Scenario:
     def __post_init__(self) -> None:
         """Check what no single value shows; messages begin with the field."""
         if not ID.match(self.name):
-            raise ValueError(f"name: {shown(self.name)} is not allowed; allowed: {_ID_WORDS}")
+            raise ValueError(f"name: {shown(self.name)} is not allowed; allowed: {ID_WORDS}")
         if not self.title.isprintable():
             raise ValueError(f"title: {shown(self.title)} is not allowed; allowed: one line of text")
         substeps(self.period_s, self.dt_s)
@@ -146,12 +179,7 @@ class Scenario:
                 f"duration_s: {self.duration_s!r} is not allowed; allowed: a whole "
                 f"multiple of period_s = {self.period_s!r}"
             )
-        self._check_vehicles()
-        self._check_leaders()
-        self._check_commands()
-        self._check_starts()
-        self._check_continuous()
-        self._check_medium()
+        check_scenario(self)
 
     @property
     def ticks(self) -> int:
@@ -186,111 +214,21 @@ class Scenario:
             outage=a.outage,
         )
 
-    def reference_position(self, t_s: float) -> Vec3:
-        """Return the point of the path at `t_s` (m; NED)."""
-        path = find_plugin(REFERENCES, self.reference.kind).Reference(self.reference.params)
-        position: Vec3 = path.position(t_s)
-        return position
+    def reference_of(self, index: int | None = None) -> Any | None:
+        """Return the path of a vehicle, or of the flock: a ``Reference`` of the plugin folder, or None."""
+        section = None if index is None else self.vehicles[index].reference
+        section = self.reference if section is None else section
+        return None if section is None else find_plugin(REFERENCES, section.kind).Reference(section.params)
 
-    def _check_vehicles(self) -> None:
-        if not 1 <= len(self.vehicles) <= 254:
-            raise ValueError(f"vehicles: {len(self.vehicles)} vehicles are not allowed; allowed: 1 to 254")
-        seen: set[str] = set()
-        for index, vehicle in enumerate(self.vehicles):
-            if not ID.match(vehicle.id):
-                raise ValueError(
-                    f"vehicles[{index}].id: {shown(vehicle.id)} is not allowed; allowed: {_ID_WORDS}"
-                )
-            if vehicle.id in seen:
-                raise ValueError(
-                    f"vehicles[{index}].id: {shown(vehicle.id)} is not allowed; "
-                    "allowed: an id that no other vehicle has"
-                )
-            seen.add(vehicle.id)
+    def reference_position(self, t_s: float) -> Vec3 | None:
+        """Return the point of the flock's path at `t_s` (m; NED), or None where there is no path."""
+        path = self.reference_of()
+        return None if path is None else path.at(t_s).position
 
-    def _check_leaders(self) -> None:
-        ids = [vehicle.id for vehicle in self.vehicles]
-        for index, leader in enumerate(self.leaders):
-            if leader in self.leaders[:index]:
-                raise ValueError(
-                    f"leaders[{index}]: {shown(leader)} is not allowed; allowed: an id that is no leader yet"
-                )
-            if leader not in ids:
-                raise ValueError(
-                    f"leaders[{index}]: {shown(leader)} is not allowed; allowed: {', '.join(ids)}"
-                )
-
-    def _check_commands(self) -> None:
-        given = find_plugin(CONTROLLERS, self.agent.controller.kind).Controller.command
-        for index, vehicle in enumerate(self.vehicles):
-            taken = find_plugin(MODELS, vehicle.model.kind).Model.command
-            if taken != given:
-                raise ValueError(
-                    f"agent.controller.kind: {self.agent.controller.kind!r} is not allowed; "
-                    "allowed: a controller that gives "
-                    f"the {taken} command that the model of vehicles[{index}] takes"
-                )
-        if self.kinematic and any(self.environment.current_ned_mps):
-            raise ValueError(
-                "environment.current_ned_mps: a current is not allowed; allowed: [0, 0, 0] with "
-                "kinematic vehicles, "
-                "whose velocity command is over ground"
-            )
-
-    def _check_starts(self) -> None:
-        placed = [(i, v.position_ned_m) for i, v in enumerate(self.vehicles) if v.position_ned_m is not None]
-        if len(placed) < len(self.vehicles) and self.random_starts is None:
-            index = next(i for i, v in enumerate(self.vehicles) if v.position_ned_m is None)
-            raise ValueError(
-                f"vehicles[{index}].position_ned_m: missing; allowed: a position here, or random_starts"
-            )
-        for index, start in placed:
-            if start[2] < 0.0:
-                raise ValueError(
-                    f"vehicles[{index}].position_ned_m: depth {start[2]!r} m is not allowed; "
-                    "allowed: at least 0"
-                )
-            for other, place in placed:
-                if other < index and distance(start, place) <= 2.0 * self.hull_radius_m:
-                    raise ValueError(
-                        f"vehicles[{index}].position_ned_m: touches vehicles[{other}]; allowed: more than "
-                        f"{2.0 * self.hull_radius_m:g} m between hull centres"
-                    )
-            for number, obstacle in enumerate(self.environment.obstacles):
-                if distance(start, obstacle.position_ned_m) <= self.hull_radius_m:
-                    raise ValueError(
-                        f"environment.obstacles[{number}].position_ned_m: lies in the hull "
-                        f"of vehicles[{index}]; "
-                        "allowed: a place outside every hull"
-                    )
-
-    def _check_continuous(self) -> None:
-        if self.sampling != "continuous":
-            return
-        if not self.kinematic:
-            raise ValueError(
-                "sampling: 'continuous' is not allowed; allowed: sampled, for vehicles that are not kinematic"
-            )
-        ideal = self.acoustics.propagation.kind == "instant" and self.acoustics.outage.kind == "none"
-        if not ideal or self.acoustics.mac.kind != "unlimited" or self.acoustics.modem.kind != "ideal":
-            raise ValueError(
-                "sampling: 'continuous' is not allowed; allowed: sampled, unless acoustics.preset is ideal"
-            )
-        for name, section in (("flocking", self.agent.flocking), ("consensus", self.agent.consensus)):
-            if getattr(section.params, "uses_flock_velocity", False):
-                raise ValueError(
-                    "sampling: 'continuous' is not allowed; allowed: sampled, since "
-                    f"agent.{name}.params pass the flock's velocity on by packets"
-                )
-
-    def _check_medium(self) -> None:
-        try:
-            AcousticMedium(self.medium_config).check_payload(REPORT_BYTES)
-        except ValueError as error:
-            raise ValueError(f"acoustics.{error}") from None
-
-
-_ID_WORDS = "a lower-case letter, then at most 30 lower-case letters, digits or underscores"
+    @property
+    def follows(self) -> str:
+        """What the vehicles' controllers follow: velocity (of a flocking law), path or region."""
+        return str(find_plugin(CONTROLLERS, self.agent.controller.kind).Controller.follows)
 
 
 def load_scenario(

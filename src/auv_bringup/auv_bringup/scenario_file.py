@@ -15,12 +15,14 @@ from typing import Any
 
 import yaml
 
+import auv_control.controllers
 import auv_core.models
 import auv_sim.acoustics
 from auv_core.params import ConfigError, shown
 
 SCENARIOS_DIR = Path(__file__).parent / "scenarios"
 ID = re.compile(r"[a-z][a-z0-9_]{0,30}\Z")
+ID_WORDS = "a lower-case letter, then at most 30 lower-case letters, digits or underscores"
 
 
 class _StrictYaml(yaml.SafeLoader):
@@ -162,13 +164,18 @@ def _place(target: Any, keys: list[str]) -> str | int:
 
 
 def with_presets(raw: dict[str, Any]) -> dict[str, Any]:
-    """Return the raw scenario with the presets of models and acoustics filled in."""
+    """Return the raw scenario with the presets of models, controllers and acoustics filled in."""
     filled = dict(raw)
     vehicles = raw.get("vehicles")
     if isinstance(vehicles, list):
         filled["vehicles"] = [
-            _vehicle_with_preset(v, f"scenario.vehicles[{i}].model") for i, v in enumerate(vehicles)
+            _with_preset(v, "model", auv_core.models, f"scenario.vehicles[{i}].model")
+            for i, v in enumerate(vehicles)
         ]
+    agent = raw.get("agent")
+    if isinstance(agent, Mapping):
+        path = "scenario.agent.controller"
+        filled["agent"] = _with_preset(agent, "controller", auv_control.controllers, path)
     acoustics = raw.get("acoustics")
     if isinstance(acoustics, Mapping) and acoustics.get("preset") not in (None, ""):
         preset = _preset(auv_sim.acoustics, acoustics["preset"], "scenario.acoustics.preset")
@@ -177,13 +184,14 @@ def with_presets(raw: dict[str, Any]) -> dict[str, Any]:
     return filled
 
 
-def _vehicle_with_preset(vehicle: Any, path: str) -> Any:
-    model = vehicle.get("model") if isinstance(vehicle, Mapping) else None
-    if not isinstance(model, Mapping) or "preset" not in model:
-        return vehicle
-    preset = _preset(auv_core.models, model["preset"], f"{path}.preset")
-    explicit = {key: value for key, value in model.items() if key != "preset"}
-    return {**vehicle, "model": _merged(preset, explicit)}
+def _with_preset(owner: Any, key: str, package: ModuleType, path: str) -> Any:
+    """Return the mapping `owner` with the preset of its plugin section `key` filled in."""
+    section = owner.get(key) if isinstance(owner, Mapping) else None
+    if not isinstance(section, Mapping) or "preset" not in section:
+        return owner
+    preset = _preset(package, section["preset"], f"{path}.preset")
+    explicit = {name: value for name, value in section.items() if name != "preset"}
+    return {**owner, key: _merged(preset, explicit)}
 
 
 def _preset(package: ModuleType, name: object, path: str) -> dict[str, Any]:

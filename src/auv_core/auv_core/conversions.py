@@ -16,6 +16,7 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from auv_core.geometry import Quat, Vec3
+from auv_core.integrate import State
 from auv_core.messages import Command, Inbox, Packet, Reception, VehicleState, VelocityCommand, Wrench
 from auv_core.stencil import Stencil, read_numbers
 from auv_msgs.msg import (
@@ -23,6 +24,7 @@ from auv_msgs.msg import (
     AcousticOutbox,
     AcousticPacket,
     AcousticReception,
+    ControlStatus,
     FlockingCentre,
     NeighbourEstimate,
     NeighbourEstimates,
@@ -31,7 +33,7 @@ from auv_msgs.msg import VehicleState as VehicleStateMsg
 
 WORLD_FRAME = "map_ned"
 
-_STATE = struct.Struct("<q13d")
+_STATE = struct.Struct("<q13d?")
 _SIX = struct.Struct("<6d")
 _NO_COVARIANCE = (0.0,) * 36
 
@@ -69,19 +71,20 @@ def quaternion(q: Quat) -> Quaternion:
 
 def state_stencil() -> Stencil:
     """Return the small state message; fill it with `state_numbers`."""
-    return Stencil(VehicleStateMsg(header=header(0.0, WORLD_FRAME)), "q13d")
+    return Stencil(VehicleStateMsg(header=header(0.0, WORLD_FRAME)), "q13d?")
 
 
 def state_numbers(state: VehicleState) -> tuple[float, ...]:
-    """Return tick, pose (NED; the quaternion with w last) and nu (body) in the order of the message."""
+    """Return tick, pose (NED; quaternion with w last), nu (body) and validity in the order of the message."""
     w, x, y, z = state.attitude
-    return (state.tick, *state.position, x, y, z, w, *state.nu)
+    return (state.tick, *state.position, x, y, z, w, *state.nu, state.is_valid)
 
 
 def state_from_bytes(data: bytes) -> VehicleState:
     """Return the record of a serialised state message; raise ValueError for bytes that hold none."""
-    tick, px, py, pz, x, y, z, w, *nu = read_numbers(data, _STATE)
-    return VehicleState(tick, (px, py, pz), (w, x, y, z), (nu[0], nu[1], nu[2], nu[3], nu[4], nu[5]))
+    tick, px, py, pz, x, y, z, w, *nu, is_valid = read_numbers(data, _STATE)
+    six = (nu[0], nu[1], nu[2], nu[3], nu[4], nu[5])
+    return VehicleState(tick, (px, py, pz), (w, x, y, z), six, is_valid)
 
 
 def odometry_stencil(vehicle_id: str) -> Stencil:
@@ -93,7 +96,7 @@ def odometry_stencil(vehicle_id: str) -> Stencil:
 def odometry_numbers(state: VehicleState) -> tuple[float, ...]:
     """Return pose, its covariance, twist, its covariance; the truth has none."""
     numbers = state_numbers(state)
-    return (*numbers[1:8], *_NO_COVARIANCE, *numbers[8:], *_NO_COVARIANCE)
+    return (*numbers[1:8], *_NO_COVARIANCE, *numbers[8:14], *_NO_COVARIANCE)
 
 
 def transform_stencil(vehicle_id: str) -> Stencil:
@@ -130,6 +133,13 @@ def command_from_bytes(data: bytes, *, takes_velocity: bool) -> Command:
     if not all(map(math.isfinite, values)):
         raise ValueError(f"a command with a number that is not finite: {values}")
     return VelocityCommand((x, y, z), n) if takes_velocity else Wrench((x, y, z, k, m, n))
+
+
+def control_status(tick: int, t_s: float, vehicle_id: str, holding: str, law_state: State) -> ControlStatus:
+    """Return what a law remembers and why its agent holds, if it does."""
+    return ControlStatus(
+        header=header(t_s, body_frame(vehicle_id)), tick=tick, holding=holding, law_state=list(law_state)
+    )
 
 
 def centre_stencil() -> Stencil:

@@ -7,6 +7,7 @@ Positions are NED (m), attitudes are unit quaternions body to NED, nu is the bod
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from auv_core.geometry import Quat, Vec3
@@ -16,12 +17,22 @@ Vec6 = tuple[float, float, float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class VehicleState:
-    """Pose and velocity of one vehicle at a tick: the truth, or what its own navigation believes."""
+    """
+    Pose and velocity of one vehicle at a tick: the truth, or what its own navigation believes.
+
+    `is_valid` is false where the navigation has no solution; the numbers are then the last ones that it had.
+    """
 
     tick: int
     position: Vec3
     attitude: Quat
     nu: Vec6
+    is_valid: bool = True
+
+
+def is_usable(state: VehicleState) -> bool:
+    """Return whether `state` is valid and all its numbers are finite."""
+    return state.is_valid and math.isfinite(sum(state.position) + sum(state.attitude) + sum(state.nu))
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,21 +2,33 @@
 The agent: one vehicle's computer.  No clock, no ROS, no randomness; the same object runs in a node and in
 one process.
 
-Once per control period: read the packets, carry the neighbours to now, ask the flocking law for a velocity,
-the controller for a command, hand a report to the modem when it asks for one, and advance the consensus on
-the flocking centre.
+Once per control period: read the packets, carry the neighbours to now, do the task (a flocking law over a
+velocity controller with the consensus on the centre, or a law that gives the wrench by itself), and hand a
+report to the modem when it asks for one.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from auv_control.controllers import VelocityReference
+from auv_control.references import PathPoint
 from auv_core.geometry import Vec3, body_to_ned
-from auv_core.messages import Command, Inbox, Packet, VehicleState
+from auv_core.messages import (
+    Command,
+    Inbox,
+    Packet,
+    VehicleState,
+    VelocityCommand,
+    Wrench,
+    command_numbers,
+    is_usable,
+)
 from auv_core.params import Section, param
 from auv_core.plugins import find_plugin
-from auv_flocking.flocking import PathPoint, View
+from auv_flocking.flock_task import FlockTask, Obstacles
+from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable, is_plausible
 from auv_flocking.report import Report, ReportError, decode, encode
 
@@ -26,7 +38,8 @@ FLOCKING = "auv_flocking.flocking"
 SEPARATION = "auv_flocking.separation"
 CONSENSUS = "auv_flocking.consensus"
 
-Obstacles = tuple[tuple[Vec3, float], ...]
+NO_MEASUREMENT = "no usable measurement of its own position and velocity"
+NO_FINITE_COMMAND = "the law gave no finite command"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,14 +58,19 @@ class AgentConfig:
     obstacle_safety_distances_m: tuple[float, ...] = param(
         "safety distance of each obstacle (m)", default=(), above=0.0
     )
-    reference: Section = param("path to follow", plugins=REFERENCES)
-    flocking: Section = param("flocking law", plugins=FLOCKING)
-    separation: Section = param("separation law", plugins=SEPARATION)
-    consensus: Section = param("consensus filter of the flocking centre", plugins=CONSENSUS)
+    reference: Section | None = param("path to follow, if any", default=None, plugins=REFERENCES)
+    flocking: Section | None = param(
+        "flocking law, under a controller that follows a velocity", default=None, plugins=FLOCKING
+    )
+    separation: Section | None = param("separation law of the flock", default=None, plugins=SEPARATION)
+    consensus: Section | None = param(
+        "consensus filter of the flocking centre", default=None, plugins=CONSENSUS
+    )
     neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
-    controller: Section = param("from velocity to command", plugins=CONTROLLERS)
+    controller: Section = param("from velocity, path or region to command", plugins=CONTROLLERS)
 
     def __post_init__(self) -> None:
+        check_parts(self.controller, self.flocking, self.separation, self.consensus, self.reference)
         if len(self.obstacles_ned_m) != 3 * len(self.obstacle_safety_distances_m):
             raise ValueError(
                 f"obstacles_ned_m: {len(self.obstacles_ned_m)} numbers are not allowed; "
@@ -70,39 +88,118 @@ class AgentConfig:
         )
 
 
+def check_parts(
+    controller: Section,
+    flocking: Section | None,
+    separation: Section | None,
+    consensus: Section | None,
+    reference: Section | None,
+    *,
+    where: str = "",
+) -> None:
+    """
+    Check that the parts of an agent fit together.
+
+    Raises
+    ------
+    ValueError
+        Where a controller lacks a part that it works with, or has one that it has no use for; `where` is put
+        before the name of the part.
+
+    """
+    follows = find_plugin(CONTROLLERS, controller.kind).Controller.follows
+    for name, section in (("flocking", flocking), ("separation", separation), ("consensus", consensus)):
+        if follows == "velocity" and section is None:
+            raise ValueError(
+                f"{where}{name}: missing; allowed: a section, since the controller "
+                f"{controller.kind} follows a velocity that a flocking law gives"
+            )
+        if follows != "velocity" and section is not None:
+            raise ValueError(
+                f"{where}{name}: {section.kind!r} is not allowed; allowed: nothing, since the controller "
+                f"{controller.kind} follows a {follows} by itself"
+            )
+    if reference is None and follows != "region":
+        raise ValueError(
+            f"reference: missing; allowed: a section, since the controller {controller.kind} "
+            f"follows a {follows}"
+        )
+
+
 class Agent:
     """
     One vehicle's computer.
 
     After a step, for people to look at: `centre` and `centre_rate` (own estimate of the flocking centre, m
-    and m/s; NED), `flock_velocity` (m/s; NED), `reference` (what the law asked) and `neighbours` (the
-    estimates that the step used).
+    and m/s; NED), `flock_velocity` (m/s; NED), `reference` (what the law asked, or the path's velocity),
+    `law_state` (what the law remembers), `neighbours` (the estimates that the step used) and `holding` (why
+    it gave the safe command instead of the law's, or nothing).
     """
 
     def __init__(self, config: AgentConfig) -> None:
         self._config = config
-        self._obstacles = config.obstacles
-        self._path = find_plugin(REFERENCES, config.reference.kind).Reference(config.reference.params)
-        separation = find_plugin(SEPARATION, config.separation.kind).Separation(config.separation.params)
-        flocking = find_plugin(FLOCKING, config.flocking.kind)
-        self._law = flocking.Flocking(config.flocking.params, separation, config.is_leader)
-        self._consensus = find_plugin(CONSENSUS, config.consensus.kind).Consensus(config.consensus.params)
-        controller = find_plugin(CONTROLLERS, config.controller.kind)
-        self._controller = controller.Controller(config.controller.params, config.period_s)
+        self._path = None
+        if config.reference is not None:
+            self._path = find_plugin(REFERENCES, config.reference.kind).Reference(config.reference.params)
+        self._controller = find_plugin(CONTROLLERS, config.controller.kind).Controller(
+            config.controller.params, config.period_s
+        )
+        self.task = self._make_task()
         self._table = NeighbourTable(config.neighbours)
         self._sequence = 0
-        self._next_centre: Vec3 | None = None
         self.rejected = 0
-        self.centre: Vec3 = (0.0, 0.0, 0.0)
-        self.centre_rate: Vec3 = (0.0, 0.0, 0.0)
-        self.flock_velocity: Vec3 = (0.0, 0.0, 0.0)
-        self.reference = VelocityReference((0.0, 0.0, 0.0), self._path.heading_rad)
+        self.holding = ""
         self.neighbours: list[NeighbourEstimate] = []
+
+    def _make_task(self) -> FlockTask | MotionTask:
+        config = self._config
+        if config.flocking is None or config.separation is None or config.consensus is None:
+            return MotionTask(self._controller, config.obstacles, config.period_s)
+        separation = find_plugin(SEPARATION, config.separation.kind).Separation(config.separation.params)
+        flocking = find_plugin(FLOCKING, config.flocking.kind)
+        law = flocking.Flocking(config.flocking.params, separation, config.is_leader)
+        consensus = find_plugin(CONSENSUS, config.consensus.kind).Consensus(config.consensus.params)
+        return FlockTask(law, consensus, self._controller, config.obstacles, config.period_s)
 
     @property
     def takes_velocity(self) -> bool:
         """Whether the commands of this agent are velocities instead of wrenches."""
         return bool(self._controller.command == "velocity")
+
+    @property
+    def flocks(self) -> bool:
+        """Whether this agent takes part in a flock and estimates its centre."""
+        return isinstance(self.task, FlockTask)
+
+    @property
+    def knows_path(self) -> bool:
+        """Whether this agent follows a path by itself, or leads a flock along one."""
+        return self._path is not None and (self._config.is_leader or not self.flocks)
+
+    @property
+    def centre(self) -> Vec3:
+        """Own estimate of the flocking centre (m; NED)."""
+        return self.task.centre
+
+    @property
+    def centre_rate(self) -> Vec3:
+        """Rate of that estimate (m/s; NED)."""
+        return self.task.centre_rate
+
+    @property
+    def flock_velocity(self) -> Vec3:
+        """What this vehicle believes the flock's velocity to be (m/s; NED)."""
+        return self.task.flock_velocity
+
+    @property
+    def reference(self) -> VelocityReference:
+        """What the flocking law asked, or velocity and heading of the path."""
+        return self.task.reference
+
+    @property
+    def law_state(self) -> tuple[float, ...]:
+        """What the law remembered at the step, `()` for a law without memory."""
+        return self.task.law_state
 
     @property
     def outdated(self) -> int:
@@ -112,12 +209,15 @@ class Agent:
     @property
     def path_period_s(self) -> float | None:
         """Time of one round of the path (s), or None."""
-        period_s: float | None = self._path.period_s
-        return period_s
+        return None if self._path is None else self._path.period_s
 
     def step(self, t_s: float, nav: VehicleState, inbox: Inbox) -> tuple[Command, list[Packet]]:
         """
         Return the command for one control period and the packets to hand to the modem.
+
+        A measurement that is marked as none or not finite, and a law whose command is not finite, give the
+        safe command (no force, or no velocity); then `holding` says why, the law's memory stays as it is, and
+        with an unusable measurement nothing is sent.
 
         Parameters
         ----------
@@ -131,39 +231,41 @@ class Agent:
         """
         self._receive(inbox, t_s)
         self.neighbours = self._table.estimates(t_s)
-        self.centre = nav.position if self._next_centre is None else self._next_centre
-        centres = [neighbour.centre for neighbour in self.neighbours]
-        heard = [self.flock_velocity, *(neighbour.flock_velocity for neighbour in self.neighbours)]
-        path = self.path_point(t_s)
-        self.flock_velocity = self._law.flock_velocity(path, self.centre, heard)
-        velocity = self.velocity(path, nav.position, self.centre, tuple(n.position for n in self.neighbours))
-        if self._table.heard < self._config.fleet_size - 1 and t_s < self._config.hold_s:
-            velocity = (0.0, 0.0, 0.0)
-        self.reference = VelocityReference(velocity, self._path.heading_rad)
-        command: Command = self._controller.step(nav, self.reference)
-        self.centre_rate = self.consensus_rate(nav.position, self.centre, centres)
-        self._next_centre = self._consensus.step(
-            nav.position, self.centre, centres, self.flock_velocity, self._config.period_s
-        )
+        if not is_usable(nav):
+            self.holding = NO_MEASUREMENT
+            return self._safe_command(), []
+        command = self._act_safely(t_s, nav)
         return command, [self._packet(inbox.tick, t_s, nav)] if inbox.transmit_ready else []
 
-    def path_point(self, t_s: float) -> PathPoint:
-        """Return the reference at `t_s`."""
-        return PathPoint(self._path.position(t_s), self._path.velocity(t_s))
+    def _act_safely(self, t_s: float, nav: VehicleState) -> Command:
+        self.holding = ""
+        try:
+            command = self._act(t_s, nav)
+        except ArithmeticError:
+            self.holding = NO_FINITE_COMMAND
+            return self._safe_command()
+        if math.isfinite(sum(command_numbers(command))):
+            return command
+        self.holding = NO_FINITE_COMMAND
+        return self._safe_command()
 
-    def velocity(self, path: PathPoint, position: Vec3, centre: Vec3, neighbours: tuple[Vec3, ...]) -> Vec3:
-        """
-        Return what the flocking law asks (m/s; NED) of this vehicle at `position`, with its present flock
-        velocity.
-        """
-        view = View(position, centre, self.flock_velocity, neighbours, self._obstacles, path)
-        velocity: Vec3 = self._law.velocity(view)
-        return velocity
+    def _act(self, t_s: float, nav: VehicleState) -> Command:
+        is_waiting = self._table.heard < self._config.fleet_size - 1 and t_s < self._config.hold_s
+        path = self.path_point(t_s)
+        if isinstance(self.task, MotionTask):
+            return self.task.step(t_s, nav, path, self.neighbours, is_waiting=is_waiting)
+        if path is None:
+            raise RuntimeError("a flock without a path: AgentConfig should have refused it")
+        return self.task.step(nav, path, self.neighbours, is_waiting=is_waiting)
 
-    def consensus_rate(self, position: Vec3, centre: Vec3, neighbour_centres: list[Vec3]) -> Vec3:
-        """Return the rate of the flocking-centre estimate (m/s; NED)."""
-        rate: Vec3 = self._consensus.derivative(position, centre, neighbour_centres, self.flock_velocity)
-        return rate
+    def _safe_command(self) -> Command:
+        if self.takes_velocity:
+            return VelocityCommand((0.0, 0.0, 0.0), 0.0)
+        return Wrench((0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+    def path_point(self, t_s: float) -> PathPoint | None:
+        """Return the reference at `t_s`, or None where there is no path."""
+        return None if self._path is None else self._path.at(t_s)
 
     def _receive(self, inbox: Inbox, t_s: float) -> None:
         for reception in inbox.receptions:

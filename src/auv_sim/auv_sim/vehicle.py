@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from auv_core.geometry import Vec3
@@ -9,8 +10,11 @@ from auv_core.integrate import State
 from auv_core.messages import Command, VehicleState, command_numbers
 from auv_core.params import Section, param
 from auv_core.plugins import find_plugin
+from auv_sim.navigation import exact
 
 MODELS = "auv_core.models"
+NAVIGATION = "auv_sim.navigation"
+EXACT = Section("exact", exact.Params())
 
 _MOST_SUBSTEPS = 1_000_000
 
@@ -26,6 +30,9 @@ class VehicleConfig:
     current_ned_mps: Vec3 = param("velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0))
     dt_s: float = param("physics step (s)", default=0.02, above=0.0)
     period_s: float = param("control period (s), a whole number of physics steps", default=0.1, above=0.0)
+    address: int = param("acoustic address of this vehicle, from 1", default=1, minimum=1, maximum=254)
+    seed: int = param("seed of every random number", default=1, minimum=0, maximum=2**31 - 1)
+    navigation: Section = param("how well it knows its own motion", default=EXACT, plugins=NAVIGATION)
 
     def __post_init__(self) -> None:
         substeps(self.period_s, self.dt_s)
@@ -50,8 +57,24 @@ def substeps(period_s: float, dt_s: float) -> int:
     return count
 
 
+class DivergedError(RuntimeError):
+    """A motion without a finite solution; the message is one line for the user."""
+
+
+def check_finite(state: State, vehicle_id: str, t_s: float) -> None:
+    """Raise `DivergedError` unless all numbers of `state`, reached after `t_s`, are finite."""
+    if not math.isfinite(sum(state)):
+        raise DivergedError(
+            f"{vehicle_id}: its motion has no finite solution after t = {t_s:.2f} s; "
+            "a model or a gain drives it apart"
+        )
+
+
 class Vehicle:
-    """The true vehicle. `step` advances it by one control period with the command held."""
+    """
+    The true vehicle. `step` advances it by one control period with the command held; `nav` is what its own
+    navigation says of its latest state.
+    """
 
     def __init__(self, config: VehicleConfig) -> None:
         self._model = find_plugin(MODELS, config.model.kind).Model(config.model.params)
@@ -60,6 +83,11 @@ class Vehicle:
         self._substeps = substeps(config.period_s, config.dt_s)
         self._tick = 0
         self._state: State = self._model.initial_state(config.position_ned_m, config.heading_rad)
+        self._name = config.vehicle_id
+        self._period_s = config.period_s
+        navigation = find_plugin(NAVIGATION, config.navigation.kind)
+        self._navigation = navigation.Navigation(config.navigation.params, config.seed, config.address)
+        self.nav: VehicleState = self._navigation.measured(self.state)
 
     @property
     def takes_velocity(self) -> bool:
@@ -82,10 +110,19 @@ class Vehicle:
     def step(self, command: Command | None) -> VehicleState:
         """
         Return the state one control period later; without a command the actuators rest and the hull drifts.
+
+        Raises
+        ------
+        DivergedError
+            When the motion has no finite solution.
+
         """
         values = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if command is None else command_numbers(command)
         given = self._model.limited_command(values)
         for _ in range(self._substeps):
             self._state = self._model.step(self._state, given, self._current, self._dt_s)
+        check_finite(self._state, self._name, self._tick * self._period_s)
         self._tick += 1
-        return self.state
+        state = self.state
+        self.nav = self._navigation.measured(state)
+        return state

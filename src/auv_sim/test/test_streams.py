@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from auv_sim.acoustics.streams import Purpose, uniform
+from auv_sim.streams import Purpose, uniform
 
 # Origin: computed once with NumPy 2.4; every recorded result rests on them, so they may never change.
 KNOWN = {

@@ -12,18 +12,22 @@ the vehicle's model takes, and with ``follows`` what it is fed:
 
 ``follows = 'path'`` or ``'region'``
     A law that goes from the `MotionView` of one instant straight to the wrench; with ``'region'`` the view's
-    path is None.  It is pure, and what it remembers (parameter estimates, integrals) is a tuple of floats that
-    the caller keeps and integrates, so that the sampled agent and the continuous-time runner use the same law:
+    path is None.  It is pure, and what it remembers (parameter estimates, integrals) is a tuple of floats
+    that the caller keeps and integrates, so that the sampled agent and the continuous-time runner use the
+    same law:
 
     * ``initial_state(view) -> State``: what it remembers at the start, ``()`` if nothing;
-    * ``evaluate(state, view) -> (tau, rate)``: the wrench (N, N m; body FRD) and the rate of `state` per second;
+    * ``evaluate(state, view) -> (tau, rate)``: the wrench (N, N m; body FRD) and the rate of `state` per
+      second;
     * ``constrained(state) -> State``: `state` brought back to where it is allowed, after each step;
-    * ``candidates``: names of its Lyapunov candidates, and ``lyapunov(state, view, kinetic_energy) -> tuple`` of
-      their values, one for each name; `kinetic_energy` is the plant's nu^T M nu / 2 as a function of nu;
+    * ``candidates``: names of its Lyapunov candidates, and ``lyapunov(state, view, kinetic_energy) ->
+      tuple`` of their values, one for each name; `kinetic_energy` is the plant's nu^T M nu / 2 as a function
+      of nu;
     * ``proof_gap``: one sentence for people on why the printed proof does not cover a run in which V rises;
     * ``shared_candidate``: whether the values are shares, whose sum over the vehicles is the candidate.
 
-    ``Params`` has ``frame`` where the law can be told in which frame the plant lives (see `models/four_dof.py`).
+    ``Params`` has ``frame`` where the law can be told in which frame the plant lives (see
+    `models/four_dof.py`).
 """
 
 from __future__ import annotations

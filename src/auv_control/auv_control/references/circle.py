@@ -1,4 +1,6 @@
-"""Horizontal circle about the origin at a constant depth, thesis Eqs. (2.48), (3.37)-(3.38), (5.44) and (6.47)."""
+"""
+Horizontal circle about the origin at a constant depth, thesis Eqs. (2.48), (3.37)-(3.38), (5.44) and (6.47).
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,6 @@
 """
-Level vehicle in surge, sway, heave and yaw, neutral and without roll and pitch (thesis Eqs. (2.10), (3.5), (3.13)).
+Level vehicle in surge, sway, heave and yaw, neutral and without roll and pitch (thesis Eqs. (2.10), (3.5),
+(3.13)).
 
     m11 u' =  m22 v r - d(u) u + X         m33 w' = -d(w) w + Z
     m22 v' = -m11 u r - d(v) v + Y         m44 r' = (m11 - m22) u v - d(r) r + N
@@ -64,7 +65,9 @@ class Model:
 
     @property
     def top_speed_mps(self) -> float:
-        """Speed that the weakest of the three forces can hold against the drag (m/s), infinite without limits."""
+        """
+        Speed that the weakest of the three forces can hold against the drag (m/s), infinite without limits.
+        """
         p = self.params
         return min(
             steady_speed_mps(linear, quadratic, self._max_force_n)
@@ -76,7 +79,9 @@ class Model:
         return (*position, *quaternion_from_heading(heading_rad), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     def limited_command(self, tau: Vec6) -> Vec6:
-        """Return what the actuators give for the wrench asked: clipped axis by axis, no roll and pitch moment."""
+        """
+        Return what the actuators give for the wrench asked: clipped axis by axis, no roll and pitch moment.
+        """
         f, m = self._max_force_n, self._max_moment_nm
         return (_clipped(tau[0], f), _clipped(tau[1], f), _clipped(tau[2], f), 0.0, 0.0, _clipped(tau[5], m))
 
@@ -125,7 +130,7 @@ class Model:
         """Return the rates of nu relative to the water, turning frame included."""
         p = self.params
         m11, m22, m33, m44 = p.inertia
-        u, v, w, r = water
+        u, v, _, r = water
         dx, dy, dz, dn = (
             (linear + quadratic * (a if self._is_printed_drag else abs(a))) * a
             for linear, quadratic, a in zip(p.linear_damping, p.quadratic_damping, water, strict=True)

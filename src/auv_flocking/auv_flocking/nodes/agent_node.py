@@ -35,6 +35,7 @@ from auv_flocking.agent import Agent, AgentConfig
 from auv_msgs.msg import (
     AcousticInbox,
     AcousticOutbox,
+    ControlStatus,
     FlockingCentre,
     NeighbourEstimates,
     VehicleState,
@@ -71,10 +72,11 @@ class AgentNode(Node):
         self._outbox_pub = self.create_publisher(AcousticOutbox, "acoustic/tx", EVERY_TICK)
         self._reference_pub = self.create_publisher(TwistStamped, "reference", EVERY_TICK)
         self._centre_pub = self.create_publisher(FlockingCentre, "flocking_centre", EVERY_TICK)
+        self._control_pub = self.create_publisher(ControlStatus, "control_status", EVERY_TICK)
         self._neighbours_pub = self.create_publisher(NeighbourEstimates, "neighbours", EVERY_TICK)
         self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
         self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
-        self._path_pub = self.create_publisher(Path, "path", LATCHED) if self._config.is_leader else None
+        self._path_pub = self.create_publisher(Path, "path", LATCHED) if self._agent.knows_path else None
         self.create_subscription(VehicleState, "nav", self._on_nav, EVERY_TICK, raw=True)
         self.create_subscription(AcousticInbox, "acoustic/rx", self._on_inbox, EVERY_TICK)
 
@@ -86,6 +88,7 @@ class AgentNode(Node):
             self._outbox_pub: {"/acoustic_relay_node"},
             self._reference_pub: set(),
             self._centre_pub: set(),
+            self._control_pub: set(),
             self._neighbours_pub: set(),
             self._marker_pub: set(),
             self._diagnostics_pub: set(),
@@ -152,7 +155,14 @@ class AgentNode(Node):
         self._reference_pub.publish(
             self._reference_stencil.filled(t_s, *agent.reference.velocity, 0.0, 0.0, 0.0)
         )
-        self._centre_pub.publish(self._centre_stencil.filled(t_s, tick, *agent.centre, *agent.centre_rate))
+        if agent.flocks:
+            self._centre_pub.publish(
+                self._centre_stencil.filled(t_s, tick, *agent.centre, *agent.centre_rate)
+            )
+        if agent.law_state or agent.holding:
+            vehicle_id = self._config.vehicle_id
+            status = convert.control_status(tick, t_s, vehicle_id, agent.holding, agent.law_state)
+            self._control_pub.publish(status)
         numbers: list[float] = []
         for estimate in agent.neighbours:
             numbers += (estimate.address, *estimate.position, *estimate.velocity)
@@ -163,8 +173,10 @@ class AgentNode(Node):
     def _markers(self, tick: int) -> list[Any]:
         t_s = self._ticks.stamp_s(tick)
         name = self._config.vehicle_id
-        markers = [sphere(f"{name} centre", 0, t_s, self._agent.centre, 0.15, (0.9, 0.2, 0.6, 1.0))]
-        if self._config.is_leader:
+        markers = []
+        if self._agent.flocks:
+            markers.append(sphere(f"{name} centre", 0, t_s, self._agent.centre, 0.15, (0.9, 0.2, 0.6, 1.0)))
+        if self._agent.knows_path:
             markers.append(
                 lines(f"{name} path", 0, t_s, self._path_points(), (0.3, 0.9, 0.3, 1.0), joined=True)
             )
@@ -191,11 +203,18 @@ class AgentNode(Node):
                 KeyValue(key="packets_outdated", value=str(agent.outdated)),
             ],
         )
-        return DiagnosticArray(header=convert.header(t_s, ""), status=[status])
+        law = DiagnosticStatus(
+            level=DiagnosticStatus.ERROR if agent.holding else DiagnosticStatus.OK,
+            name=f"{self._config.vehicle_id}/agent_node: control law",
+            message=f"safe command: {agent.holding}" if agent.holding else "acts",
+            hardware_id=self._config.vehicle_id,
+        )
+        return DiagnosticArray(header=convert.header(t_s, ""), status=[status, law])
 
     def _path_points(self) -> list[Vec3]:
         span_s = self._agent.path_period_s or _PATH_SPAN_S
-        return [self._agent.path_point(k * span_s / _PATH_POINTS).position for k in range(_PATH_POINTS + 1)]
+        points = [self._agent.path_point(k * span_s / _PATH_POINTS) for k in range(_PATH_POINTS + 1)]
+        return [point.position for point in points if point is not None]
 
     def _path(self) -> Path:
         header = convert.header(self._ticks.stamp_s(0), convert.WORLD_FRAME)

@@ -14,13 +14,12 @@ from visualization_msgs.msg import MarkerArray
 from auv_core import conversions as convert
 from auv_core.markers import HULL, MARKER_TICKS, sphere
 from auv_core.messages import Command
-from auv_core.messages import VehicleState as State
 from auv_core.node_main import EVERY_TICK, Audience, Rendezvous, main_loop, now_s, steady_timer, when_running
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
 from auv_core.stencil import read_stamp_s
 from auv_msgs.msg import VehicleState
-from auv_sim.vehicle import Vehicle, VehicleConfig
+from auv_sim.vehicle import DivergedError, Vehicle, VehicleConfig
 
 _CATCH_UP_TICKS = 20
 
@@ -35,6 +34,7 @@ class VehicleNode(Node):
         self._clock_ticks = TickClock(run, self._config.period_s, now_s(self))
         self._vehicle = Vehicle(self._config)
         self._command: Command | None = None
+        self.exit_code, self.done = 0, False
         self._state_pub = self.create_publisher(VehicleState, "state", EVERY_TICK)
         self._nav_pub = self.create_publisher(VehicleState, "nav", EVERY_TICK)
         self._odom_pub = self.create_publisher(Odometry, "odom", EVERY_TICK)
@@ -60,7 +60,7 @@ class VehicleNode(Node):
         ]
 
     def _start(self) -> None:
-        self._publish(self._vehicle.state)
+        self._publish()
         if not self._clock_ticks.lockstep:
             when_running(self, self._clock_ticks, self._begin)
 
@@ -81,21 +81,30 @@ class VehicleNode(Node):
                 f"a command for tick {tick}, but this is tick {self._vehicle.state.tick}: not used"
             )
             return
-        self._publish(self._vehicle.step(self._command))
+        if self._step():
+            self._publish()
 
     def _run_free(self) -> None:
         behind = self._clock_ticks.tick_now() - self._vehicle.state.tick
-        for _ in range(min(behind, _CATCH_UP_TICKS)):
-            self._vehicle.step(self._command)
-        if behind > 0:
-            self._publish(self._vehicle.state)
+        moved = [self._step() for _ in range(min(behind, _CATCH_UP_TICKS)) if not self.done]
+        if moved and not self.done:
+            self._publish()
 
-    def _publish(self, state: State) -> None:
+    def _step(self) -> bool:
+        """Advance the vehicle; where its motion has no finite solution, end the node with one line."""
+        try:
+            self._vehicle.step(self._command)
+        except DivergedError as error:
+            self.get_logger().fatal(str(error))
+            self.exit_code, self.done = 1, True
+        return not self.done
+
+    def _publish(self) -> None:
+        state, nav = self._vehicle.state, self._vehicle.nav
         t_s = self._clock_ticks.stamp_s(state.tick)
         numbers = convert.state_numbers(state)
-        data = self._state_stencil.filled(t_s, *numbers)
-        self._state_pub.publish(data)
-        self._nav_pub.publish(data)
+        self._state_pub.publish(self._state_stencil.filled(t_s, *numbers))
+        self._nav_pub.publish(self._state_stencil.filled(t_s, *convert.state_numbers(nav)))
         self._odom_pub.publish(self._odom_stencil.filled(t_s, *convert.odometry_numbers(state)))
         self._tf_pub.publish(self._tf_stencil.filled(t_s, *numbers[1:8]))
         vehicle_id = self._config.vehicle_id

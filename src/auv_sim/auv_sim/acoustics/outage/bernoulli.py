@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from auv_core.params import param
-from auv_sim.acoustics.streams import Purpose, uniform
+from auv_sim.streams import Purpose, uniform
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ class Purpose(enum.IntEnum):
     """What a random number is for; values are part of every recorded result and never change."""
 
     OUTAGE = 1
+    NAVIGATION = 3
 
 
 def uniform(seed: int, purpose: Purpose, source: int, destination: int, sequence: int) -> float:
@@ -24,3 +25,8 @@ def uniform(seed: int, purpose: Purpose, source: int, destination: int, sequence
         1, np.uint64
     )
     return float(words[0] >> np.uint64(11)) * 2.0**-53
+
+
+def generator(seed: int, purpose: Purpose, address: int, tick: int) -> np.random.Generator:
+    """Return a generator of its own for one vehicle and one tick."""
+    return np.random.default_rng(np.random.SeedSequence((seed, int(purpose), address, tick)))

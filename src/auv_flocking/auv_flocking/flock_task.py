@@ -1,0 +1,73 @@
+"""The task of a vehicle in a flock: a velocity by the flocking law, a centre by consensus."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from auv_control.controllers import VelocityReference
+from auv_control.references import PathPoint
+from auv_core.geometry import Vec3
+from auv_core.messages import Command, VehicleState
+from auv_flocking.flocking import View
+from auv_flocking.neighbours import NeighbourEstimate
+
+Obstacles = tuple[tuple[Vec3, float], ...]
+
+_ZERO: Vec3 = (0.0, 0.0, 0.0)
+
+
+class FlockTask:
+    """
+    Flocking law, consensus filter and the velocity controller under them.
+
+    After a step: `centre` and `centre_rate` (own estimate of the flocking centre, m and m/s; NED),
+    `flock_velocity` (m/s; NED) and `reference` (what the law asked).
+    """
+
+    law_state: tuple[float, ...] = ()
+
+    def __init__(
+        self, law: Any, consensus: Any, controller: Any, obstacles: Obstacles, period_s: float
+    ) -> None:
+        self._law = law
+        self._consensus = consensus
+        self._controller = controller
+        self._obstacles = obstacles
+        self._period_s = period_s
+        self._next_centre: Vec3 | None = None
+        self.centre: Vec3 = _ZERO
+        self.centre_rate: Vec3 = _ZERO
+        self.flock_velocity: Vec3 = _ZERO
+        self.reference = VelocityReference(_ZERO, 0.0)
+
+    def step(
+        self, nav: VehicleState, path: PathPoint, neighbours: Sequence[NeighbourEstimate], *, is_waiting: bool
+    ) -> Command:
+        """Return the command of one control period; while `is_waiting` the vehicle holds its station."""
+        self.centre = nav.position if self._next_centre is None else self._next_centre
+        centres = [neighbour.centre for neighbour in neighbours]
+        heard = [self.flock_velocity, *(neighbour.flock_velocity for neighbour in neighbours)]
+        self.flock_velocity = self._law.flock_velocity(path, self.centre, heard)
+        velocity = self.velocity(path, nav.position, self.centre, tuple(n.position for n in neighbours))
+        self.reference = VelocityReference(_ZERO if is_waiting else velocity, path.heading_rad)
+        command: Command = self._controller.step(nav, self.reference)
+        self.centre_rate = self.consensus_rate(nav.position, self.centre, centres)
+        self._next_centre = self._consensus.step(
+            nav.position, self.centre, centres, self.flock_velocity, self._period_s
+        )
+        return command
+
+    def velocity(self, path: PathPoint, position: Vec3, centre: Vec3, neighbours: tuple[Vec3, ...]) -> Vec3:
+        """
+        Return what the flocking law asks (m/s; NED) of this vehicle at `position`, with its present flock
+        velocity.
+        """
+        view = View(position, centre, self.flock_velocity, neighbours, self._obstacles, path)
+        velocity: Vec3 = self._law.velocity(view)
+        return velocity
+
+    def consensus_rate(self, position: Vec3, centre: Vec3, neighbour_centres: list[Vec3]) -> Vec3:
+        """Return the rate of the flocking-centre estimate (m/s; NED)."""
+        rate: Vec3 = self._consensus.derivative(position, centre, neighbour_centres, self.flock_velocity)
+        return rate

@@ -1,0 +1,68 @@
+"""The task of a vehicle by itself: a law that goes from its path or its region straight to a wrench."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from auv_control.controllers import MotionView, VelocityReference
+from auv_control.references import PathPoint
+from auv_core.geometry import Vec3
+from auv_core.integrate import State
+from auv_core.messages import Command, Vec6, VehicleState, Wrench
+from auv_flocking.neighbours import NeighbourEstimate
+
+Obstacles = tuple[tuple[Vec3, float], ...]
+
+_ZERO: Vec3 = (0.0, 0.0, 0.0)
+
+
+class MotionTask:
+    """
+    A motion control law and what it remembers.
+
+    After a step: `law_state` (what the law remembered at the step) and `reference` (velocity and heading of
+    the path). A vehicle with this task believes in no flocking centre of its own: `centre` is its position.
+    """
+
+    def __init__(self, law: Any, obstacles: Obstacles, period_s: float) -> None:
+        self.law = law
+        self._obstacles = obstacles
+        self._period_s = period_s
+        self._next_state: State | None = None
+        self.law_state: State = ()
+        self.centre: Vec3 = _ZERO
+        self.centre_rate: Vec3 = _ZERO
+        self.flock_velocity: Vec3 = _ZERO
+        self.reference = VelocityReference(_ZERO, 0.0)
+
+    def step(
+        self,
+        t_s: float,
+        nav: VehicleState,
+        path: PathPoint | None,
+        neighbours: Sequence[NeighbourEstimate],
+        *,
+        is_waiting: bool,
+    ) -> Command:
+        """Return the wrench of one control period; while `is_waiting` the actuators rest."""
+        view = self.view(t_s, nav, path, tuple(neighbour.position for neighbour in neighbours))
+        self.centre = nav.position
+        self.law_state = self.law.initial_state(view) if self._next_state is None else self._next_state
+        if path is not None:
+            self.reference = VelocityReference(path.velocity, path.heading_rad)
+        if is_waiting:
+            return Wrench((0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+        tau: Vec6
+        tau, rate = self.law.evaluate(self.law_state, view)
+        after = tuple([z + self._period_s * dz for z, dz in zip(self.law_state, rate, strict=True)])
+        if math.isfinite(sum(tau) + sum(after)):
+            self._next_state = self.law.constrained(after)
+        return Wrench(tau)
+
+    def view(
+        self, t_s: float, nav: VehicleState, path: PathPoint | None, neighbours: tuple[Vec3, ...]
+    ) -> MotionView:
+        """Return what the law sees when the others are at `neighbours` (m; NED)."""
+        return MotionView(t_s, nav, path, neighbours, self._obstacles)

@@ -1,0 +1,50 @@
+"""White measurement noise on position and velocity, drawn anew for every tick, and measurements that fail."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from auv_core.geometry import Vec3
+from auv_core.messages import VehicleState
+from auv_core.params import param
+from auv_sim.streams import Purpose, generator
+
+
+@dataclass(frozen=True)
+class Params:
+    """Standard deviations per axis; the attitude is measured exactly."""
+
+    position_sd_m: float = param("of a position, per NED axis (m)", default=0.05, minimum=0.0, maximum=100.0)
+    velocity_sd_mps: float = param(
+        "of a velocity, per body axis (m/s)", default=0.01, minimum=0.0, maximum=10.0
+    )
+    failure_prob: float = param(
+        "probability that a tick has no measurement", default=0.0, minimum=0.0, maximum=1.0
+    )
+
+
+class Navigation:
+    """Noise by (seed, address, tick): a vehicle more or less does not change it."""
+
+    def __init__(self, params: Params, seed: int, address: int) -> None:
+        self._params = params
+        self._seed = seed
+        self._address = address
+        self._last: VehicleState | None = None
+
+    def measured(self, state: VehicleState) -> VehicleState:
+        """Return `state` with noise; where the measurement fails, the last one, marked as not valid."""
+        p = self._params
+        rng = generator(self._seed, Purpose.NAVIGATION, self._address, state.tick)
+        if rng.random() < p.failure_prob:
+            return replace(state if self._last is None else self._last, tick=state.tick, is_valid=False)
+        x, y, z, u, v, w = rng.standard_normal(6).tolist()
+        position: Vec3 = (
+            state.position[0] + p.position_sd_m * x,
+            state.position[1] + p.position_sd_m * y,
+            state.position[2] + p.position_sd_m * z,
+        )
+        sd_mps = p.velocity_sd_mps
+        nu = (state.nu[0] + sd_mps * u, state.nu[1] + sd_mps * v, state.nu[2] + sd_mps * w, *state.nu[3:])
+        self._last = VehicleState(state.tick, position, state.attitude, nu)
+        return self._last
