@@ -11,8 +11,8 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from auv_bringup import metrics
 from auv_bringup.recording import FloatArray, Recording
 
 if TYPE_CHECKING:
@@ -102,14 +102,14 @@ def path_followers(scenario: Scenario) -> list[int]:
 
 def position_error_ned_m(recording: Recording, scenario: Scenario) -> FloatArray:
     """Return the (K + 1, N, 3) path minus position (m; NED); NaN without a path and from a loss on."""
-    return path_points_ned(recording, scenario)[0] - metrics.flock_positions_ned_m(recording)
+    error = path_points_ned(recording, scenario)[0] - recording.position_ned_m
+    return np.where(_is_gone(recording), np.nan, error)
 
 
 def velocity_error_ned_mps(recording: Recording, scenario: Scenario) -> FloatArray:
     """Return the (K + 1, N, 3) path velocity minus velocity (m/s; NED); NaN as for the position."""
     error = path_points_ned(recording, scenario)[1] - velocity_ned_mps(recording, scenario)
-    is_gone = np.isnan(metrics.flock_positions_ned_m(recording))
-    return np.where(is_gone, np.nan, error)
+    return np.where(_is_gone(recording), np.nan, error)
 
 
 def path_points_ned(recording: Recording, scenario: Scenario) -> tuple[FloatArray, FloatArray]:
@@ -149,12 +149,20 @@ def control_effort_n2s(recording: Recording, scenario: Scenario) -> float | None
 def _obstacle_metrics(recording: Recording, scenario: Scenario) -> dict[str, list[float]]:
     if not scenario.environment.obstacles:
         return {}
-    distances_m = metrics.obstacle_distances_m(recording, scenario)
+    centres = np.array([obstacle.position_ned_m for obstacle in scenario.environment.obstacles])
+    distances_m = np.linalg.norm(recording.position_ned_m[:, :, np.newaxis] - centres, axis=-1)
     nearest_m = np.where(np.isnan(distances_m), np.inf, distances_m).min(axis=1)
     return {
         "obstacle_clearance_m": nearest_m.min(axis=0).tolist(),
         "obstacle_closest_at_s": recording.t_s[nearest_m.argmin(axis=0)].tolist(),
     }
+
+
+def _is_gone(recording: Recording) -> NDArray[np.bool_]:
+    """Return (K + 1, N, 1) flags: the vehicle has been lost by that time."""
+    lost_at_s = np.where(np.isnan(recording.lost_at_s), np.inf, recording.lost_at_s)
+    is_gone = recording.t_s[:, np.newaxis] >= lost_at_s - _TOLERANCE_S
+    return is_gone[..., np.newaxis]
 
 
 def _body_to_ned(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:
