@@ -26,6 +26,7 @@ from __future__ import annotations
 
 import importlib
 import re
+import shlex
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from types import ModuleType
@@ -75,10 +76,12 @@ class RunSpec:
 
     def __str__(self) -> str:
         """Return the run as the arguments of `./scripts/run`."""
-        words = [self.scenario, *(f"--set {text!r}" for text in self.overrides)]
+        words = [self.scenario]
+        for override in self.overrides:
+            words += ["--set", override]
         if self.duration_s is not None:
-            words.append(f"--duration {self.duration_s:g}")
-        return " ".join(words)
+            words += ["--duration", f"{self.duration_s:g}"]
+        return shlex.join(words)
 
 
 @dataclass(frozen=True, eq=False)

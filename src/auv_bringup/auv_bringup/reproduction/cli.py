@@ -1,0 +1,259 @@
+"""`./scripts/reproduce`: fly what the thesis flew, and lay the results beside it."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shlex
+import signal
+import sys
+import tempfile
+import time
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, NoReturn
+
+from auv_bringup.one_line_parser import OneLineParser, refusal
+from auv_bringup.reproduction import Chapter, ChapterError, chapters, choose
+from auv_core.params import ConfigError
+
+if TYPE_CHECKING:
+    from auv_bringup.reproduction.outcome import ChapterOutcome
+    from auv_bringup.reproduction.runner import Flown
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+MOST_WORKERS = 256
+RUNS = "runs"
+FAILURES_FILE = "failures.txt"
+
+_HELP = """\
+Redo the simulations of the thesis: draw its figures again from runs of ours, fill its
+tables with its numbers and ours side by side, and judge its claims by what came out.
+"""
+
+_EPILOG = """\
+how it works:
+  Each figure, table and claim names the runs that it needs. They are flown in one
+  process each, without ROS, in continuous time where the scenario says so; the longest
+  first, one per worker. A run that two figures need is flown once.
+  What was flown is kept in DIR/runs and used again until the scenario, a law, a model
+  or the version of a numerical package changes; --fresh flies everything again.
+
+results:
+  DIR/index.html      the page: needs no other file, can be mailed and printed
+  DIR/summary.json    the same in numbers and words
+  DIR/figures/*.png   the figures one by one
+  DIR/failures.txt    tracebacks of what failed; only if something did
+  A run that fails does not stop the others: what depends on it says so on the page.
+
+exit status:
+  0    done; a claim that does not hold is a result, not a failure
+  1    a run failed, or a figure, table or claim could not be made; the page says which
+  2    bad input; nothing was flown
+  130  Ctrl-C; finished runs are kept, and the next call goes on from there
+
+examples:
+  ./scripts/reproduce                    all of it
+  ./scripts/reproduce --list             what there is
+  ./scripts/reproduce --only ch3         one chapter
+  ./scripts/reproduce --only ch2,ch4 --out /tmp/two_chapters
+  ./scripts/reproduce --docs             write docs/equations.md and docs/figures.md again
+"""
+
+
+def main(arguments: Sequence[str] | None = None, found: Sequence[Chapter] | None = None) -> int:
+    """Run the command; return its exit status. `found` are the chapters; those of this folder if left out."""
+    _make_signals_interrupt()
+    try:
+        options = _parser().parse_args(arguments)
+        known = chapters() if found is None else tuple(found)
+        if options.docs:
+            return _write_documents(known)
+        chosen = _chosen(known, options.only)
+        if options.list:
+            return _list(chosen)
+        return _reproduce(chosen, options, list(sys.argv[1:] if arguments is None else arguments))
+    except (ConfigError, ChapterError) as error:
+        return _fail(BAD_INPUT, str(error))
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, "interrupted; finished runs are kept for the next call")
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except Exception as error:
+        return _internal_error(error)
+
+
+def _internal_error(error: Exception) -> int:
+    with tempfile.NamedTemporaryFile("w", prefix="shoal-", suffix=".traceback.txt", delete=False) as stream:
+        traceback.print_exc(file=stream)
+    words = " ".join(str(error).split()) or "no message"
+    return _fail(FAILED, f"{type(error).__name__}: {words}; the traceback is in {stream.name}")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(
+        prog="./scripts/reproduce",
+        description=_HELP,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--only",
+        action="append",
+        default=[],
+        metavar="CHAPTER",
+        help="this chapter only, by its word in --list; may be repeated, or several with commas",
+    )
+    parser.add_argument(
+        "--workers",
+        type=_workers,
+        default=len(os.sched_getaffinity(0)),
+        metavar="N",
+        help="number of processes (default: one per processor, %(default)s)",
+    )
+    parser.add_argument("--fresh", action="store_true", help="fly everything again, also what is kept")
+    parser.add_argument(
+        "--out",
+        default=Path("results/reproduction"),
+        metavar="DIR",
+        type=Path,
+        help="folder of the page and the kept runs (default: %(default)s)",
+    )
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument(
+        "--list", action="store_true", help="list chapters, figures, tables and claims; fly nothing"
+    )
+    group.add_argument(
+        "--docs", action="store_true", help="write docs/equations.md and docs/figures.md; fly nothing"
+    )
+    return parser
+
+
+def _workers(text: str) -> int:
+    allowed = f"a whole number from 1 to {MOST_WORKERS}"
+    try:
+        value = int(text)
+    except ValueError:
+        raise refusal(text, allowed) from None
+    if not 1 <= value <= MOST_WORKERS:
+        raise refusal(text, allowed)
+    return value
+
+
+def _chosen(known: Sequence[Chapter], only: Sequence[str]) -> tuple[Chapter, ...]:
+    keys = [key.strip() for text in only for key in text.split(",")]
+    try:
+        return choose(known, keys)
+    except ChapterError as error:
+        raise ChapterError(f"--only: {error}") from None
+
+
+def _list(chosen: Sequence[Chapter]) -> int:
+    for chapter in chosen:
+        print(f"{chapter.key}  {chapter.title} ({len(chapter.runs)} runs)")
+        for figure in chapter.figures:
+            print(f"    figure {figure.number:<8} {figure.title}")
+        for table in chapter.tables:
+            print(f"    table  {table.number:<8} {table.title}")
+        for claim in chapter.claims:
+            print(f"    claim  {claim.number:<8} {claim.text}")
+    return DONE
+
+
+def _write_documents(known: Sequence[Chapter]) -> int:
+    from auv_bringup.reproduction.documents import write_documents
+
+    for path in write_documents(known):
+        print(path)
+    return DONE
+
+
+def _reproduce(chosen: Sequence[Chapter], options: argparse.Namespace, arguments: list[str]) -> int:
+    from auv_bringup.reproduction.making import making_of
+    from auv_bringup.reproduction.outcome import evaluate
+    from auv_bringup.reproduction.page import write_page
+    from auv_bringup.reproduction.runner import fly_all
+    from auv_bringup.reproduction.store import Store
+    from auv_bringup.reproduction.tally import Tally
+
+    start_s = time.monotonic()
+    folder, n_workers = options.out, options.workers
+    _make_folder(folder)
+    store = Store(folder / RUNS)
+    specs = [spec for chapter in chosen for spec in chapter.runs]
+    with Tally("runs") as tally:
+        flown = fly_all(specs, store, n_workers=n_workers, tally=tally, is_fresh=options.fresh)
+    with Tally("figures, tables and claims") as tally:
+        outcomes = evaluate(chosen, flown, store, n_workers=n_workers, tally=tally)
+    store.forget_old()
+    command = shlex.join(["./scripts/reproduce", *arguments])
+    wall_s = time.monotonic() - start_s
+    page = write_page(folder, outcomes, making_of(command, flown, n_workers=n_workers, wall_s=wall_s))
+    _print_counts(outcomes)
+    print(f"page: {page}", flush=True)
+    return _tell_failures(folder / FAILURES_FILE, flown, outcomes)
+
+
+def _print_counts(outcomes: Sequence[ChapterOutcome]) -> None:
+    from auv_bringup.reproduction.page import counts
+
+    for kind, found in counts(outcomes).items():
+        words = ", ".join(f"{count} {word}" for word, count in found.items() if count)
+        if words:
+            print(f"{kind + ':':<10}{words}")
+
+
+def _tell_failures(file: Path, flown: Flown, outcomes: Sequence[ChapterOutcome]) -> int:
+    """Write the tracebacks of everything that failed; return the exit status."""
+    from auv_bringup.reproduction.outcome import name_of
+
+    failures = [(f"run {spec}", failure) for spec, failure in flown.failed.items()]
+    failures += [
+        (name_of(outcome.item), outcome.failure)
+        for chapter in outcomes
+        for outcome in chapter.all
+        if outcome.failure is not None
+    ]
+    file.unlink(missing_ok=True)
+    if not failures:
+        return DONE
+    text = "\n".join(f"== {name}\n{failure.traceback or failure.line}\n" for name, failure in failures)
+    file.write_text(text, encoding="utf-8")
+    return _fail(FAILED, f"{len(failures)} of its parts could not be made; see {file}")
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".writable"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise ConfigError(f"--out {str(folder)!r}: cannot be written ({error.strerror or error})") from None
+
+
+class _Interrupted(KeyboardInterrupt):
+    """A signal asked for the end; of its own class, as in the run command."""
+
+
+def _make_signals_interrupt() -> None:
+    """Let SIGINT, SIGTERM and SIGHUP raise KeyboardInterrupt, even in a shell's background."""
+
+    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
+        del number, frame
+        raise _Interrupted
+
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, interrupt)
+
+
+def _fail(status: int, line: str) -> int:
+    print(f"error: {line}", file=sys.stderr, flush=True)
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

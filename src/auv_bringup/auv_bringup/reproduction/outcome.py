@@ -1,0 +1,158 @@
+"""From finished runs to what the page shows: figures drawn, tables filled, claims judged."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from typing import TYPE_CHECKING
+
+import matplotlib
+from matplotlib.figure import Figure as Canvas
+
+from auv_bringup.plotting import STYLE
+from auv_bringup.reproduction import Chapter, Figure, Item, Row, Run, Table, Verdict
+from auv_bringup.reproduction.tally import Tally
+from auv_bringup.reproduction.workers import Advance, Failure, spread
+
+if TYPE_CHECKING:
+    from auv_bringup.recording import Recording
+    from auv_bringup.reproduction.runner import Flown
+    from auv_bringup.reproduction.store import PlannedRun, Store
+
+SIZE_IN = (6.5, 4.0)
+DPI = 130
+_KEPT_RECORDINGS = 6
+
+Content = bytes | tuple[Row, ...] | Verdict
+"""A figure as PNG, a table's rows, a claim's verdict."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A figure, a table or a claim, and what came of it."""
+
+    item: Item
+    content: Content | Failure
+
+    @property
+    def failure(self) -> Failure | None:
+        """Why there is no content, None where there is."""
+        return self.content if isinstance(self.content, Failure) else None
+
+
+@dataclass(frozen=True)
+class ChapterOutcome:
+    """A chapter and what came of everything in it, in its order."""
+
+    chapter: Chapter
+    figures: tuple[Outcome, ...]
+    tables: tuple[Outcome, ...]
+    claims: tuple[Outcome, ...]
+
+    @property
+    def all(self) -> tuple[Outcome, ...]:
+        """Every outcome of the chapter."""
+        return (*self.figures, *self.tables, *self.claims)
+
+
+def evaluate(
+    chapters: Sequence[Chapter], flown: Flown, store: Store, *, n_workers: int, tally: Tally
+) -> tuple[ChapterOutcome, ...]:
+    """
+    Draw, fill and judge everything of these chapters.
+
+    An item that raises, or one of whose runs failed, becomes a failure and touches no other.
+
+    Parameters
+    ----------
+    chapters : sequence of Chapter
+        What is to be shown.
+    flown : Flown
+        What came of the runs of these chapters.
+    store : Store
+        Where the finished runs are.
+    n_workers : int
+        Number of processes.
+    tally : Tally
+        Told of failures.
+
+    """
+    items = [item for chapter in chapters for item in chapter.items]
+    contents: list[Content | Failure | None] = [_failure_of_runs(item, flown) for item in items]
+    ready = [index for index, content in enumerate(contents) if content is None]
+    tally.start(len(ready), float(len(ready)))
+
+    def note(index: int, content: Content | Failure) -> None:
+        contents[ready[index]] = content
+        if isinstance(content, Failure):
+            tally.failed(name_of(items[ready[index]]), content)
+        tally.finished()
+        tally.advance(sum(content is not None for content in contents))
+
+    calls = [
+        partial(evaluate_item, items[index], tuple(flown.planned[spec] for spec in items[index].runs), store)
+        for index in ready
+    ]
+    spread(calls, n_workers, on_result=note)
+    outcomes = (
+        Outcome(item, content) for item, content in zip(items, contents, strict=True) if content is not None
+    )
+    return tuple(
+        ChapterOutcome(
+            chapter,
+            tuple(next(outcomes) for _ in chapter.figures),
+            tuple(next(outcomes) for _ in chapter.tables),
+            tuple(next(outcomes) for _ in chapter.claims),
+        )
+        for chapter in chapters
+    )
+
+
+def name_of(item: Item) -> str:
+    """Return what an item is called: 'figure 2.6'."""
+    kind = "figure" if isinstance(item, Figure) else "table" if isinstance(item, Table) else "claim"
+    return f"{kind} {item.number}"
+
+
+def evaluate_item(
+    item: Item, planned: Sequence[PlannedRun], store: Store, advance: Advance = lambda amount: None
+) -> Content:
+    """Draw, fill or judge one item from its finished runs."""
+    del advance
+    runs = [
+        Run(run.spec, run.scenario, _recording(store, run.key), store.metrics(run.key)) for run in planned
+    ]
+    if isinstance(item, Figure):
+        return _png(item, runs)
+    if isinstance(item, Table):
+        rows = tuple(item.rows(runs))
+        if not all(isinstance(row, Row) for row in rows):
+            raise TypeError(f"{name_of(item)}: its function must return rows")
+        return rows
+    verdict = item.judge(runs)
+    if not isinstance(verdict, Verdict):
+        raise TypeError(f"{name_of(item)}: its function must return a verdict")
+    return verdict
+
+
+def _failure_of_runs(item: Item, flown: Flown) -> Failure | None:
+    for spec in item.runs:
+        if spec in flown.failed:
+            return Failure(f"the run {spec} failed: {flown.failed[spec].line}", "")
+    return None
+
+
+@lru_cache(maxsize=_KEPT_RECORDINGS)
+def _recording(store: Store, key: str) -> Recording:
+    return store.recording(key)
+
+
+def _png(figure: Figure, runs: list[Run]) -> bytes:
+    with matplotlib.rc_context(STYLE):
+        canvas = Canvas(figsize=SIZE_IN, layout="constrained")
+        figure.draw(canvas, runs)
+        stream = io.BytesIO()
+        canvas.savefig(stream, dpi=DPI, format="png", metadata={"Software": None})
+    return stream.getvalue()

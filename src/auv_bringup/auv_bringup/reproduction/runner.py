@@ -1,0 +1,118 @@
+"""Flies the runs that chapters need, each once, in worker processes, and keeps them for the next time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import partial
+
+from auv_bringup.reproduction import RunSpec
+from auv_bringup.reproduction.store import PlannedRun, Store, plan_run
+from auv_bringup.reproduction.tally import Tally
+from auv_bringup.reproduction.workers import Advance, Failure, spread
+from auv_core.params import ConfigError
+
+
+@dataclass
+class Flown:
+    """
+    What came of a set of runs.
+
+    Attributes
+    ----------
+    planned : dict
+        Every run that could be resolved, by its spec. Specs that resolve to one scenario have one key.
+    failed : dict
+        What went wrong with every run that could not be resolved or flown, by its spec.
+    wall_s : dict
+        How long each run took when it was flown (s), by its key.
+    kept : set of str
+        Keys of the runs that were found from an earlier call.
+
+    """
+
+    planned: dict[RunSpec, PlannedRun] = field(default_factory=dict)
+    failed: dict[RunSpec, Failure] = field(default_factory=dict)
+    wall_s: dict[str, float] = field(default_factory=dict)
+    kept: set[str] = field(default_factory=set)
+
+
+def fly_all(
+    specs: Iterable[RunSpec], store: Store, *, n_workers: int, tally: Tally, is_fresh: bool = False
+) -> Flown:
+    """
+    Fly every run once, the longest first, except those that are kept from an earlier call.
+
+    A run that fails is reported and does not stop the others.
+
+    Parameters
+    ----------
+    specs : iterable of RunSpec
+        Runs that are needed; equal ones count once.
+    store : Store
+        Where finished runs are looked for and kept.
+    n_workers : int
+        Number of processes.
+    tally : Tally
+        Told what happens.
+    is_fresh : bool
+        Fly runs that are kept, too.
+
+    """
+    flown = Flown()
+    _plan(dict.fromkeys(specs), flown, tally)
+    by_key = {run.key: run for run in flown.planned.values()}
+    flown.kept = set() if is_fresh else {key for key, run in by_key.items() if store.has(run)}
+    missing = sorted((run for key, run in by_key.items() if key not in flown.kept), key=_longest_first)
+    kept = f", and {len(flown.kept)} kept from an earlier call" if flown.kept else ""
+    tally.start(len(missing), sum(run.cost for run in missing), kept)
+
+    def note(index: int, result: float | Failure) -> None:
+        run = missing[index]
+        if isinstance(result, Failure):
+            failed = [spec for spec, planned in flown.planned.items() if planned.key == run.key]
+            flown.failed.update(dict.fromkeys(failed, result))
+            tally.failed(str(run.spec), result)
+        tally.finished()
+
+    spread(
+        [partial(_fly, run, store) for run in missing], n_workers, on_result=note, on_progress=tally.advance
+    )
+    for key in by_key:
+        if (wall_s := store.wall_s(key)) is not None:
+            flown.wall_s[key] = wall_s
+    return flown
+
+
+def _plan(specs: Iterable[RunSpec], flown: Flown, tally: Tally) -> None:
+    for spec in specs:
+        try:
+            flown.planned[spec] = plan_run(spec)
+        except ConfigError as error:
+            flown.failed[spec] = Failure(str(error), "")
+            tally.failed(str(spec), flown.failed[spec])
+
+
+def _longest_first(run: PlannedRun) -> float:
+    return -run.cost
+
+
+def _fly(run: PlannedRun, store: Store, advance: Advance) -> None:
+    """Fly a run and keep it; called in a worker."""
+    from auv_bringup.experiment import run_in_process
+    from auv_bringup.metrics import compute_metrics, metrics_to_json
+
+    reached_s = 0.0
+
+    def on_progress(time_s: float) -> None:
+        nonlocal reached_s
+        advance(run.cost * (time_s - reached_s) / run.scenario.duration_s)
+        reached_s = time_s
+
+    start_s = time.monotonic()
+    recording = run_in_process(run.scenario, on_progress=on_progress)
+    factor = run.scenario.duration_s / max(time.monotonic() - start_s, 1e-9)
+    metrics = compute_metrics(recording, run.scenario, mode="inprocess", real_time_factor=factor)
+    store.put(run, recording, metrics_to_json(metrics), time.monotonic() - start_s)
+    on_progress(run.scenario.duration_s)
