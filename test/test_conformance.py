@@ -4,18 +4,19 @@ import copy
 import importlib
 import inspect
 import math
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, astuple, fields
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 
-from auv_control.controllers import VelocityReference
+from auv_control.controllers import MotionView, VelocityReference
+from auv_control.references import PathPoint
 from auv_core.messages import VehicleState, VelocityCommand, Wrench
 from auv_core.params import ConfigError, dump, load, load_section
 from auv_core.plugins import find_plugin, list_plugins
-from auv_flocking.flocking import PathPoint, View
+from auv_flocking.flocking import View
 from auv_flocking.report import REPORT_BYTES
 from auv_flocking.separation import mathematical
 
@@ -30,28 +31,28 @@ class _Inputs:
         self._rng = np.random.default_rng(1)
         self._given = []
 
-    def _kept(self, value):
+    def kept(self, value):
         self._given.append((value, copy.deepcopy(value)))
         return value
 
     def point(self, size=10.0):
-        return self._kept(tuple(self._rng.uniform(-size, size, 3).tolist()))
+        return self.kept(tuple(self._rng.uniform(-size, size, 3).tolist()))
 
     def points(self, count):
-        return self._kept([tuple(self._rng.uniform(-3.0, 3.0, 3).tolist()) for _ in range(count)])
+        return self.kept([tuple(self._rng.uniform(-3.0, 3.0, 3).tolist()) for _ in range(count)])
 
     def six(self, size):
-        return self._kept(tuple(self._rng.uniform(-size, size, 6).tolist()))
+        return self.kept(tuple(self._rng.uniform(-size, size, 6).tolist()))
 
     def attitude(self):
         q = self._rng.normal(size=4)
-        return self._kept(tuple((q / np.linalg.norm(q)).tolist()))
+        return self.kept(tuple((q / np.linalg.norm(q)).tolist()))
 
     def view(self):
         obstacles = ((self.point(), 2.0),)
         path = PathPoint(self.point(), self.point(0.1))
         neighbours = tuple(self.points(4))
-        return self._kept(View(self.point(3.0), self.point(), self.point(0.2), neighbours, obstacles, path))
+        return self.kept(View(self.point(3.0), self.point(), self.point(0.2), neighbours, obstacles, path))
 
     def assert_unchanged(self):
         for value, before in self._given:
@@ -71,11 +72,20 @@ def _fly_model(module, params, inputs):
             assert len(state) == 13
             assert math.hypot(*state[3:7]) == pytest.approx(1.0, abs=1e-9)
             outputs.append((given, state))
+        if model.command == "wrench":
+            outputs.append(
+                model.normalised(model.derivative(state, given, inputs.point(0.2))[:3] + state[3:])
+            )
+            outputs.append(model.kinetic_energy(state[7:]))
+            assert outputs[-1] > 0.0
+    assert model.top_speed_mps > 0.0
     return outputs
 
 
 def _use_controller(module, params, inputs):
     controller = module.Controller(params, PERIOD_S)
+    if controller.follows != "velocity":
+        return _use_motion_law(controller, params, inputs)
     made = {"wrench": Wrench, "velocity": VelocityCommand}[controller.command]
     outputs = []
     for tick in range(20):
@@ -86,15 +96,48 @@ def _use_controller(module, params, inputs):
     return outputs
 
 
+def _motion_view(inputs, tick, follows):
+    w, _, _, z = inputs.attitude()
+    level = (w / math.hypot(w, z), 0.0, 0.0, z / math.hypot(w, z))
+    nav = VehicleState(tick, inputs.point(), level, inputs.six(1.0))
+    path = PathPoint(inputs.point(), inputs.point(0.1), inputs.point(0.01), 0.5)
+    neighbours = tuple(inputs.points(2))
+    return MotionView(
+        0.1 * tick, nav, path if follows == "path" else None, neighbours, ((inputs.point(), 2.0),)
+    )
+
+
+def _use_motion_law(law, params, inputs):
+    assert law.command == "wrench"
+    assert law.follows in ("path", "region")
+    assert len(law.proof_gap) > 20
+    state = law.initial_state(_motion_view(inputs, 0, law.follows))
+    outputs = []
+    for tick in range(20):
+        view = inputs.kept(_motion_view(inputs, tick, law.follows))
+        tau, rate = law.evaluate(state, view)
+        assert len(tau) == 6
+        assert len(rate) == len(state)
+        values = law.lyapunov(state, view, lambda nu: 50.0 * sum(x * x for x in nu))
+        assert len(values) == len(law.candidates) > 0
+        outputs.append((tau, rate, values))
+        state = law.constrained(tuple(z + PERIOD_S * dz for z, dz in zip(state, rate, strict=True)))
+        assert law.constrained(state) == state
+    return outputs
+
+
 def _follow_reference(module, params, _inputs):
     path = module.Reference(params)
     assert path.period_s is None or path.period_s > 0.0
-    outputs, step_s = [path.heading_rad], 1e-4
+    outputs, step_s = [], 1e-4
     for t_s in (0.0, 1.0, 123.4, 650.0):
-        ahead, behind = path.position(t_s + step_s), path.position(t_s - step_s)
-        slope = np.subtract(ahead, behind) / (2.0 * step_s)
-        np.testing.assert_allclose(path.velocity(t_s), slope, atol=1e-5)
-        outputs.append((path.position(t_s), path.velocity(t_s)))
+        behind, now, ahead = path.at(t_s - step_s), path.at(t_s), path.at(t_s + step_s)
+        for value, rate in (("position", "velocity"), ("velocity", "acceleration")):
+            slope = np.subtract(getattr(ahead, value), getattr(behind, value)) / (2.0 * step_s)
+            np.testing.assert_allclose(getattr(now, rate), slope, atol=1e-5)
+        turned_rad = math.remainder(ahead.heading_rad - behind.heading_rad, 2.0 * math.pi)
+        assert now.heading_rate_radps == pytest.approx(turned_rad / (2.0 * step_s), abs=1e-6)
+        outputs.append(astuple(now))
     return outputs
 
 
@@ -125,6 +168,15 @@ def _use_consensus(module, params, inputs):
         tiny = consensus.step(*arguments, 1e-6)
         np.testing.assert_allclose(np.subtract(tiny, arguments[1]) / 1e-6, rate, atol=1e-3)
     return outputs
+
+
+def _use_navigation(module, params, inputs):
+    first, second = module.Navigation(params, 3, 1), module.Navigation(params, 3, 1)
+    truths = [VehicleState(tick, inputs.point(), inputs.attitude(), inputs.six(1.0)) for tick in range(20)]
+    measured = [first.measured(truth) for truth in truths]
+    assert [second.measured(truth) for truth in truths] == measured
+    assert [state.tick for state in measured] == list(range(20))
+    return [(state.position, state.attitude, state.nu) for state in measured]
 
 
 def _use_propagation(module, params, inputs):
@@ -169,6 +221,7 @@ ROLES = {
     "auv_flocking.flocking": ("Flocking", _use_flocking),
     "auv_flocking.separation": ("Separation", _use_separation),
     "auv_flocking.consensus": ("Consensus", _use_consensus),
+    "auv_sim.navigation": ("Navigation", _use_navigation),
     "auv_sim.acoustics.propagation": ("Propagation", _use_propagation),
     "auv_sim.acoustics.modem": ("Modem", _use_modem),
     "auv_sim.acoustics.mac": ("Mac", _use_mac),

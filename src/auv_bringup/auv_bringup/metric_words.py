@@ -46,6 +46,7 @@ MEANINGS = {
     "packet_delivery_ratio": Meaning("", "receptions / (packets sent x other vehicles)"),
     "packet_delay_mean_s": Meaning("s", "from the start of transmission to the end of reception, mean"),
     "packet_delay_max_s": Meaning("s", "the same, largest"),
+    "safe_command_ratio": Meaning("", "share of control ticks with the safe command in place of a law's"),
     "collision": Meaning("", "two hulls touched"),
     "collision_at_s": Meaning("s", "when they first did", 1),
     "lost_vehicles": Meaning("", "vehicles whose computer was lost"),
@@ -58,11 +59,21 @@ MEANINGS = {
 }
 
 
+_UNITS = {"_mps": "m/s", "_n2s": "N² s", "_m": "m", "_s": "s", "_n": "N", "_rad": "rad"}
+"""Units by the ending of a name, the longer endings first."""
+
+
 def shown_metrics(metrics: dict[str, Any]) -> Iterator[tuple[str, Meaning]]:
     """Yield the keys that `metrics` has, those with a known meaning first and in their order."""
     for key in [*MEANINGS, *(key for key in metrics if key not in MEANINGS)]:
         if key in metrics:
-            yield key, MEANINGS.get(key, Meaning("", key.replace("_", " ")))
+            yield key, MEANINGS.get(key) or _meaning_of_name(key)
+
+
+def _meaning_of_name(key: str) -> Meaning:
+    """Return what the name of a metric says by itself: its unit and its words."""
+    unit = next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
+    return Meaning(unit, key.replace("_", " "), 4)
 
 
 def value_text(value: Any, digits: int) -> str:
@@ -74,5 +85,5 @@ def value_text(value: Any, digits: int) -> str:
     if isinstance(value, float):
         return f"{value:.{digits}f}"
     if isinstance(value, list):
-        return ", ".join(str(item) for item in value) or "none"
+        return ", ".join(value_text(item, digits) for item in value) or "none"
     return str(value)

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from auv_bringup.law_metrics import law_metrics
 from auv_bringup.recording import FloatArray, Recording
 
 if TYPE_CHECKING:
@@ -84,6 +85,9 @@ def compute_metrics(
             receptions / (packets sent x other vehicles alive at that time);
         packet_delay_mean_s, packet_delay_max_s
             from the start of transmission to the end of reception;
+        safe_command_ratio
+            share of the control ticks, over all vehicles, in which an agent gave the safe command instead of
+            its law's, for want of a usable measurement or of a finite command;
         collision, collision_at_s
             whether and when two hulls first touched (distance below two hull radii).
 
@@ -120,6 +124,8 @@ def compute_metrics(
         "obstacle_clearance_min_m": _smallest(obstacle_distances_m(recording, scenario)),
         **_neighbour_metrics(recording),
         **_packet_metrics(recording),
+        "safe_command_ratio": recording.holding.mean() if recording.holding.size else None,
+        **law_metrics(recording, scenario),
     }
     return {key: _plain(value) for key, value in metrics.items()}
 
@@ -162,8 +168,9 @@ def centroid_ned_m(recording: Recording) -> FloatArray:
 
 
 def path_ned_m(recording: Recording, scenario: Scenario) -> FloatArray:
-    """Return the (K + 1, 3) reference positions eta_d at the recorded times (m, map_ned)."""
-    points = [scenario.reference_position(t) for t in recording.t_s.tolist()]
+    """Return the (K + 1, 3) positions eta_d of the flock's path (m, map_ned), NaN where there is none."""
+    nowhere = (math.nan, math.nan, math.nan)
+    points = [scenario.reference_position(t) or nowhere for t in recording.t_s.tolist()]
     return np.array(points, dtype=np.float64).reshape(-1, 3)
 
 
@@ -348,7 +355,9 @@ def _rms(values: FloatArray) -> float | None:
 
 
 def _plain(value: Any) -> Any:
-    """Turn NumPy scalars into Python ones and numbers that are not finite into None."""
+    """Turn NumPy scalars into Python ones and numbers that are not finite into None, in lists too."""
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_plain(item) for item in value]
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, float) and not math.isfinite(value):

@@ -162,6 +162,7 @@ class SyntheticRun:
             tick=k,
             pose=pose(row[:3], row[3:7]),
             twist=twist(row[7:]),
+            valid=True,
         )
         recorder.write(f"/auv_{i + 1}/state", message, self.time_ns(k))
 

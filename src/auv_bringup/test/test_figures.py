@@ -36,6 +36,7 @@ def make_scenario(name: str = "circling", *, with_obstacles: bool = True) -> Any
         name=name,
         leaders=("auv_1",),
         hull_radius_m=0.3,
+        follows="velocity",
         reference_position=lambda t_s: (10.0 * np.sin(0.01 * t_s), 10.0 * np.cos(0.01 * t_s), 10.0),
         environment=SimpleNamespace(obstacles=(obstacle,) if with_obstacles else ()),
         agent=SimpleNamespace(flocking=SimpleNamespace(params=SimpleNamespace(spacing_m=2.0))),

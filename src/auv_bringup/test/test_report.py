@@ -66,6 +66,8 @@ def make_scenario(**changes: Any) -> Any:
         "vehicles": tuple(kind(id=f"auv_{i}") for i in range(1, 5)),
         "leaders": ("auv_1",),
         "reference": kind(kind="circle"),
+        "follows": "velocity",
+        "agent": kind(flocking=kind(kind="potential")),
         "reference_position": lambda t_s: (0.0, 0.0, 10.0),
         "acoustics": kind(preset="lossy", mac=kind(kind="tdma"), outage=kind(kind="bernoulli")),
         "environment": kind(

@@ -91,7 +91,7 @@ REFUSED_VALUES = [
     ("agent.controller.kind=velocity_direct", ".agent.controller.kind: 'velocity_direct' is not allowed"),
     (
         "vehicles.0.model.preset=boat",
-        ".vehicles[0].model.preset: 'boat' is not allowed; allowed: odin, point",
+        ".vehicles[0].model.preset: 'boat' is not allowed; allowed: odin, ",
     ),
     ("acoustics.preset=air", ".acoustics.preset: 'air' is not allowed; allowed: ideal, lossy"),
     (

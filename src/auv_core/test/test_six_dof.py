@@ -1,6 +1,7 @@
 """Claims about the equations of motion, instant by instant, on random vehicles and states."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -37,8 +38,9 @@ VEHICLES = st.builds(
     quadratic_damping=_six(0.0, 100.0),
     weight_n=st.floats(200.0, 5000.0),
     buoyancy_n=st.floats(200.0, 5000.0),
-    max_wrench=_six(1.0, 300.0),
     hull_radius_m=st.floats(0.1, 1.0),
+    max_wrench=_six(1.0, 300.0),
+    cog_couples=st.booleans(),
 )
 VELOCITIES = _six(-3.0, 3.0)
 WRENCHES = _six(-300.0, 300.0)
@@ -64,9 +66,14 @@ def _coriolis(nu, c):
     return np.concatenate(coriolis_force(tuple(nu[:3]), tuple(nu[3:]), c))
 
 
+def _coupling_cog_z_m(params):
+    """Return z_G as it stands in M and C (m)."""
+    return params.cog_z_m if params.cog_couples else 0.0
+
+
 def _fossen_mass_matrices(params):
     """Return M_RB and M_A (6, 6) for the origin at the hull's centre, Fossen (2021) ch. 3 and 6."""
-    S_g = _skew((0.0, 0.0, params.cog_z_m))
+    S_g = _skew((0.0, 0.0, _coupling_cog_z_m(params)))
     m = params.mass_kg
     rigid_body = np.block([[m * np.eye(3), -m * S_g], [m * S_g, np.diag(params.inertia_kgm2)]])
     return rigid_body, np.diag(params.added_mass)
@@ -76,7 +83,7 @@ def _fossen_coriolis_matrix(params, nu):
     """Return C_RB(nu) + C_A(nu) (6, 6): C_RB without linear velocities in it, C_A in Lagrange's form."""
     _, M_A = _fossen_mass_matrices(params)
     m, I_b = params.mass_kg, np.diag(params.inertia_kgm2)
-    S_g, S_w = _skew((0.0, 0.0, params.cog_z_m)), _skew(nu[3:])
+    S_g, S_w = _skew((0.0, 0.0, _coupling_cog_z_m(params))), _skew(nu[3:])
     C_RB = np.block([[m * S_w, -m * S_w @ S_g], [m * S_g @ S_w, -_skew(I_b @ nu[3:])]])
     linear, angular = M_A[:3, :3] @ nu[:3], M_A[3:, 3:] @ nu[3:]
     C_A = np.block([[np.zeros((3, 3)), -_skew(linear)], [-_skew(linear), -_skew(angular)]])
@@ -192,4 +199,14 @@ def test_actuators_give_what_is_asked_within_their_limits(params, tau):
 def test_a_centre_of_gravity_that_makes_the_mass_matrix_indefinite_is_refused():
     six = (1.0,) * 6
     with pytest.raises(ValueError, match=r"^cog_z_m: 0\.5 is not allowed; allowed: .*positive definite"):
-        Params(100.0, (1.0, 1.0, 1.0), 0.5, six, six, six, 981.0, 981.0, six, 0.3)
+        Params(100.0, (1.0, 1.0, 1.0), 0.5, six, six, six, 981.0, 981.0, 0.3, six)
+    uncoupled = Params(100.0, (1.0, 1.0, 1.0), 0.5, six, six, six, 981.0, 981.0, 0.3, cog_couples=False)
+    assert np.linalg.eigvalsh(_mass_matrix(constants(uncoupled))).min() > 0.0
+
+
+@MODERATE
+@given(VEHICLES, WRENCHES)
+def test_without_limits_actuators_give_what_is_asked(params, tau):
+    model = Model(replace(params, max_wrench=None))
+    assert model.limited_command(tau) == tau
+    assert model.top_speed_mps == math.inf

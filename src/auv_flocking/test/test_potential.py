@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from auv_flocking.flocking import PathPoint, View
+from auv_control.references import PathPoint
+from auv_flocking.flocking import View
 from auv_flocking.flocking.potential import Flocking, Params
 from auv_flocking.separation import mathematical
 

@@ -1,0 +1,40 @@
+"""What a run amounts to for the law that it flew: each family of laws has numbers of its own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from auv_bringup.lyapunov import lyapunov_metrics
+from auv_bringup.metrics_path import path_metrics, position_error_ned_m
+from auv_bringup.recording import Recording
+
+if TYPE_CHECKING:
+    from auv_bringup.scenario import Scenario
+
+
+def law_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
+    """
+    Return the metrics of the scenario's kind of law, and whether its Lyapunov candidates fall.
+
+    `Scenario.readings` gives one metric each, ``<axis>_err_<time>_m``: path minus position of the first
+    vehicle along one NED axis at one instant (m), at the record nearest to it.
+
+    See `path_metrics`, `formation_metrics`, `region_metrics` and `flock_metrics` for their definitions.
+    """
+    if scenario.follows == "velocity":
+        return {}
+    metrics: dict[str, Any] = {}
+    if scenario.follows == "path":
+        metrics |= _readings(recording, scenario)
+        metrics |= path_metrics(recording, scenario)
+    return metrics | lyapunov_metrics(recording, scenario)
+
+
+def _readings(recording: Recording, scenario: Scenario) -> dict[str, float | None]:
+    error_m = position_error_ned_m(recording, scenario)[:, 0]
+    readings: dict[str, float | None] = {}
+    for reading in scenario.readings:
+        row = round(reading.time_s / scenario.period_s)
+        exists = row <= recording.n_ticks
+        readings[reading.key] = float(error_m[row, "xyz".index(reading.axis)]) if exists else None
+    return readings
