@@ -133,7 +133,7 @@ def test_settling_as_the_thesis_ran_it(fly_case, kind, x_s, y_wide_s, y_s, veloc
 
 # --- PD against augmented PD -----------------------------------------------------------------------------
 
-# overshoot x (m), undershoot y (m), rms (m), rms after 30 s (m), largest |x_e| and |y_e| after 100 s (m), N^2 s
+# overshoot x, undershoot y, rms, rms after 30 s, largest |x_e| and |y_e| after 100 s (all m), effort (N^2 s)
 COMPARED = {
     ("flat, thesis drag", "pfpd"): (0.3172, -0.2452, 0.5804, 0.0682, 0.077, 0.080, 3.950e6),
     ("flat, thesis drag", "pfapd"): (0.2780, -0.2261, 0.5764, 0.0001, 0.0, 0.0, 3.940e6),
