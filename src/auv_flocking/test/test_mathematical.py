@@ -37,6 +37,31 @@ def test_inside_the_spacing_it_is_minus_the_gradient_of_the_potential(own, spaci
 
 @MODERATE
 @given(OFFSETS, SPACINGS_M)
+def test_it_is_the_fall_of_its_own_potential_inside_and_outside(own, spacing_m):
+    assume(abs(math.hypot(*own) - spacing_m) > 1e-3)
+    law, other, step_m = Separation(Params(gain=1.5)), (0.0, 0.0, 0.0), 1e-6
+    gradient = [
+        (
+            law.potential(math.hypot(*np.add(own, e)), spacing_m)
+            - law.potential(math.hypot(*np.subtract(own, e)), spacing_m)
+        )
+        / (2.0 * step_m)
+        for e in step_m * np.eye(3)
+    ]
+    np.testing.assert_allclose(
+        law.velocity(own, other, spacing_m), np.negative(gradient), rtol=1e-4, atol=1e-4
+    )
+
+
+def test_the_potential_is_zero_from_the_spacing_on_and_endless_at_no_distance():
+    law = Separation(Params())
+    assert law.potential(2.0, 2.0) == law.potential(7.0, 2.0) == 0.0
+    assert law.potential(1.0, 2.0) == pytest.approx(math.log(0.25) + 3.0)
+    assert law.potential(0.0, 2.0) == math.inf
+
+
+@MODERATE
+@given(OFFSETS, SPACINGS_M)
 def test_at_and_beyond_the_spacing_it_is_zero(own, spacing_m):
     assume(math.hypot(*own) >= spacing_m)
     assert Separation(Params()).velocity(own, (0.0, 0.0, 0.0), spacing_m) == (0.0, 0.0, 0.0)

@@ -134,6 +134,18 @@ def test_the_order_of_neighbours_hardly_matters(view, is_leader):
     )
 
 
+def test_an_obstacle_is_met_with_the_laws_own_way_where_it_has_one():
+    class Odd:
+        def velocity(self, own, other, spacing_m):
+            return (1.0, 0.0, 0.0)
+
+        def obstacle_velocity(self, own, obstacle, spacing_m):
+            return (0.0, 7.0, spacing_m)
+
+    law = Flocking(replace(PARAMS, followers="blind"), Odd(), is_leader=False)
+    np.testing.assert_allclose(law.velocity(VIEW), COHESION + np.array([1.0, 7.0, 2.0]))
+
+
 def test_the_defaults_are_the_thesiss_law():
     defaults = Params()
     assert (defaults.spacing_m, defaults.cohesion_gain_ps, defaults.path_gain_ps) == (2.0, 1.0, 1.0)

@@ -24,6 +24,7 @@ Deviations, each behind a parameter whose default is the thesis's form:
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -62,10 +63,10 @@ class Params:
 
 
 class SeparationLaw(Protocol):
-    """A law of the folder ``separation``."""
+    """What every law of the folder ``separation`` has; what some have besides stands there."""
 
     def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
-        """Return the repulsive velocity (m/s; NED)."""
+        """Return the velocity because of another (m/s; NED)."""
 
 
 class Flocking:
@@ -74,6 +75,8 @@ class Flocking:
     def __init__(self, params: Params, separation: SeparationLaw, is_leader: bool) -> None:
         self._params = params
         self._separation = separation
+        self._from_obstacle = getattr(separation, "obstacle_velocity", separation.velocity)
+        self._learn = getattr(separation, "adapt", None)
         self._is_leader = is_leader
         self._steers_itself = params.leader_steers == "itself" if is_leader else params.followers == "printed"
 
@@ -115,11 +118,22 @@ class Flocking:
         for other in view.neighbours:
             feedback = _sum(feedback, self._separation.velocity(view.position, other, p.spacing_m))
         for obstacle, safety_distance_m in view.obstacles:
-            feedback = _sum(feedback, self._separation.velocity(view.position, obstacle, safety_distance_m))
+            feedback = _sum(feedback, self._from_obstacle(view.position, obstacle, safety_distance_m))
         feedback = limited(_scaled(feedback, p.bandwidth_ratio), p.correction_limit_mps)
         if p.feedforward == "flock":
             return _sum(feedback, view.flock_velocity)
         return _sum(feedback, view.path.velocity) if self._is_leader else feedback
+
+    def adapt(self, view: View, dt_s: float) -> None:
+        """
+        Let a separation law with a memory learn from one control period of `dt_s`; others have nothing to do.
+
+        The agent calls it once per control period, after `velocity` with the same view, and not while it
+        holds its station.
+        """
+        if self._learn is not None:
+            distances_m = [math.dist(view.position, other) for other in view.neighbours]
+            self._learn(distances_m, self._params.spacing_m, dt_s)
 
 
 def _sum(a: Vec3, b: Vec3) -> Vec3:

@@ -3,5 +3,12 @@ Separation laws: what keeps two vehicles, or a vehicle and an obstacle, apart.
 
 To add one, write one file with ``Params`` and ``Separation(params)`` with ``velocity(own, other, spacing_m)
 -> Vec3``: the velocity (m/s; NED, for unit gain) that the law asks of the vehicle at `own` because of
-`other`.  The file's name is its ``kind``.
+`other`.  The file's name is its ``kind``.  A law may have besides
+
+* ``obstacle_velocity(own, obstacle, spacing_m) -> Vec3``, where obstacles are not treated as vehicles are;
+* ``potential(distance_m, spacing_m) -> float`` and ``obstacle_potential`` (m^2/s), of which the velocities
+  are the falls: runs then say whether the flock's potential falls;
+* ``adapt(distances_m, spacing_m, dt_s)``, where it has a memory: called once per control period with the
+  distances to the neighbours.  ``Params`` says so with a property ``adapts``: such a law is refused in
+  continuous time.
 """

@@ -10,6 +10,7 @@ distance the repulsive potential becomes zero"); here it is zero for r >= d.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from auv_core.geometry import Vec3
@@ -50,3 +51,14 @@ class Separation:
             return (0.0, 0.0, 0.0)
         factor = self._gain * 2.0 * (spacing_m * spacing_m - square) / (square * square)
         return (factor * dx, factor * dy, factor * dz)
+
+    def potential(self, distance_m: float, spacing_m: float) -> float:
+        """
+        Return the potential of a pair (m^2/s), zero from the spacing on, of which `velocity` is the fall.
+
+        U(r) - U(d) of thesis Eq. (5.26), whose constant term has no meaning.
+        """
+        if distance_m >= spacing_m:
+            return 0.0
+        square = (distance_m / spacing_m) ** 2
+        return self._gain * (math.log(square) + 1.0 / square - 1.0) if square > 0.0 else math.inf

@@ -1,0 +1,120 @@
+"""
+Fuzzy separation that learns how hard to push (future work of thesis section 7.3).
+
+As ``fuzzy``, with output peaks that move.  A fuzzy law with fixed peaks does not push at the distance d, so
+that what pulls a flock together leaves its vehicles nearer than d: by how much, the width of the sets
+decides, and narrow sets are stiff.  Here all output peaks move by s,
+
+    s_dot = rate * clip(mean of (r_j - d), +-error_max),   |s| <= shift_max,
+
+over the neighbours within `reach_m` of d, until the force at d is what the others need: an integral of the
+distance error.  Distances then settle at d with wide, soft sets, which bear control periods of 0.1 s and the
+age of acoustic information.
+
+* The peaks keep their order and their spaces, so the curve keeps its shape; the centre of gravity moves with
+  them, and `shift_max_mps` bounds them.
+* Every vehicle has one s: it is the mean distance to its neighbours that comes to d.  In a regular flock of
+  up to four vehicles in space, so does every distance.
+* s only moves while someone is within reach, and waits at its bounds; obstacles are met with s = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from auv_core.geometry import Vec3
+from auv_core.params import param
+from auv_flocking.mamdani import Peaks, check_peaks, curve
+
+_NO_DIRECTION_M = 1e-9
+_ZERO: Vec3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Params:
+    """Sets, and how the output peaks move."""
+
+    input_peaks_m: Peaks = param(
+        "peaks of NB, N, Z, P, PB of distance minus spacing (m)", default=(-5.0, -0.5, 0.0, 0.5, 5.0)
+    )
+    output_peaks_mps: Peaks = param(
+        "peaks of NB, N, Z, P, PB of the attraction at the start (m/s for unit gain)",
+        default=(-2.0, -1.0, 0.0, 1.0, 2.0),
+    )
+    gain: float = param("factor on the velocity", default=1.0, above=0.0)
+    adaptation_rate_ps2: float = param(
+        "speed of the peaks per metre of distance error (1/s^2)", default=0.2, minimum=0.0
+    )
+    error_max_m: float = param(
+        "distance error beyond which the peaks move no faster (m)", default=0.5, above=0.0
+    )
+    reach_m: float = param("largest distance error of neighbours that count (m)", default=2.0, above=0.0)
+    shift_max_mps: float = param("largest movement of the peaks (m/s for unit gain)", default=1.5, above=0.0)
+
+    def __post_init__(self) -> None:
+        """Check the order of the sets."""
+        check_peaks("input_peaks_m", self.input_peaks_m)
+        check_peaks("output_peaks_mps", self.output_peaks_mps)
+
+    @property
+    def adapts(self) -> bool:
+        """Whether the law has a memory, which continuous time cannot keep for it."""
+        return True
+
+
+class Separation:
+    """Repulsion inside a distance that the law moves until pairs settle at the spacing."""
+
+    def __init__(self, params: Params) -> None:
+        self._params = params
+        self._curve = curve(params.input_peaks_m, params.output_peaks_mps)
+        self.shift_mps = 0.0
+
+    @property
+    def output_peaks_mps(self) -> Peaks:
+        """The output peaks of now (m/s for unit gain)."""
+        nb, n, z, p, pb = self._params.output_peaks_mps
+        s = self.shift_mps
+        return (nb + s, n + s, z + s, p + s, pb + s)
+
+    def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
+        """
+        Return the velocity along the pair (m/s; NED) with the peaks of now; zero under a nanometre.
+
+        Parameters
+        ----------
+        own, other : (3,) tuple
+            Positions (m; NED).
+        spacing_m : float
+            Safety distance d (m).
+
+        """
+        return self._along(own, other, spacing_m, self.shift_mps)
+
+    def obstacle_velocity(self, own: Vec3, obstacle: Vec3, spacing_m: float) -> Vec3:
+        """Return the velocity because of an obstacle (m/s; NED): with unmoved peaks, away from it only."""
+        if math.dist(own, obstacle) >= spacing_m:
+            return _ZERO
+        return self._along(own, obstacle, spacing_m, 0.0)
+
+    def adapt(self, distances_m: Sequence[float], spacing_m: float, dt_s: float) -> None:
+        """Move the peaks for one control period of `dt_s` with the distances to the neighbours (m)."""
+        p = self._params
+        errors_m = [distance_m - spacing_m for distance_m in distances_m]
+        near_m = [error_m for error_m in errors_m if abs(error_m) < p.reach_m]
+        if not near_m:
+            return
+        error_m = min(max(sum(near_m) / len(near_m), -p.error_max_m), p.error_max_m)
+        shift_mps = self.shift_mps + dt_s * p.adaptation_rate_ps2 * error_m
+        self.shift_mps = min(max(shift_mps, -p.shift_max_mps), p.shift_max_mps)
+
+    def _along(self, own: Vec3, other: Vec3, spacing_m: float, shift_mps: float) -> Vec3:
+        dx, dy, dz = own[0] - other[0], own[1] - other[1], own[2] - other[2]
+        distance_m = math.sqrt(dx * dx + dy * dy + dz * dz)
+        if distance_m < _NO_DIRECTION_M:
+            return _ZERO
+        attraction_mps = self._curve.at(distance_m - spacing_m) + shift_mps
+        factor = -self._params.gain * attraction_mps / distance_m
+        return (factor * dx, factor * dy, factor * dz)

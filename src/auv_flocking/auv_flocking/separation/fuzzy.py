@@ -1,0 +1,94 @@
+"""
+Fuzzy separation, thesis section 6.5: Mamdani inference from the distance of a pair to a force along it.
+
+Input r - d on [-5, 5] m, output f on [-2, 2] (positive is attraction), five triangular sets each, identity
+rules, centre of gravity: thesis Eqs. (6.32)-(6.33), Fig. 6.3.  The velocity of the vehicle at `own` is -f(r -
+d) (own - other) / r.
+
+The thesis tunes the peaks "by repetitive trial and error" and prints none.  The defaults give its distances:
+it is the narrow set of zero, 0.045 m, that keeps a flock near d.  It also makes the law stiff, some 80 1/s
+for four vehicles: a control period, or an integration step, of at most 0.02 s.
+
+Deviation: beyond the outer peaks the output stays what it is there.
+
+Deviation: the thesis takes the same law for obstacles, which would draw a flock to every obstacle within
+sight; here an obstacle only repels, `obstacles: printed` is the thesis's.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from auv_core.geometry import Vec3
+from auv_core.params import param
+from auv_flocking.mamdani import Peaks, check_peaks, curve
+
+_NO_DIRECTION_M = 1e-9
+_ZERO: Vec3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Params:
+    """The defaults give the distances of the thesis's Table 6.1."""
+
+    input_peaks_m: Peaks = param(
+        "peaks of NB, N, Z, P, PB of distance minus spacing (m)", default=(-5.0, -0.045, 0.0, 0.045, 5.0)
+    )
+    output_peaks_mps: Peaks = param(
+        "peaks of NB, N, Z, P, PB of the attraction (m/s for unit gain)", default=(-2.0, -1.0, 0.0, 1.0, 2.0)
+    )
+    gain: float = param("factor on the velocity", default=1.0, above=0.0)
+    obstacles: str = param(
+        "obstacles only repel, or attract from afar as printed", default="repel", choices=("repel", "printed")
+    )
+
+    def __post_init__(self) -> None:
+        """Check the order of the sets."""
+        check_peaks("input_peaks_m", self.input_peaks_m)
+        check_peaks("output_peaks_mps", self.output_peaks_mps)
+
+
+class Separation:
+    """Repulsion inside the spacing distance, attraction outside."""
+
+    def __init__(self, params: Params) -> None:
+        self._curve = curve(params.input_peaks_m, params.output_peaks_mps)
+        self._gain = params.gain
+        self._only_repels = params.obstacles == "repel"
+
+    def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
+        """
+        Return the velocity along the pair (m/s; NED); zero under a nanometre, where it has no direction.
+
+        Parameters
+        ----------
+        own, other : (3,) tuple
+            Positions (m; NED).
+        spacing_m : float
+            Safety distance d (m).
+
+        """
+        dx, dy, dz = own[0] - other[0], own[1] - other[1], own[2] - other[2]
+        distance_m = math.sqrt(dx * dx + dy * dy + dz * dz)
+        if distance_m < _NO_DIRECTION_M:
+            return _ZERO
+        factor = -self._gain * self._curve.at(distance_m - spacing_m) / distance_m
+        return (factor * dx, factor * dy, factor * dz)
+
+    def obstacle_velocity(self, own: Vec3, obstacle: Vec3, spacing_m: float) -> Vec3:
+        """Return the velocity because of an obstacle (m/s; NED): as `velocity`, away from it only."""
+        if self._only_repels and math.dist(own, obstacle) >= spacing_m:
+            return _ZERO
+        return self.velocity(own, obstacle, spacing_m)
+
+    def potential(self, distance_m: float, spacing_m: float) -> float:
+        """Return the potential of a pair (m^2/s), zero at the spacing, of which `velocity` is the fall."""
+        of_curve = self._curve.integral
+        return self._gain * (of_curve(distance_m - spacing_m) - of_curve(0.0))
+
+    def obstacle_potential(self, distance_m: float, spacing_m: float) -> float:
+        """Return the potential of an obstacle (m^2/s), of which `obstacle_velocity` is the fall."""
+        if self._only_repels and distance_m >= spacing_m:
+            return 0.0
+        return self.potential(distance_m, spacing_m)
