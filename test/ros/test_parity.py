@@ -1,6 +1,7 @@
 """Two times, one truth: lock-step runs repeat to the byte, and give the numbers of the run in one process."""
 
 import dataclasses
+import json
 import os
 import subprocess
 import sys
@@ -10,12 +11,12 @@ import pytest
 
 from auv_bringup.bag_reader import compare_bags, read_recording
 from auv_bringup.experiment import run_in_process
-from auv_bringup.scenario import load_scenario
+from auv_bringup.scenario import list_scenarios, load_scenario
 
 pytestmark = pytest.mark.ros
 
 TOLERANCE = 1e-9
-CHAPTER_5 = ["ch5_four_leaders", "ch5_one_leader", "ch5_one_leader_blind", "ch5_obstacles"]
+OF_THE_THESIS = [name for name, _ in list_scenarios() if name.startswith("ch")]
 
 
 def fly(scenario, out_dir, duration_s, *options):
@@ -60,9 +61,17 @@ def test_a_lockstep_run_equals_the_run_in_one_process(lossy_runs):
     assert_equals_in_process(lossy_runs[0])
 
 
-@pytest.mark.parametrize("scenario", CHAPTER_5)
-def test_chapter_5_in_lockstep_equals_the_run_in_one_process(scenario, tmp_path):
+@pytest.mark.parametrize("scenario", OF_THE_THESIS)
+def test_the_thesis_in_lockstep_equals_the_run_in_one_process(scenario, tmp_path):
     assert_equals_in_process(fly(scenario, tmp_path, 20))
+
+
+def test_noise_and_failures_of_the_navigation_are_the_same_in_lockstep(tmp_path):
+    noisy = "environment.navigation={kind: noisy, params: {failure_prob: 0.1}}"
+    results_dir = fly("ch2_pfpd", tmp_path, 10, "--set", noisy, "--set", "sampling=sampled")
+    assert_equals_in_process(results_dir)
+    metrics = json.loads((results_dir / "metrics.json").read_text(encoding="utf-8"))
+    assert 0.02 < metrics["safe_command_ratio"] < 0.3
 
 
 def test_another_seed_gives_another_bag(lossy_runs, tmp_path):

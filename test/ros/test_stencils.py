@@ -18,7 +18,7 @@ def states():
     from auv_core.messages import VehicleState
 
     quaternion = st.tuples(numbers, numbers, numbers, numbers)
-    return st.builds(VehicleState, st.integers(0, 2**62), vec3, quaternion, vec6)
+    return st.builds(VehicleState, st.integers(0, 2**62), vec3, quaternion, vec6, st.booleans())
 
 
 def read(data, kind):
@@ -46,6 +46,7 @@ def test_a_state_survives_the_way_through_its_message():
         assert_stamped(message.header, t_s, "map_ned")
         position, orientation = message.pose.position, message.pose.orientation
         assert message.tick == state.tick
+        assert message.valid == state.is_valid
         assert (position.x, position.y, position.z) == state.position
         assert (orientation.w, orientation.x, orientation.y, orientation.z) == state.attitude
         assert (message.twist.linear.x, message.twist.angular.z) == (state.nu[0], state.nu[5])
@@ -74,7 +75,7 @@ def test_odometry_and_transform_say_what_the_state_says():
         assert message.twist.twist.angular.z == state.nu[5]
         assert not message.pose.covariance.any()
         assert not message.twist.covariance.any()
-        (tf,) = read(transform.filled(t_s, *convert.state_numbers(state)[1:8]), TFMessage).transforms
+        (tf,) = read(transform.filled(t_s, *convert.state_numbers(state)[2:9]), TFMessage).transforms
         assert_stamped(tf.header, t_s, "map_ned")
         assert tf.child_frame_id == "auv_1/base_link_frd"
         assert tf.transform.translation.z == state.position[2]

@@ -151,7 +151,7 @@ class Scenario:
     acoustics: Acoustics = param("the medium between the vehicles")
     leaders: tuple[str, ...] = param("ids of the vehicles of a flock that know the path", default=())
     reference: Section | None = param("path to follow", default=None, plugins=REFERENCES)
-    readings: tuple[Reading, ...] = param("path errors to report at instants", default=())
+    readings: tuple[Reading, ...] = param("path errors to report at instants of the run", default=())
     environment: Environment = param("the water and its obstacles", default=Environment())
     random_starts: RandomStarts | None = param("starts for vehicles without one", default=None)
     seed: int = param("seed of every random number", default=1, minimum=0, maximum=2**31 - 1)

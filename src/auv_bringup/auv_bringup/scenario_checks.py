@@ -84,12 +84,6 @@ def _check_agent(scenario: Scenario) -> None:
         raise ValueError(
             "readings: not allowed; allowed: nothing, unless the controller follows a path by itself"
         )
-    for index, reading in enumerate(scenario.readings):
-        if reading.time_s > scenario.duration_s:
-            raise ValueError(
-                f"readings[{index}].time_s: {reading.time_s!r} is not allowed; "
-                f"allowed: at most duration_s = {scenario.duration_s!r}"
-            )
 
 
 def _check_frames(scenario: Scenario) -> None:

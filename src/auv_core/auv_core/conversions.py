@@ -33,7 +33,7 @@ from auv_msgs.msg import VehicleState as VehicleStateMsg
 
 WORLD_FRAME = "map_ned"
 
-_STATE = struct.Struct("<q13d?")
+_STATE = struct.Struct("<q?7x13d")
 _SIX = struct.Struct("<6d")
 _NO_COVARIANCE = (0.0,) * 36
 
@@ -71,18 +71,18 @@ def quaternion(q: Quat) -> Quaternion:
 
 def state_stencil() -> Stencil:
     """Return the small state message; fill it with `state_numbers`."""
-    return Stencil(VehicleStateMsg(header=header(0.0, WORLD_FRAME)), "q13d?")
+    return Stencil(VehicleStateMsg(header=header(0.0, WORLD_FRAME)), "q?7x13d")
 
 
 def state_numbers(state: VehicleState) -> tuple[float, ...]:
-    """Return tick, pose (NED; quaternion with w last), nu (body) and validity in the order of the message."""
+    """Return tick, validity, pose (NED; quaternion with w last) and nu (body) in the order of the message."""
     w, x, y, z = state.attitude
-    return (state.tick, *state.position, x, y, z, w, *state.nu, state.is_valid)
+    return (state.tick, state.is_valid, *state.position, x, y, z, w, *state.nu)
 
 
 def state_from_bytes(data: bytes) -> VehicleState:
     """Return the record of a serialised state message; raise ValueError for bytes that hold none."""
-    tick, px, py, pz, x, y, z, w, *nu, is_valid = read_numbers(data, _STATE)
+    tick, is_valid, px, py, pz, x, y, z, w, *nu = read_numbers(data, _STATE)
     six = (nu[0], nu[1], nu[2], nu[3], nu[4], nu[5])
     return VehicleState(tick, (px, py, pz), (w, x, y, z), six, is_valid)
 
@@ -96,7 +96,7 @@ def odometry_stencil(vehicle_id: str) -> Stencil:
 def odometry_numbers(state: VehicleState) -> tuple[float, ...]:
     """Return pose, its covariance, twist, its covariance; the truth has none."""
     numbers = state_numbers(state)
-    return (*numbers[1:8], *_NO_COVARIANCE, *numbers[8:14], *_NO_COVARIANCE)
+    return (*numbers[2:9], *_NO_COVARIANCE, *numbers[9:], *_NO_COVARIANCE)
 
 
 def transform_stencil(vehicle_id: str) -> Stencil:

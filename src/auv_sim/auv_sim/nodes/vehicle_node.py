@@ -106,7 +106,7 @@ class VehicleNode(Node):
         self._state_pub.publish(self._state_stencil.filled(t_s, *numbers))
         self._nav_pub.publish(self._state_stencil.filled(t_s, *convert.state_numbers(nav)))
         self._odom_pub.publish(self._odom_stencil.filled(t_s, *convert.odometry_numbers(state)))
-        self._tf_pub.publish(self._tf_stencil.filled(t_s, *numbers[1:8]))
+        self._tf_pub.publish(self._tf_stencil.filled(t_s, *numbers[2:9]))
         vehicle_id = self._config.vehicle_id
         if state.tick % MARKER_TICKS == 0:
             diameter_m = 2.0 * self._config.model.params.hull_radius_m
