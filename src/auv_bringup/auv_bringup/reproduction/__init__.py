@@ -27,16 +27,16 @@ from __future__ import annotations
 import importlib
 import re
 import shlex
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from matplotlib.figure import Figure as Canvas
-
 from auv_core.plugins import list_plugins
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
     from auv_bringup.recording import Recording
     from auv_bringup.scenario import Scenario
 
@@ -238,13 +238,19 @@ def _chapter(key: str, modules: list[ModuleType]) -> Chapter:
     return Chapter(
         key,
         titles[0] if titles else _TITLES.get(key, key.replace("_", " ").capitalize()),
-        _once(item for module in modules for item in getattr(module, "FIGURES", ())),
-        _once(item for module in modules for item in getattr(module, "TABLES", ())),
-        _once(item for module in modules for item in getattr(module, "CLAIMS", ())),
+        _items(modules, "FIGURES", Figure),
+        _items(modules, "TABLES", Table),
+        _items(modules, "CLAIMS", Claim),
     )
 
 
-def _once(items: Iterable[Any]) -> tuple[Any, ...]:
+def _items(modules: list[ModuleType], word: str, kind: type[Any]) -> tuple[Any, ...]:
+    """Return what the modules have under a word, each item once."""
+    items = [item for module in modules for item in getattr(module, word, ())]
+    for item in items:
+        if not isinstance(item, kind):
+            names = ", ".join(module.__name__ for module in modules)
+            raise ChapterError(f"{names}: {word} holds {item!r}; allowed: {kind.__name__}")
     return tuple(dict.fromkeys(items))
 
 

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 PAGE_FILE = "index.html"
 SUMMARY_FILE = "summary.json"
-FIGURES = "figures"
+FIGURES_FOLDER = "figures"
 
 _TITLE = "The thesis, redone"
 _SIGNS = {
@@ -77,7 +77,7 @@ def write_page(folder: Path, chapters: Sequence[ChapterOutcome], making: Making)
 
     """
     folder.mkdir(parents=True, exist_ok=True)
-    _write_figures(folder / FIGURES, chapters)
+    _write_figures(folder / FIGURES_FOLDER, chapters)
     summary = _summary(chapters, making)
     text = json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False)
     (folder / SUMMARY_FILE).write_text(text + "\n", encoding="utf-8")
@@ -348,7 +348,7 @@ def _chapter_summary(outcome: ChapterOutcome) -> dict[str, Any]:
         if isinstance(one.item, Table):
             known["rows"] = [vars(row) for row in _rows(one)]
         if isinstance(one.item, Figure):
-            known["file"] = f"{FIGURES}/{figure_file(one.item)}" if one.failure is None else None
+            known["file"] = f"{FIGURES_FOLDER}/{figure_file(one.item)}" if one.failure is None else None
         kind = (
             "claims"
             if isinstance(one.item, Claim)

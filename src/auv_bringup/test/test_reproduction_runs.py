@@ -1,0 +1,248 @@
+"""Claims about the runs of the reproduction: each once, kept, one failing alone, ended by Ctrl-C."""
+
+import io
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from auv_bringup import experiment
+from auv_bringup.recording import RecordingError
+from auv_bringup.reproduction import RunSpec, runner, store, workers
+from auv_bringup.reproduction.store import Store, plan_run
+from auv_bringup.reproduction.tally import Tally
+
+FOUR = RunSpec("ch5_four_leaders", ("dt_s=0.1",), 1.0)
+ONE = RunSpec("ch5_one_leader", ("dt_s=0.1",), 1.0)
+LONGER = RunSpec("ch5_one_leader", ("dt_s=0.1",), 2.0)
+WRONG = RunSpec("ch5_one_leader", ("nonsense=1",))
+WAIT_S = 30.0
+
+
+def fly(specs, folder, **options):
+    stream = io.StringIO()
+    with Tally("runs", stream) as tally:
+        flown = runner.fly_all(specs, Store(folder), n_workers=2, tally=tally, **options)
+    return flown, stream.getvalue()
+
+
+@pytest.fixture
+def flights(monkeypatch, tmp_path):
+    """Count flights, which happen in other processes, by what each leaves in a file."""
+    log = tmp_path / "flights.log"
+    log.touch()
+    fly_truly = experiment.run_in_process
+
+    def counted(scenario, **options):
+        with log.open("a") as stream:
+            stream.write(f"{scenario.name} {scenario.duration_s:g}\n")
+        return fly_truly(scenario, **options)
+
+    monkeypatch.setattr(experiment, "run_in_process", counted)
+    return lambda: sorted(log.read_text().splitlines())
+
+
+def test_a_run_that_is_asked_for_twice_is_flown_once(tmp_path, flights):
+    same = RunSpec("ch5_four_leaders", ("dt_s=1.0e-1", "duration_s=1"))
+    flown, _ = fly([FOUR, ONE, FOUR, same], tmp_path)
+    assert flights() == ["ch5_four_leaders 1", "ch5_one_leader 1"]
+    assert flown.planned[FOUR].key == flown.planned[same].key != flown.planned[ONE].key
+    assert not flown.failed
+
+
+def test_the_longest_run_begins_first(tmp_path, monkeypatch):
+    order = []
+    monkeypatch.setattr(runner, "spread", lambda calls, n, **_: order.extend(c.args[0].spec for c in calls))
+    fly([FOUR, LONGER, ONE], tmp_path)
+    assert order[0] == LONGER
+
+
+def test_a_second_call_flies_what_is_new_only(tmp_path, flights):
+    first, _ = fly([FOUR], tmp_path)
+    second, words = fly([FOUR, ONE], tmp_path)
+    assert flights() == ["ch5_four_leaders 1", "ch5_one_leader 1"]
+    assert (first.kept, second.kept) == (set(), {first.planned[FOUR].key})
+    assert "runs: 1, and 1 kept" in words
+    assert second.wall_s[first.planned[FOUR].key] > 0.0
+
+
+def test_fresh_flies_everything_again(tmp_path, flights):
+    fly([FOUR], tmp_path)
+    fly([FOUR], tmp_path, is_fresh=True)
+    assert flights() == ["ch5_four_leaders 1"] * 2
+
+
+def test_another_source_is_another_run(tmp_path, flights, monkeypatch):
+    fly([FOUR], tmp_path)
+    monkeypatch.setattr(store, "source_version", lambda: "other")
+    fly([FOUR], tmp_path)
+    assert flights() == ["ch5_four_leaders 1"] * 2
+    assert Store(tmp_path).forget_old() == 1
+    assert len([path for path in tmp_path.iterdir() if path.is_dir()]) == 1
+
+
+def test_the_source_of_runs_is_what_they_import():
+    files = {"/".join(path.parts[-2:]) for path in store._source_files()}
+    assert files >= {
+        "auv_bringup/experiment.py",
+        "auv_bringup/metrics.py",
+        "auv_bringup/continuous.py",
+        "controllers/pfpd.py",
+        "presets/table_2_1.yaml",
+        "separation/mathematical.py",
+    }
+    assert not files & {"auv_bringup/report.py", "auv_bringup/launcher.py", "reproduction/page.py"}
+    assert not {file for file in files if file.startswith(("nodes/", "scenarios/"))}
+
+
+def test_what_is_kept_is_what_was_flown(tmp_path):
+    flown, _ = fly([FOUR], tmp_path)
+    key = flown.planned[FOUR].key
+    recording = Store(tmp_path).recording(key)
+    expected = experiment.run_in_process(plan_run(FOUR).scenario)
+    assert (recording.position_ned_m == expected.position_ned_m).all()
+    assert Store(tmp_path).metrics(key)["scenario"] == "ch5_four_leaders"
+
+
+def test_an_interrupted_store_leaves_no_run_behind(tmp_path):
+    unfinished = tmp_path / "0123.99.unfinished"
+    unfinished.mkdir()
+    assert Store(tmp_path).forget_old() == 1
+    with pytest.raises(RecordingError, match="not a recording"):
+        Store(tmp_path).recording("0123")
+
+
+def test_a_run_that_cannot_be_resolved_fails_alone(tmp_path):
+    flown, words = fly([WRONG, FOUR], tmp_path)
+    assert list(flown.failed) == [WRONG]
+    assert "unknown key 'nonsense'" in flown.failed[WRONG].line
+    assert f"error: {WRONG}: " in words
+    assert Store(tmp_path).has(flown.planned[FOUR])
+
+
+def test_a_run_that_raises_fails_alone(tmp_path, monkeypatch):
+    fly_truly = experiment.run_in_process
+
+    def sink(scenario, **options):
+        if scenario.name == "ch5_one_leader":
+            raise ArithmeticError("it\nsank")
+        return fly_truly(scenario, **options)
+
+    monkeypatch.setattr(experiment, "run_in_process", sink)
+    flown, words = fly([ONE, FOUR], tmp_path)
+    assert list(flown.failed) == [ONE]
+    assert flown.failed[ONE].line == "ArithmeticError: it sank"
+    assert "in sink" in flown.failed[ONE].traceback
+    assert "error: ch5_one_leader" in words
+    assert Store(tmp_path).has(flown.planned[FOUR])
+    assert not Store(tmp_path).has(flown.planned[ONE])
+
+
+def collect(calls, n_workers=2):
+    results, amounts = {}, []
+    workers.spread(calls, n_workers, on_result=results.__setitem__, on_progress=amounts.append)
+    return results, amounts
+
+
+def test_calls_need_not_be_picklable_and_tell_progress():
+    def call(number):
+        def inner(advance):
+            advance(0.5)
+            return number
+
+        return inner
+
+    results, amounts = collect([call(n) for n in range(5)])
+    assert results == {n: n for n in range(5)}
+    assert amounts[-1] == 2.5
+
+
+def test_a_result_that_cannot_be_sent_is_a_failure():
+    results, _ = collect([lambda advance: lambda: None, lambda advance: 1])
+    assert isinstance(results[0], workers.Failure)
+    assert results[1] == 1
+
+
+def test_a_killed_worker_is_a_failure():
+    results, _ = collect([lambda advance: os.kill(os.getpid(), signal.SIGKILL)])
+    assert "was killed" in results[0].line
+
+
+def test_no_calls_need_no_worker():
+    assert collect([]) == ({}, [])
+
+
+FLIES_FOR_LONG = """
+import sys
+from auv_bringup.reproduction import Chapter, Claim, RunSpec, Verdict, cli
+specs = [RunSpec("flock_acoustic", (f"seed={seed}",)) for seed in range(3)]
+claims = tuple(Claim("9", spec.overrides[0], (spec,), lambda runs: Verdict("holds", "")) for spec in specs)
+sys.exit(cli.main(["--out", sys.argv[1], "--workers", "2"], [Chapter("ch9", "Long", (), (), claims)]))
+"""
+
+
+@pytest.fixture
+def long_command(tmp_path):
+    """Start a reproduction that takes long, in a session of its own; give it when its workers fly."""
+    started = threading.Event()
+    log = tmp_path / "log"
+    environ = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    with log.open("wb") as stream:
+        process = subprocess.Popen(
+            [sys.executable, "-c", FLIES_FOR_LONG, str(tmp_path / "out")],
+            stdout=stream,
+            stderr=stream,
+            env=environ,
+            start_new_session=True,
+        )
+    try:
+        wait_until(started, lambda: len(members(process.pid)) == 3)
+        yield process, log
+    finally:
+        if members(process.pid):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait(WAIT_S)
+
+
+def members(session):
+    """Return the processes of a session that still run."""
+    found = []
+    for path in Path("/proc").iterdir():
+        if path.name.isdigit():
+            try:
+                fields = (path / "stat").read_text().rpartition(")")[2].split()
+            except OSError:
+                continue
+            if int(fields[3]) == session and fields[0] != "Z":
+                found.append(int(path.name))
+    return found
+
+
+def wait_until(event, condition):
+    for _ in range(int(WAIT_S / 0.05)):
+        if condition():
+            return
+        event.wait(0.05)
+    raise AssertionError("it did not happen in time")
+
+
+@pytest.mark.parametrize("send", [os.kill, os.killpg], ids=["to the command", "to all, as a terminal does"])
+def test_ctrl_c_ends_it_in_one_line_and_leaves_no_process(long_command, send):
+    process, log = long_command
+    send(process.pid, signal.SIGINT)
+    assert process.wait(WAIT_S) == 130
+    assert members(process.pid) == []
+    *_, last = log.read_text().splitlines()
+    assert last == "error: interrupted; finished runs are kept for the next call"
+    assert "Traceback" not in log.read_text()
+
+
+def test_a_killed_command_leaves_no_process(long_command):
+    process, _ = long_command
+    process.kill()
+    process.wait(WAIT_S)
+    wait_until(threading.Event(), lambda: members(process.pid) == [])
