@@ -1,0 +1,41 @@
+"""Command that computes the H-infinity feedback for thesis Table 2.1 and writes its preset."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from auv_bringup.h_infinity_synthesis import Weights, preset_axes, preset_file, preset_text
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Compute, report and write, or compare with what is written; return the exit status."""
+    parser = argparse.ArgumentParser(
+        prog="./scripts/synthesise_h_infinity",
+        description="Compute the gains of the h_infinity path-following law for the vehicle of thesis Table "
+        "2.1: the smallest gain from disturbing force to errors and effort by bisection, the feedback for a "
+        "little more than that, and what the loop achieves, found twice without the Riccati equation.",
+    )
+    parser.add_argument("--check", action="store_true", help="write nothing; fail if the preset is another")
+    is_check = parser.parse_args(arguments).check
+    weights = Weights()
+    axes = preset_axes(weights)
+    for name, axis in zip(("surge", "sway"), axes, strict=True):
+        q, e, v = axis.gain[0]
+        print(f"{name}: F = [{q:.2f} N/(m s), {e:.2f} N/m, {v:.2f} N s/m]")
+        print(f"  gamma: smallest {axis.gamma_best:.6f}, asked for {axis.gamma:.6f}")
+        print(f"  norm of the loop: {axis.norm_hamiltonian:.6f} by its Hamiltonian matrix, ", end="")
+        print(f"{axis.norm_sweep:.6f} by a sweep of frequencies")
+    text, file = preset_text(weights, axes), preset_file()
+    if is_check:
+        is_same = file.is_file() and file.read_text(encoding="utf-8") == text
+        print(f"{file.name}: {'as computed' if is_same else 'differs from what is computed'}")
+        return 0 if is_same else 1
+    file.write_text(text, encoding="utf-8")
+    print(f"written: {file}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

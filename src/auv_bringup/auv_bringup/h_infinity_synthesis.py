@@ -1,0 +1,212 @@
+"""
+Synthesis of the H-infinity state feedback of `auv_control.controllers.h_infinity`.
+
+Along one axis, about a path flown at a steady speed, x = [q, e, nu_e] with q' = e, e' = nu_e and
+
+    m nu_e' = -d nu_e - u + w,      d = d_L + 2 d_Q |speed|
+
+u is what the law adds to its feed-forward, w every force that it does not know.  With scales for what is
+meant to be small, z = [q / q_max, e / e_max, nu_e / nu_max, u / u_max] and w in units of w_max, the
+feedback u = F x keeps |z|_2 <= gamma |w|_2 where the Riccati equation
+
+    A^T P + P A + C^T C + P (B1 B1^T / gamma^2 - B2 R^-1 B2^T) P = 0,      F = -R^-1 B2^T P
+
+has a stabilising P > 0 (Doyle, Glover, Khargonekar, Francis 1989).  A bisection finds the smallest gamma;
+it is w_max / u_max, since integral action answers a steady w with u = w.  Near it gains grow without bound,
+so the law takes `margin` times that.
+
+What the closed loop achieves is computed without P, twice: by bisection on the eigenvalues of its Hamiltonian
+matrix (Boyd, Balakrishnan, Kabamba 1989) and from a sweep of frequencies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, solve_continuous_are
+
+import auv_control.controllers
+import auv_core.models
+
+Matrix = NDArray[np.float64]
+
+PRESET = "h_infinity_table_2_1"
+PLANT = "table_2_1"
+DIGITS = 8
+_BISECTIONS = 60
+_SWEEP_RADPS = np.logspace(-4.0, 3.0, 20_001)
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Scales of what is to be kept small, of what disturbs, and how far from the best gain to stay."""
+
+    integral_ms: float = 2.0
+    position_m: float = 0.2
+    velocity_mps: float = 0.5
+    force_n: float = 30.0
+    disturbance_n: float = 20.0
+    margin: float = 1.25
+    speed_mps: float = 0.1
+
+
+@dataclass(frozen=True)
+class Plant:
+    """x' = A x + B1 w + B2 u and z = [C x; u / force_n], with w in units of its scale."""
+
+    a: Matrix
+    b1: Matrix
+    b2: Matrix
+    c: Matrix
+    r: float
+
+
+@dataclass(frozen=True)
+class Synthesis:
+    """Feedback u = F x with the Riccati solution, the gains asked for and the norms achieved."""
+
+    gain: Matrix
+    riccati: Matrix
+    gamma_best: float
+    gamma: float
+    norm_hamiltonian: float
+    norm_sweep: float
+
+
+def axis_plant(mass_kg: float, linear: float, quadratic: float, weights: Weights) -> Plant:
+    """Return the weighted plant of one axis with mass (kg) and damping (N s/m, N s^2/m^2)."""
+    damping = linear + 2.0 * quadratic * weights.speed_mps
+    scales = (weights.integral_ms, weights.position_m, weights.velocity_mps)
+    return Plant(
+        a=np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -damping / mass_kg]]),
+        b1=np.array([[0.0], [0.0], [weights.disturbance_n / mass_kg]]),
+        b2=np.array([[0.0], [0.0], [-1.0 / mass_kg]]),
+        c=np.diag([1.0 / scale for scale in scales]),
+        r=weights.force_n**-2,
+    )
+
+
+def synthesise(plant: Plant, margin: float) -> Synthesis:
+    """Return the feedback for `margin` times the smallest gain that can be kept."""
+    best = _smallest_gamma(plant)
+    gamma = margin * best
+    riccati = riccati_solution(plant, gamma)
+    if riccati is None:
+        raise ValueError(f"margin: {margin!r} is not allowed; allowed: a number above 1")
+    gain = feedback(plant, riccati)
+    loop = closed_loop(plant, gain)
+    return Synthesis(gain, riccati, best, gamma, hamiltonian_norm(*loop), sweep_norm(*loop))
+
+
+def riccati_solution(plant: Plant, gamma: float) -> Matrix | None:
+    """Return the stabilising P > 0 for a gain, None where there is none."""
+    weight = np.diag([-gamma * gamma, plant.r])
+    try:
+        p = solve_continuous_are(plant.a, np.hstack([plant.b1, plant.b2]), plant.c.T @ plant.c, weight)
+    except LinAlgError:
+        return None
+    p = 0.5 * (p + p.T)
+    loop = plant.a + plant.b2 @ feedback(plant, p)
+    worst = loop + plant.b1 @ plant.b1.T @ p / gamma**2
+    is_stable = max(np.linalg.eigvals(matrix).real.max() for matrix in (loop, worst)) < 0.0
+    return p if is_stable and np.linalg.eigvalsh(p).min() > 0.0 else None
+
+
+def feedback(plant: Plant, riccati: Matrix) -> Matrix:
+    """Return F = -R^-1 B2^T P, a row."""
+    gain: Matrix = -(plant.b2.T @ riccati) / plant.r
+    return gain
+
+
+def closed_loop(plant: Plant, gain: Matrix) -> tuple[Matrix, Matrix, Matrix]:
+    """Return A, B and C of the loop from w to z."""
+    return plant.a + plant.b2 @ gain, plant.b1, np.vstack([plant.c, np.sqrt(plant.r) * gain])
+
+
+def hamiltonian_norm(a: Matrix, b: Matrix, c: Matrix) -> float:
+    """
+    Return the H-infinity norm of C (sI - A)^-1 B by bisection: a gain is above it where no eigenvalue of
+    [[A, B B^T / g^2], [-C^T C, -A^T]] lies on the imaginary axis.
+    """
+    low, high = 1e-9, 1e9
+    for _ in range(2 * _BISECTIONS):
+        middle = np.sqrt(low * high)
+        matrix = np.block([[a, b @ b.T / middle**2], [-c.T @ c, -a.T]])
+        values = np.linalg.eigvals(matrix)
+        touches = bool((np.abs(values.real) < 1e-7 * (1.0 + np.abs(values))).any())
+        low, high = (middle, high) if touches else (low, middle)
+    return float(high)
+
+
+def sweep_norm(a: Matrix, b: Matrix, c: Matrix) -> float:
+    """Return the largest singular value of C (jw - A)^-1 B over a sweep of w: the norm, or just below."""
+    identity = np.eye(len(a))
+    inputs = np.broadcast_to(b, (len(_SWEEP_RADPS), *b.shape))
+    resolvents = np.linalg.solve(1j * _SWEEP_RADPS[:, np.newaxis, np.newaxis] * identity - a, inputs)
+    return float(np.linalg.norm(c @ resolvents, ord=2, axis=(1, 2)).max())
+
+
+def preset_axes(weights: Weights) -> tuple[Synthesis, Synthesis]:
+    """Return the syntheses of surge and sway for thesis Table 2.1."""
+    file = Path(str(auv_core.models.__file__)).parent / f"presets/{PLANT}.yaml"
+    numbers = yaml.safe_load(file.read_text(encoding="utf-8"))["params"]
+    surge, sway = (
+        synthesise(
+            axis_plant(
+                numbers["inertia"][axis],
+                numbers["linear_damping"][axis],
+                numbers["quadratic_damping"][axis],
+                weights,
+            ),
+            weights.margin,
+        )
+        for axis in (0, 1)
+    )
+    return surge, sway
+
+
+def preset_params(axes: tuple[Synthesis, Synthesis]) -> dict[str, list[float]]:
+    """Return the parameters of the law, rounded to the digits of the preset."""
+    upper = np.triu_indices(3)
+    return {
+        "surge_gain": _rounded(axes[0].gain[0]),
+        "sway_gain": _rounded(axes[1].gain[0]),
+        "surge_riccati": _rounded(axes[0].riccati[upper]),
+        "sway_riccati": _rounded(axes[1].riccati[upper]),
+        "gamma": _rounded([axis.gamma for axis in axes]),
+        "achieved_norm": _rounded([axis.norm_hamiltonian for axis in axes]),
+    }
+
+
+def preset_file() -> Path:
+    """Return where the preset is."""
+    return Path(str(auv_control.controllers.__file__)).parent / f"presets/{PRESET}.yaml"
+
+
+def preset_text(weights: Weights, axes: tuple[Synthesis, Synthesis]) -> str:
+    """Return the preset as YAML."""
+    lines = [
+        f"# H-infinity state feedback for the plant {PLANT}; written by ./scripts/synthesise_h_infinity.",
+        "# " + ", ".join(f"{key} {value:g}" for key, value in asdict(weights).items()),
+        "kind: h_infinity",
+        "params:",
+        *(f"  {key}: {value}" for key, value in preset_params(axes).items()),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _smallest_gamma(plant: Plant) -> float:
+    low, high = 1e-6, 1e6
+    for _ in range(_BISECTIONS):
+        middle = float(np.sqrt(low * high))
+        low, high = (middle, high) if riccati_solution(plant, middle) is None else (low, middle)
+    return high
+
+
+def _rounded(values: Any) -> list[float]:
+    return [float(f"{float(value):.{DIGITS}g}") for value in values]
