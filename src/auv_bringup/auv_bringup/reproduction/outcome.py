@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from typing import TYPE_CHECKING
 
 import matplotlib
@@ -121,9 +121,7 @@ def evaluate_item(
 ) -> Content:
     """Draw, fill or judge one item from its finished runs."""
     del advance
-    runs = [
-        Run(run.spec, run.scenario, _recording(store, run.key), store.metrics(run.key)) for run in planned
-    ]
+    runs: list[Run] = [_KeptRun(run, store) for run in planned]
     if isinstance(item, Figure):
         return _png(item, runs)
     if isinstance(item, Table):
@@ -135,6 +133,25 @@ def evaluate_item(
     if not isinstance(verdict, Verdict):
         raise TypeError(f"{name_of(item)}: its function must return a verdict")
     return verdict
+
+
+class _KeptRun(Run):
+    """A run from the store; its recording is read when first looked at: many tables need metrics only."""
+
+    def __init__(self, planned: PlannedRun, store: Store) -> None:
+        for name, value in (
+            ("spec", planned.spec),
+            ("scenario", planned.scenario),
+            ("metrics", store.metrics(planned.key)),
+            ("_read", partial(_recording, store, planned.key)),
+        ):
+            object.__setattr__(self, name, value)
+
+    @cached_property
+    def recording(self) -> Recording:
+        """What happened."""
+        recording: Recording = self.__dict__["_read"]()
+        return recording
 
 
 def _failure_of_runs(item: Item, flown: Flown) -> Failure | None:

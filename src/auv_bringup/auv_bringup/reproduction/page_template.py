@@ -63,8 +63,9 @@ summary { cursor: pointer; }
 $failures
 <section>
 <h2>In short</h2>
-<p>Each claim, table and figure of the thesis's simulations, made again from our own runs. A verdict is
-computed from the numbers beside it; where ours disappoint, they are shown all the same.</p>
+<p>Each claim, table and figure of the simulations in the thesis behind this project (Sahu 2015), made again
+from our own runs. A verdict is computed from the numbers beside it; where ours disappoint, they are shown all
+the same. What the thesis does not have is numbered with a letter.</p>
 $counts
 </section>
 <nav aria-label="Contents">
