@@ -125,8 +125,8 @@ FIGURES = (
         "Position errors of AUV1, circle",
         (CIRCLE,),
         lambda canvas, runs: _position_errors(canvas, runs[0], (0.0, 100.0)),
-        "Path minus vehicle. Lightly damped in all four axes (damping ratios of 0.05 to 0.08); drag, which grows "
-        "with the square of the speed, ends the first swing.",
+        "Path minus vehicle. All four axes are lightly damped (damping ratios of 0.05 to 0.08); drag, which "
+        "grows with the square of the speed, ends the first swing.",
     ),
     Figure(
         "3.6",
@@ -141,8 +141,8 @@ FIGURES = (
         "Forces and moment of AUV1, circle",
         (CIRCLE,),
         lambda canvas, runs: _forces(canvas, runs[0], (-2000.0, 10000.0)),
-        "The peak is K_D Λ e(0) = 50 x 20 x 10 m = 10 kN on z, on a vehicle of 126.5 kg. What remains later is "
-        "too small to be seen on this axis, and not zero.",
+        "The peak is K_D Λ e(0) = 50 x 20 x 10 m = 10 kN on z, on a vehicle of 126.5 kg. What remains later "
+        "is too small for this axis, and not zero.",
     ),
     Figure(
         "3.8",
@@ -198,7 +198,7 @@ FIGURES = (
         "Difference of the distances, spiral",
         (SPIRAL,),
         lambda canvas, runs: _difference(canvas, runs[0], (0.0, 2000.0), (-0.2, 1.2)),
-        "The start fills the thesis's axis, the rest is zero on it. Starts that fit are rare: on a grid of half "
-        "a metre there are none.",
+        "The start fills the thesis's axis, the rest is zero on it. Starts that fit are rare: none were found "
+        "on a grid of half a metre, some on one of 0.1 m.",
     ),
 )
