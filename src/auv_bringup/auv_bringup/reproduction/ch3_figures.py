@@ -198,7 +198,7 @@ FIGURES = (
         "Difference of the distances, spiral",
         (SPIRAL,),
         lambda canvas, runs: _difference(canvas, runs[0], (0.0, 2000.0), (-0.2, 1.2)),
-        "The start fills the thesis's axis, the rest is zero on it. Starts that fit are rare: none were found "
-        "on a grid of half a metre, some on one of 0.1 m.",
+        "The start fills the thesis's axis, the rest is zero on it. Starts that fit are rare: a search on a "
+        "grid of half a metre found none, one of 0.1 m did.",
     ),
 )
