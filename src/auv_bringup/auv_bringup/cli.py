@@ -223,10 +223,14 @@ def _introduce(plan: Plan, folder: Path) -> None:
 def _fly_in_process(plan: Plan, folder: Path, options: argparse.Namespace) -> int:
     from auv_bringup.experiment import run_in_process
     from auv_bringup.progress import Progress
+    from auv_sim.vehicle import DivergedError
 
     with Progress(plan.scenario.duration_s) as progress:
         start_s = time.monotonic()
-        recording = run_in_process(plan.scenario, on_progress=progress.update)
+        try:
+            recording = run_in_process(plan.scenario, on_progress=progress.update)
+        except DivergedError as error:
+            return _fail(LOST, f"{error}; nothing is recorded")
         wall_s = time.monotonic() - start_s
     if not options.no_bag:
         recording.save(folder / results.RECORDING_FILE)

@@ -10,7 +10,7 @@ value of every pixel column: no extreme is lost.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -117,9 +117,11 @@ class _Run:
         return [f"{name} (leader)" if is_mixed and name in leaders else name for name in ids]
 
 
-def draw_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> list[Figure]:
+def draw_figures(
+    recording: Recording, scenario: Scenario, out_dir: Path, *, only: Collection[str] | None = None
+) -> list[Figure]:
     """
-    Draw every figure whose data exist, as PNG files.
+    Draw every figure of a group whose data exist, as PNG files.
 
     Parameters
     ----------
@@ -129,6 +131,8 @@ def draw_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> lis
         What was asked for: path, obstacles, leaders, hull radius, name.
     out_dir : Path
         Folder for the files; made if it does not exist.
+    only : collection of str, optional
+        Names of the figures to draw; all, if left out.
 
     Returns
     -------
@@ -140,6 +144,8 @@ def draw_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> lis
     out_dir.mkdir(parents=True, exist_ok=True)
     figures = []
     for name, draw in _DRAWERS.items():
+        if only is not None and name not in only:
+            continue
         with matplotlib.rc_context(STYLE):
             drawing = draw(run)
             if drawing is None:

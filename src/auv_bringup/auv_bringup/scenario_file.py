@@ -19,6 +19,7 @@ import auv_control.controllers
 import auv_core.models
 import auv_sim.acoustics
 from auv_core.params import ConfigError, shown
+from auv_core.plugins import plugin_places
 
 SCENARIOS_DIR = Path(__file__).parent / "scenarios"
 ID = re.compile(r"[a-z][a-z0-9_]{0,30}\Z")
@@ -195,11 +196,11 @@ def _with_preset(owner: Any, key: str, package: ModuleType, path: str) -> Any:
 
 
 def _preset(package: ModuleType, name: object, path: str) -> dict[str, Any]:
-    folder = Path(str(package.__file__)).parent / "presets"
-    names = sorted(file.stem for file in folder.glob("*.yaml"))
-    if not isinstance(name, str) or name not in names:
-        raise ConfigError(f"{path}: {shown(name)} is not allowed; allowed: {', '.join(names)}")
-    return read_raw(folder / f"{name}.yaml")
+    places = reversed(plugin_places(package.__name__))
+    files = {file.stem: file for place in places for file in place.glob("presets/*.yaml")}
+    if not isinstance(name, str) or name not in files:
+        raise ConfigError(f"{path}: {shown(name)} is not allowed; allowed: {', '.join(sorted(files))}")
+    return read_raw(files[name])
 
 
 def _merged(preset: Any, explicit: Any) -> Any:

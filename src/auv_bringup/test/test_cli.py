@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from auv_bringup import cli, experiment, figures
+from auv_bringup import cli, experiment, law_figures
 from auv_bringup.plan import make_plan
 from auv_bringup.scenario import SCENARIOS_DIR, list_scenarios, load_scenario
 
@@ -223,7 +223,7 @@ def test_an_internal_error_leaves_its_traceback_in_the_logs(tmp_path, capsys, mo
     def broken(*_):
         raise ZeroDivisionError("first line\nsecond line")
 
-    monkeypatch.setattr(figures, "draw_figures", broken)
+    monkeypatch.setattr(law_figures, "run_figures", broken)
     assert run(tmp_path, "--mode", "inprocess", "--duration", "1") == 1
     (name,) = folders(tmp_path)
     last = capsys.readouterr().err.splitlines()[-1]

@@ -7,12 +7,14 @@ Positions are NED (m), attitudes are unit quaternions body to NED, nu is the bod
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from auv_core.geometry import Quat, Vec3
 
 Vec6 = tuple[float, float, float, float, float, float]
+
+
+_LARGEST = 1e9
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,8 +33,10 @@ class VehicleState:
 
 
 def is_usable(state: VehicleState) -> bool:
-    """Return whether `state` is valid and all its numbers are finite."""
-    return state.is_valid and math.isfinite(sum(state.position) + sum(state.attitude) + sum(state.nu))
+    """Return whether `state` is valid and all its numbers are finite and of this world."""
+    return state.is_valid and all(
+        [abs(number) <= _LARGEST for number in (*state.position, *state.attitude, *state.nu)]
+    )
 
 
 @dataclass(frozen=True, slots=True)

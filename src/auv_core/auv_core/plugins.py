@@ -1,11 +1,21 @@
-"""Plugin folders: a kind is the name of a file, and a new file is all that a new kind takes."""
+"""
+Plugin folders: a kind is the name of a file, and a new file is all that a new kind takes.
+
+Beside the folders of the packages, those named in the environment variable ``SHOAL_PLUGINS`` are searched
+(several are separated as in ``PATH``): ``<folder>/separation/gentle.py`` is the separation law ``gentle``,
+``<folder>/models/presets/kayak.yaml`` the vehicle ``kayak``.  Kinds of the packages come first.
+"""
 
 from __future__ import annotations
 
 import importlib
+import os
 import pkgutil
 import re
+from pathlib import Path
 from types import ModuleType
+
+PLUGINS_VARIABLE = "SHOAL_PLUGINS"
 
 _WORD = re.compile(r"[a-z][a-z0-9_]*\Z")
 
@@ -24,10 +34,22 @@ def list_plugins(folder: str) -> list[str]:
         Import path of the folder, for example ``auv_flocking.consensus``.
 
     """
-    package = importlib.import_module(folder)
     return sorted(
-        info.name for info in pkgutil.iter_modules(package.__path__) if not info.name.startswith("_")
+        info.name
+        for info in pkgutil.iter_modules([str(place) for place in plugin_places(folder)])
+        if not info.name.startswith("_")
     )
+
+
+def plugin_places(folder: str) -> list[Path]:
+    """Return the directories of a plugin folder, the package's own first, and let Python import from them."""
+    package = importlib.import_module(folder)
+    name = folder.rpartition(".")[2]
+    for root in os.environ.get(PLUGINS_VARIABLE, "").split(os.pathsep):
+        place = str(Path(root, name).absolute())
+        if root and place not in package.__path__ and Path(place).is_dir():
+            package.__path__.append(place)
+    return [Path(place) for place in package.__path__]
 
 
 def find_plugin(folder: str, kind: object) -> ModuleType:

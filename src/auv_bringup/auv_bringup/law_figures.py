@@ -1,0 +1,26 @@
+"""The figures of a run: each family of laws has its own, and a group has those of a group."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from auv_bringup.figures import Figure, draw_figures
+from auv_bringup.figures_path import path_figures
+from auv_bringup.figures_region import region_figures
+from auv_bringup.recording import Recording
+
+if TYPE_CHECKING:
+    from auv_bringup.scenario import Scenario
+
+_OF_A_GROUP = ("pair_distances", "packet_delivery", "estimate_error")
+
+
+def run_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> list[Figure]:
+    """Draw the figures of a run as PNG files into `out_dir`, in the order in which a report shows them."""
+    if scenario.follows == "velocity":
+        return draw_figures(recording, scenario, out_dir)
+    own = path_figures if scenario.follows == "path" else region_figures
+    figures = own(recording, scenario, out_dir)
+    names = {figure.path.stem for figure in figures}
+    return figures + draw_figures(recording, scenario, out_dir, only=set(_OF_A_GROUP) - names)

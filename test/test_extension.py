@@ -1,0 +1,54 @@
+"""Claim: a new controller, a new separation law and a new vehicle are one new file each, flown by name."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+THREE_FILES = Path(__file__).parent / "plugins"
+PACKAGES = [
+    str(path) for path in (Path(__file__).parents[1] / "src").glob("auv_*") if path.name != "auv_msgs"
+]
+
+
+@pytest.fixture(scope="module")
+def environment(tmp_path_factory):
+    plugins = shutil.copytree(THREE_FILES, tmp_path_factory.mktemp("user") / "plugins")
+    places = os.pathsep.join([*PACKAGES, os.environ.get("PYTHONPATH", "")])
+    return {**os.environ, "PYTHONPATH": places, "SHOAL_PLUGINS": str(plugins)}
+
+
+def fly(environment, out_dir, *arguments):
+    command = [sys.executable, "-m", "auv_bringup.cli", *arguments, "--mode", "inprocess", "--no-figures"]
+    command += ["--out", str(out_dir)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (metrics,) = out_dir.glob("*/metrics.json")
+    return json.loads(metrics.read_text(encoding="utf-8"))
+
+
+def test_a_new_controller_and_a_new_vehicle_fly_by_name(environment, tmp_path):
+    metrics = fly(environment, tmp_path, str(THREE_FILES / "kayak_on_a_spring.yaml"))
+    assert metrics["position_err_max_m"] < 0.3
+    assert metrics["lyapunov_energy_first_rise_s"] > 1.0
+
+
+def test_a_new_separation_law_and_a_new_vehicle_fly_the_main_job(environment, tmp_path):
+    overrides = ["--set", "agent.separation={kind: steady_push, params: {strength_mps: 0.4}}"]
+    for index in range(4):
+        overrides += ["--set", f"vehicles.{index}.model.preset=kayak"]
+    metrics = fly(environment, tmp_path, "flock_acoustic", "--duration", "60", *overrides)
+    assert metrics["pair_distance_min_m"] > 0.4
+    assert metrics["formed_at_s"] < 60.0
+
+
+def test_without_the_folder_the_names_are_refused(environment, tmp_path):
+    environment = {**environment, "SHOAL_PLUGINS": ""}
+    with pytest.raises(
+        AssertionError, match=r"agent\.separation\.kind: 'steady_push' is not allowed; allowed: "
+    ):
+        fly(environment, tmp_path, "flock_acoustic", "--set", "agent.separation={kind: steady_push}")

@@ -1,0 +1,66 @@
+"""The chapters of the reproduction have everything the thesis shows, and ask for runs that exist."""
+
+import re
+
+import pytest
+
+from auv_bringup.reproduction import chapters, cli
+from auv_bringup.reproduction.store import plan_run
+
+CHAPTERS = {chapter.key: chapter for chapter in chapters()}
+FIGURES = {
+    "ch2": [f"2.{n}" for n in range(6, 19)],
+    "ch3": [f"3.{n}" for n in range(4, 15)],
+    "ch4": ["4.5", "4.6"],
+    "ch5": [f"5.{n}" for n in range(5, 13)],
+    "ch6": [f"6.{n}" for n in range(3, 10)],
+}
+TABLES = {"ch2": ["2.2"], "ch3": ["3.1"], "ch4": ["4.1"], "ch6": ["6.1"]}
+SPECS = sorted({spec for chapter in CHAPTERS.values() for spec in chapter.runs}, key=str)
+
+
+def test_every_chapter_of_the_thesis_with_simulations_is_there():
+    assert list(CHAPTERS)[:7] == ["ch2", "ch3", "ch4", "ch5", "ch6", "path_laws", "separation_laws"]
+
+
+@pytest.mark.parametrize("key", FIGURES)
+def test_every_figure_of_the_thesis_is_redrawn(key):
+    assert set(FIGURES[key]) <= {figure.number for figure in CHAPTERS[key].figures}
+
+
+@pytest.mark.parametrize("key", TABLES)
+def test_every_table_of_the_thesis_is_filled(key):
+    assert set(TABLES[key]) <= {table.number for table in CHAPTERS[key].tables}
+
+
+@pytest.mark.parametrize("key", FIGURES)
+def test_every_chapter_of_the_thesis_has_claims(key):
+    assert len(CHAPTERS[key].claims) >= 2
+
+
+def test_numbers_are_the_thesiss_or_have_a_letter():
+    for key, chapter in CHAPTERS.items():
+        for kind, items in ((FIGURES, chapter.figures), (TABLES, chapter.tables)):
+            for item in items:
+                of_thesis = item.number in kind.get(key, [])
+                assert of_thesis or re.search(r"\.[A-Z]$", item.number), f"{key}: {item.number}"
+
+
+def test_every_item_says_what_it_is():
+    for chapter in CHAPTERS.values():
+        assert all(figure.title and len(figure.caption) > 40 for figure in chapter.figures)
+        assert all(table.title for table in chapter.tables)
+        assert all(claim.number and claim.text for claim in chapter.claims)
+
+
+@pytest.mark.parametrize("scenario", sorted({spec.scenario for spec in SPECS}))
+def test_runs_can_be_resolved(scenario):
+    for spec in SPECS:
+        if spec.scenario == scenario:
+            assert plan_run(spec).scenario.name == scenario
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_all_of_it_is_made(tmp_path):
+    assert cli.main(["--out", str(tmp_path)]) == cli.DONE
