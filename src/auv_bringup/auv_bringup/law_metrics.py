@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from auv_bringup.consensus_bound import flock_metrics
 from auv_bringup.lyapunov import lyapunov_metrics
+from auv_bringup.metrics_formation import formation_metrics
 from auv_bringup.metrics_path import path_metrics, position_error_ned_m
+from auv_bringup.metrics_region import region_metrics
 from auv_bringup.recording import Recording
 
 if TYPE_CHECKING:
@@ -22,11 +25,13 @@ def law_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     See `path_metrics`, `formation_metrics`, `region_metrics` and `flock_metrics` for their definitions.
     """
     if scenario.follows == "velocity":
-        return {}
-    metrics: dict[str, Any] = {}
-    if scenario.follows == "path":
-        metrics |= _readings(recording, scenario)
-        metrics |= path_metrics(recording, scenario)
+        return flock_metrics(recording, scenario)
+    if scenario.follows == "region":
+        metrics = region_metrics(recording, scenario)
+    else:
+        metrics = _readings(recording, scenario) | path_metrics(recording, scenario)
+    if scenario.agent.controller.kind == "adaptive":
+        metrics |= formation_metrics(recording, scenario)
     return metrics | lyapunov_metrics(recording, scenario)
 
 

@@ -181,6 +181,12 @@ def _check_continuous(scenario: Scenario) -> None:
         raise ValueError(
             "sampling: 'continuous' is not allowed; allowed: sampled, unless acoustics.preset is ideal"
         )
+    separation = scenario.agent.separation
+    if separation is not None and getattr(separation.params, "adapts", False):
+        raise ValueError(
+            "sampling: 'continuous' is not allowed; allowed: sampled, since agent.separation has a memory "
+            "that is kept once per control period"
+        )
     for name in ("flocking", "consensus"):
         section = getattr(scenario.agent, name)
         if section is not None and getattr(section.params, "uses_flock_velocity", False):

@@ -35,7 +35,7 @@ class VehicleState:
 def is_usable(state: VehicleState) -> bool:
     """Return whether `state` is valid and all its numbers are finite and of this world."""
     return state.is_valid and all(
-        [abs(number) <= _LARGEST for number in (*state.position, *state.attitude, *state.nu)]
+        abs(number) <= _LARGEST for number in (*state.position, *state.attitude, *state.nu)
     )
 
 

@@ -49,7 +49,9 @@ class FlockTask:
         centres = [neighbour.centre for neighbour in neighbours]
         heard = [self.flock_velocity, *(neighbour.flock_velocity for neighbour in neighbours)]
         self.flock_velocity = self._law.flock_velocity(path, self.centre, heard)
-        velocity = self.velocity(path, nav.position, self.centre, tuple(n.position for n in neighbours))
+        view = self._view(path, nav.position, self.centre, tuple([n.position for n in neighbours]))
+        velocity = self._law.velocity(view)
+        self._law.adapt(view, self._period_s)
         self.reference = VelocityReference(_ZERO if is_waiting else velocity, path.heading_rad)
         command: Command = self._controller.step(nav, self.reference)
         self.centre_rate = self.consensus_rate(nav.position, self.centre, centres)
@@ -63,9 +65,11 @@ class FlockTask:
         Return what the flocking law asks (m/s; NED) of this vehicle at `position`, with its present flock
         velocity.
         """
-        view = View(position, centre, self.flock_velocity, neighbours, self._obstacles, path)
-        velocity: Vec3 = self._law.velocity(view)
+        velocity: Vec3 = self._law.velocity(self._view(path, position, centre, neighbours))
         return velocity
+
+    def _view(self, path: PathPoint, position: Vec3, centre: Vec3, neighbours: tuple[Vec3, ...]) -> View:
+        return View(position, centre, self.flock_velocity, neighbours, self._obstacles, path)
 
     def consensus_rate(self, position: Vec3, centre: Vec3, neighbour_centres: list[Vec3]) -> Vec3:
         """Return the rate of the flocking-centre estimate (m/s; NED)."""
