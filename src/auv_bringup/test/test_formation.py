@@ -154,13 +154,12 @@ def test_forces_not_turned_into_the_body_never_bring_it_there():
             "ch3_circle",
             alone(model="frame: body"),
             law(f"frame: {frame}"),
-            duration_s=250.0,
+            duration_s=120.0,
         )
         for frame in ("body", "mixed")
     )
     assert turned.metrics["x_settling_0p05_s"] < 10.0
-    assert unturned.metrics["x_settling_0p05_s"] is None
-    assert unturned.largest(unturned.error(), after_s=200.0)[0] > 0.05
+    assert unturned.largest(unturned.error(), after_s=100.0)[0] > 0.3
 
 
 @pytest.mark.parametrize(
@@ -230,8 +229,8 @@ def test_the_other_order_of_gamma_bears_less_than_25_times_itself(factor, rms_m)
     """gam Y^2 = 10 per unit in the spiral, and 255 is its bound."""
     k = factor * 10.0
     words = f"inertia_adaptation: [{20 * k}, {k}, {2 * k}, 0], quadratic_adaptation: [0, 0, {k}, {k}]"
-    flight = fly("ch3_spiral", alone("spiral"), law(words), duration_s=300.0)
-    depth = flight.error()[:, 2][flight.t_s > 200.0]
+    flight = fly("ch3_spiral", alone("spiral"), law(words), duration_s=200.0)
+    depth = flight.error()[:, 2][flight.t_s > 130.0]
     assert np.sqrt(np.mean(depth**2)) == pytest.approx(rms_m, abs=0.02)
 
 

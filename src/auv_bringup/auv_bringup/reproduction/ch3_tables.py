@@ -47,7 +47,7 @@ def fits(values: Sequence[float], bounds: Bounds) -> tuple[bool, bool]:
 
 
 def _range_words(values: Sequence[float], unit: str) -> str:
-    return f"{min(values):.4g} to {max(values):.4g} {unit}"
+    return f"{min(values):.5g} to {max(values):.5g} {unit}"
 
 
 def _axis_row(name: str, unit: str, values: Sequence[float], bounds: Bounds, note: str = "") -> Row:
