@@ -38,8 +38,8 @@ Matrix = NDArray[np.float64]
 PRESET = "h_infinity_table_2_1"
 PLANT = "table_2_1"
 DIGITS = 8
-_BISECTIONS = 60
-_SWEEP_RADPS = np.logspace(-4.0, 3.0, 20_001)
+_BISECTIONS = 45
+_SWEEP_RADPS = np.logspace(-4.0, 3.0, 4001)
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ def hamiltonian_norm(a: Matrix, b: Matrix, c: Matrix) -> float:
     [[A, B B^T / g^2], [-C^T C, -A^T]] lies on the imaginary axis.
     """
     low, high = 1e-9, 1e9
-    for _ in range(2 * _BISECTIONS):
+    for _ in range(_BISECTIONS):
         middle = np.sqrt(low * high)
         matrix = np.block([[a, b @ b.T / middle**2], [-c.T @ c, -a.T]])
         values = np.linalg.eigvals(matrix)
