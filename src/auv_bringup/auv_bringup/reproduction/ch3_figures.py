@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,19 +19,35 @@ from auv_bringup.reproduction.ch3_runs import CIRCLE, SPIRAL
 Limits = tuple[float, float]
 
 
-def _lines(
-    axes: Any, t_s: FloatArray, columns: FloatArray, names: Sequence[str], span_s: Limits, values: Limits
-) -> None:
-    shown = (t_s[: len(columns)] >= span_s[0]) & (t_s[: len(columns)] <= span_s[1])
-    for i, name in enumerate(names):
-        plot_thinned(
-            axes, t_s[: len(columns)][shown], columns[shown, i], label=name, n_marks=0, **vehicle_style(i)
-        )
-    axes.set_xlim(*span_s)
-    axes.set_ylim(*values)
+@dataclass(frozen=True)
+class _View:
+    """Limits of an axis of time (s) and of values, and a stretch of time (s) that an inset shows larger."""
+
+    span_s: Limits
+    values: Limits
+    inset_s: Limits | None = None
+    place: tuple[float, float, float, float] = (0.3, 0.32, 0.5, 0.5)
+
+
+def _lines(axes: Any, t_s: FloatArray, columns: FloatArray, names: Sequence[str], view: _View) -> None:
+    """Plot one line per column, with an inset where the view has one."""
+    _plot(axes, t_s, columns, names, view.span_s)
+    axes.set_ylim(*view.values)
     axes.set_xlabel("t (s)")
     if len(names) > 1:
         axes.legend(loc="upper right", fontsize=7)
+    if view.inset_s is not None:
+        inset = axes.inset_axes(view.place)
+        _plot(inset, t_s, columns, names, view.inset_s)
+        inset.tick_params(labelsize=7)
+
+
+def _plot(axes: Any, t_s: FloatArray, columns: FloatArray, names: Sequence[str], span_s: Limits) -> None:
+    times_s = t_s[: len(columns)]
+    shown = (times_s >= span_s[0]) & (times_s <= span_s[1])
+    for i, name in enumerate(names):
+        plot_thinned(axes, times_s[shown], columns[shown, i], label=name, **vehicle_style(i))
+    axes.set_xlim(*span_s)
 
 
 def _plan_and_space(canvas: Canvas, run: Run) -> None:
@@ -69,7 +86,8 @@ def _space(axes: Any, run: Run, *, depth: Limits) -> None:
 def _position_errors(canvas: Canvas, run: Run, span_s: Limits) -> None:
     axes = canvas.add_subplot()
     names = ("x error", "y error", "z error", "ψ error")
-    _lines(axes, run.recording.t_s, errors(run.recording, run.scenario), names, span_s, (-2.0, 10.0))
+    view = _View(span_s, (-2.0, 10.0), (0.0, 20.0))
+    _lines(axes, run.recording.t_s, errors(run.recording, run.scenario), names, view)
     axes.set_ylabel("path - AUV1 (m; ψ: rad)")
 
 
@@ -77,15 +95,16 @@ def _velocity_errors(canvas: Canvas, run: Run) -> None:
     axes = canvas.add_subplot()
     names = ("x rate", "y rate", "z rate", "ψ rate")
     columns = rate_errors(run.recording, run.scenario)
-    _lines(axes, run.recording.t_s, columns, names, (0.0, 100.0), (-7.0, 2.0))
+    view = _View((0.0, 100.0), (-7.0, 2.0), (0.0, 20.0), (0.3, 0.1, 0.5, 0.5))
+    _lines(axes, run.recording.t_s, columns, names, view)
     axes.set_ylabel("path - AUV1 (m/s; ψ: rad/s)")
 
 
-def _forces(canvas: Canvas, run: Run, values: Limits) -> None:
+def _forces(canvas: Canvas, run: Run, values: Limits, inset_s: Limits) -> None:
     axes = canvas.add_subplot()
     names = ("X (N)", "Y (N)", "Z (N)", "N (N m)")
     columns = run.recording.command[:, 0][:, (0, 1, 2, 5)]
-    _lines(axes, run.recording.t_s, columns, names, (0.0, 200.0), values)
+    _lines(axes, run.recording.t_s, columns, names, _View((0.0, 200.0), values, inset_s))
     axes.set_ylabel("force (N), moment (N m) of AUV1")
 
 
@@ -98,16 +117,17 @@ def _distances(
         axes = canvas.add_subplot(1, 2, i + 1)
         true = np.linalg.norm(position[:, i + 1] - position[:, i], axis=-1)
         names = (f"d{name} = r{name[1]} - r{name[0]}", "between hull centres")
-        _lines(axes, run.recording.t_s, np.column_stack([pairs[i], true]), names, spans_s[i], values[i])
+        view = _View(spans_s[i], values[i], (0.0, 25.0), (0.35, 0.3, 0.6, 0.42))
+        _lines(axes, run.recording.t_s, np.column_stack([pairs[i], true]), names, view)
         axes.legend(loc="lower right", fontsize=7)
         axes.set_ylabel(f"distance AUV{name[0]} to AUV{name[1]} (m)")
         axes.set_title(f"({'ab'[i]})")
 
 
-def _difference(canvas: Canvas, run: Run, span_s: Limits, values: Limits) -> None:
+def _difference(canvas: Canvas, run: Run, view: _View) -> None:
     axes = canvas.add_subplot()
     d12, d23 = signed_distances_m(run.recording)
-    _lines(axes, run.recording.t_s, (d12 - d23)[:, np.newaxis], ("d12 - d23",), span_s, values)
+    _lines(axes, run.recording.t_s, (d12 - d23)[:, np.newaxis], ("d12 - d23",), view)
     axes.set_ylabel("d12 - d23 (m)")
 
 
@@ -140,9 +160,9 @@ FIGURES = (
         "3.7",
         "Forces and moment of AUV1, circle",
         (CIRCLE,),
-        lambda canvas, runs: _forces(canvas, runs[0], (-2000.0, 10000.0)),
+        lambda canvas, runs: _forces(canvas, runs[0], (-2000.0, 10000.0), (50.0, 200.0)),
         "The peak is K_D Λ e(0) = 50 x 20 x 10 m = 10 kN on z, on a vehicle of 126.5 kg. What remains later "
-        "is too small for this axis, and not zero.",
+        "is too small for this axis, and not zero (inset).",
     ),
     Figure(
         "3.8",
@@ -158,7 +178,9 @@ FIGURES = (
         "3.9",
         "Difference of the distances, circle",
         (CIRCLE,),
-        lambda canvas, runs: _difference(canvas, runs[0], (0.0, 300.0), (-3.5, 1.5)),
+        lambda canvas, runs: _difference(
+            canvas, runs[0], _View((0.0, 300.0), (-3.5, 1.5), (0.0, 30.0), (0.3, 0.1, 0.6, 0.45))
+        ),
         "Zero on this axis in the thesis and here, from 20 s on; millimetres remain.",
     ),
     Figure(
@@ -179,7 +201,7 @@ FIGURES = (
         "3.12",
         "Forces and moment of AUV1, spiral",
         (SPIRAL,),
-        lambda canvas, runs: _forces(canvas, runs[0], (-5000.0, 40000.0)),
+        lambda canvas, runs: _forces(canvas, runs[0], (-5000.0, 40000.0), (0.0, 20.0)),
         "The thesis's force reaches at least 35 kN, ours does not: errors in x and y are below 10 m, and z "
         "starts on its path. A path differentiated numerically, whose rate in z jumps from 0 to 1 m/s within "
         "one step of 3.4 ms, would give such a spike; that is a guess, and not built in.",
@@ -197,8 +219,10 @@ FIGURES = (
         "3.14",
         "Difference of the distances, spiral",
         (SPIRAL,),
-        lambda canvas, runs: _difference(canvas, runs[0], (0.0, 2000.0), (-0.2, 1.2)),
-        "The start fills the thesis's axis, the rest is zero on it. Starts that fit are rare: a search on a "
-        "grid of half a metre found none, one of 0.1 m did.",
+        lambda canvas, runs: _difference(
+            canvas, runs[0], _View((0.0, 2000.0), (-0.2, 1.2), (0.0, 30.0), (0.3, 0.4, 0.6, 0.5))
+        ),
+        "The start fills the axis (inset), the rest is almost zero on it. Starts that fit are rare: a "
+        "search on a grid of half a metre found none, one of 0.1 m did.",
     ),
 )
