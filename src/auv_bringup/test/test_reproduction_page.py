@@ -163,7 +163,7 @@ def test_the_summary_says_the_same_in_json(made):
     assert float(chapter["tables"][0]["rows"][0]["ours"]) > 1.0
     assert chapter["figures"][0]["file"] == "figures/figure_5-5.png"
     assert {run["run"] for run in summary["runs"]} == {str(FOUR), str(ONE)}
-    assert all(run["wall_s"] > 0.0 for run in summary["runs"])
+    assert all(run["wall_s"] > 0.0 and run["cpu_s"] > 0.0 for run in summary["runs"])
 
 
 def test_what_fails_is_told_and_touches_nothing_else(made, tmp_path, capfd):

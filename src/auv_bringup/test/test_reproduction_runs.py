@@ -67,7 +67,7 @@ def test_a_second_call_flies_what_is_new_only(tmp_path, flights):
     assert flights() == ["ch5_four_leaders 1", "ch5_one_leader 1"]
     assert (first.kept, second.kept) == (set(), {first.planned[FOUR].key})
     assert "runs: 1, and 1 kept" in words
-    assert second.wall_s[first.planned[FOUR].key] > 0.0
+    assert all(time_s > 0.0 for time_s in second.times_s[first.planned[FOUR].key])
 
 
 def test_fresh_flies_everything_again(tmp_path, flights):
@@ -97,6 +97,15 @@ def test_the_source_of_runs_is_what_they_import():
     }
     assert not files & {"auv_bringup/report.py", "auv_bringup/launcher.py", "reproduction/page.py"}
     assert not {file for file in files if file.startswith(("nodes/", "scenarios/"))}
+
+
+def test_plugins_from_elsewhere_belong_to_the_source(tmp_path, monkeypatch):
+    monkeypatch.setenv("SHOAL_PLUGINS", str(tmp_path))
+    for file in ("separation/gentle.py", "scenarios/mine.yaml", "reproduction/mine.py"):
+        (tmp_path / file).parent.mkdir()
+        (tmp_path / file).touch()
+    files = store._source_files()
+    assert {path for path in files if path.is_relative_to(tmp_path)} == {tmp_path / "separation/gentle.py"}
 
 
 def test_what_is_kept_is_what_was_flown(tmp_path):

@@ -17,10 +17,11 @@ _SHOWN_PACKAGES = ("numpy", "scipy", "filterpy", "scikit-fuzzy", "matplotlib")
 
 @dataclass(frozen=True)
 class MadeRun:
-    """A run in words: how it is named on a command line, how long it took (s), what else there is to say."""
+    """A run in words: its name on a command line, wall and processor time (s), what else there is to say."""
 
     name: str
     wall_s: float | None
+    cpu_s: float | None
     remark: str
 
 
@@ -52,9 +53,9 @@ def making_of(command: str, flown: Flown, *, n_workers: int, wall_s: float) -> M
     """
     processes = f"{n_workers} process{'es' if n_workers != 1 else ''}"
     keys = {run.key for run in flown.planned.values()}
-    flown_s = sum(flown.wall_s.get(key, 0.0) for key in keys)
+    cpu_s = sum(flown.times_s[key][1] for key in keys if key in flown.times_s)
     facts = (
-        f"{len(keys)} runs, {flown_s:.0f} s of computing; this page took {wall_s:.0f} s in {processes}, "
+        f"{len(keys)} runs, {cpu_s:.0f} s of processor time; this page took {wall_s:.0f} s in {processes}, "
         f"{len(flown.kept)} runs kept from an earlier call"
     )
     return Making(command, facts, _versions(), tuple(_runs(flown)))
@@ -66,9 +67,10 @@ def _runs(flown: Flown) -> list[MadeRun]:
         remark = "kept from an earlier call" if planned.key in flown.kept else ""
         if spec in flown.failed:
             remark = f"failed: {flown.failed[spec].line}"
-        runs.setdefault(planned.key, MadeRun(str(spec), flown.wall_s.get(planned.key), remark))
+        wall_s, cpu_s = flown.times_s.get(planned.key, (None, None))
+        runs.setdefault(planned.key, MadeRun(str(spec), wall_s, cpu_s, remark))
     unresolved = [
-        MadeRun(str(spec), None, f"failed: {failure.line}")
+        MadeRun(str(spec), None, None, f"failed: {failure.line}")
         for spec, failure in flown.failed.items()
         if spec not in flown.planned
     ]

@@ -278,13 +278,13 @@ def _commands(runs: Sequence[RunSpec]) -> str:
 
 
 def _runs_table(making: Making) -> str:
-    head = "<th scope='col'>run</th><th scope='col' class='value'>wall time (s)</th><th scope='col'></th>"
-    rows = [f"<tr>{head}</tr>"]
+    head = "".join(f"<th scope='col' class='value'>{word} (s)</th>" for word in ("wall", "processor"))
+    rows = [f"<tr><th scope='col'>run</th>{head}<th scope='col'>remark</th></tr>"]
     for run in making.runs:
-        wall = "" if run.wall_s is None else f"{run.wall_s:.1f}"
+        times = ("" if time_s is None else f"{time_s:.1f}" for time_s in (run.wall_s, run.cpu_s))
+        cells = "".join(f"<td class='value'>{text}</td>" for text in times)
         rows.append(
-            f"<tr><td><code>{html.escape(run.name)}</code></td><td class='value'>{wall}</td>"
-            f"<td>{html.escape(run.remark)}</td></tr>"
+            f"<tr><td><code>{html.escape(run.name)}</code></td>{cells}<td>{html.escape(run.remark)}</td></tr>"
         )
     return f"<table>\n{chr(10).join(rows)}\n</table>"
 
@@ -332,7 +332,10 @@ def _summary(chapters: Sequence[ChapterOutcome], making: Making) -> dict[str, An
         "chapters": {outcome.chapter.key: _chapter_summary(outcome) for outcome in chapters},
         "command": making.command,
         "versions": making.versions,
-        "runs": [{"run": run.name, "wall_s": run.wall_s, "remark": run.remark} for run in making.runs],
+        "runs": [
+            {"run": run.name, "wall_s": run.wall_s, "cpu_s": run.cpu_s, "remark": run.remark}
+            for run in making.runs
+        ],
     }
 
 

@@ -25,8 +25,8 @@ class Flown:
         Every run that could be resolved, by its spec. Specs that resolve to one scenario have one key.
     failed : dict
         What went wrong with every run that could not be resolved or flown, by its spec.
-    wall_s : dict
-        How long each run took when it was flown (s), by its key.
+    times_s : dict
+        Wall and processor time that each run took when it was flown (s), by its key.
     kept : set of str
         Keys of the runs that were found from an earlier call.
 
@@ -34,7 +34,7 @@ class Flown:
 
     planned: dict[RunSpec, PlannedRun] = field(default_factory=dict)
     failed: dict[RunSpec, Failure] = field(default_factory=dict)
-    wall_s: dict[str, float] = field(default_factory=dict)
+    times_s: dict[str, tuple[float, float]] = field(default_factory=dict)
     kept: set[str] = field(default_factory=set)
 
 
@@ -80,8 +80,8 @@ def fly_all(
         [partial(_fly, run, store) for run in missing], n_workers, on_result=note, on_progress=tally.advance
     )
     for key in by_key:
-        if (wall_s := store.wall_s(key)) is not None:
-            flown.wall_s[key] = wall_s
+        if (times_s := store.times_s(key)) is not None:
+            flown.times_s[key] = times_s
     return flown
 
 
@@ -110,9 +110,10 @@ def _fly(run: PlannedRun, store: Store, advance: Advance) -> None:
         advance(run.cost * (time_s - reached_s) / run.scenario.duration_s)
         reached_s = time_s
 
-    start_s = time.monotonic()
+    start_s, cpu_start_s = time.monotonic(), time.process_time()
     recording = run_in_process(run.scenario, on_progress=on_progress)
     factor = run.scenario.duration_s / max(time.monotonic() - start_s, 1e-9)
     metrics = compute_metrics(recording, run.scenario, mode="inprocess", real_time_factor=factor)
-    store.put(run, recording, metrics_to_json(metrics), time.monotonic() - start_s)
+    wall_s, cpu_s = time.monotonic() - start_s, time.process_time() - cpu_start_s
+    store.put(run, recording, metrics_to_json(metrics), wall_s=wall_s, cpu_s=cpu_s)
     on_progress(run.scenario.duration_s)

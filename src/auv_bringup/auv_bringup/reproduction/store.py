@@ -26,6 +26,7 @@ from auv_bringup import results
 from auv_bringup.recording import Recording, RecordingError
 from auv_bringup.reproduction import RunSpec
 from auv_bringup.scenario import load_scenario, scenario_to_yaml
+from auv_core.plugins import PLUGINS_VARIABLE
 
 if TYPE_CHECKING:
     from auv_bringup.scenario import Scenario
@@ -34,6 +35,7 @@ _RUN_FILE = "run.json"
 _SUFFIX = ".unfinished"
 _LIBRARIES = ("auv_core", "auv_sim", "auv_control", "auv_flocking")
 _ENTRANCES = ("auv_bringup.experiment", "auv_bringup.metrics", "auv_bringup.scenario")
+_NO_SOURCE = {"nodes", "reproduction", "scenarios"}
 _PACKAGES = ("numpy", "scipy", "filterpy", "scikit-fuzzy", "control")
 
 
@@ -71,15 +73,17 @@ class Store:
         """Tell whether the run is there, complete."""
         return (self.folder / run.key / _RUN_FILE).is_file()
 
-    def put(self, run: PlannedRun, recording: Recording, metrics_json: str, wall_s: float) -> None:
-        """Keep a finished run: all of it or nothing."""
+    def put(
+        self, run: PlannedRun, recording: Recording, metrics_json: str, *, wall_s: float, cpu_s: float
+    ) -> None:
+        """Keep a finished run, and the wall and processor time that it took: all of it or nothing."""
         unfinished = self.folder / f"{run.key}.{os.getpid()}{_SUFFIX}"
         shutil.rmtree(unfinished, ignore_errors=True)
         unfinished.mkdir(parents=True)
         (unfinished / results.SCENARIO_FILE).write_text(scenario_to_yaml(run.scenario), encoding="utf-8")
         (unfinished / results.METRICS_FILE).write_text(metrics_json, encoding="utf-8")
         recording.save(unfinished / results.RECORDING_FILE)
-        known = {"run": str(run.spec), "wall_s": wall_s, "source": source_version()}
+        known = {"run": str(run.spec), "wall_s": wall_s, "cpu_s": cpu_s, "source": source_version()}
         results.write_json(unfinished / _RUN_FILE, known)
         shutil.rmtree(self.folder / run.key, ignore_errors=True)
         unfinished.rename(self.folder / run.key)
@@ -97,10 +101,13 @@ class Store:
         metrics: dict[str, Any] = json.loads(text)
         return metrics
 
-    def wall_s(self, key: str) -> float | None:
-        """Return how long the run took (s), when it was flown."""
-        value = results.read_json(self.folder / key / _RUN_FILE).get("wall_s")
-        return float(value) if isinstance(value, int | float) else None
+    def times_s(self, key: str) -> tuple[float, float] | None:
+        """Return the wall and the processor time that the run took when it was flown (s)."""
+        known = results.read_json(self.folder / key / _RUN_FILE)
+        try:
+            return float(known["wall_s"]), float(known["cpu_s"])
+        except (KeyError, TypeError, ValueError):
+            return None
 
     def forget_old(self) -> int:
         """Remove runs of another source, and what runs that were interrupted left; return how many."""
@@ -121,8 +128,8 @@ def source_version() -> str:
     """
     Return 20 hexadecimal digits that stand for the source and the packages that runs depend on.
 
-    That is all of the libraries but their nodes, and of auv_bringup what the run itself imports; scenario
-    files are not in it, since the resolved scenario counts by itself.
+    That is all of the libraries and plugins but their nodes, and of auv_bringup what the run itself imports;
+    scenario files are not in it, since the resolved scenario counts by itself.
     """
     digest = hashlib.sha256(platform.python_version().encode())
     for package in _PACKAGES:
@@ -141,10 +148,10 @@ def _version(package: str) -> str:
 
 def _source_files() -> set[Path]:
     files = _imported(_ENTRANCES)
-    for library in _LIBRARIES:
-        folder = _folder(library)
+    plugins = [Path(text) for text in os.environ.get(PLUGINS_VARIABLE, "").split(os.pathsep) if text]
+    for folder in (*(_folder(library) for library in _LIBRARIES), *plugins):
         found = (path for pattern in ("*.py", "*.yaml") for path in folder.rglob(pattern))
-        files |= {path for path in found if "nodes" not in path.relative_to(folder).parts}
+        files |= {path for path in found if not _NO_SOURCE & set(path.relative_to(folder).parts)}
     return files
 
 
