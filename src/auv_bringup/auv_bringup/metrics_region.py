@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_bringup import metrics
 from auv_bringup.recording import FloatArray, Recording
 from auv_control.region import Ring
 
@@ -104,11 +103,12 @@ def forces_n(recording: Recording) -> FloatArray:
 
 
 def _closest_at_s(recording: Recording) -> float | None:
-    distances_m = metrics.pair_distances_m(recording)
-    if not np.isfinite(distances_m).any():
+    first, second = np.triu_indices(recording.n_vehicles, 1)
+    gaps = recording.position_ned_m[:, first] - recording.position_ned_m[:, second]
+    squares_m2 = np.nan_to_num((gaps * gaps).sum(axis=-1), nan=np.inf)
+    if not np.isfinite(squares_m2).any():
         return None
-    nearest_m = np.where(np.isnan(distances_m), np.inf, distances_m).min(axis=1)
-    return float(recording.t_s[nearest_m.argmin()])
+    return float(recording.t_s[squares_m2.min(axis=1).argmin()])
 
 
 def _first_s(t_s: FloatArray, is_true: BoolArray) -> float | None:
