@@ -167,6 +167,8 @@ def test_the_summary_says_the_same_in_json(made):
 
 
 def test_what_fails_is_told_and_touches_nothing_else(made, tmp_path, capfd):
+    (tmp_path / "figures").mkdir()
+    (tmp_path / "figures/figure_9-9.png").touch()
     status = cli.main(["--out", str(tmp_path), "--workers", "2"], [GOOD, BAD])
     assert status == 1
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
@@ -175,6 +177,7 @@ def test_what_fails_is_told_and_touches_nothing_else(made, tmp_path, capfd):
     text = (tmp_path / "index.html").read_text(encoding="utf-8")
     for words in ("unknown key &#x27;nonsense&#x27;", "ValueError: nothing to draw", "must return rows"):
         assert words in text
+    assert len(list((tmp_path / "figures").iterdir())) == 2, "those of an earlier call are gone"
     assert "in raise_in_two_lines" in (tmp_path / "failures.txt").read_text(encoding="utf-8")
     *_, last = capfd.readouterr().err.splitlines()
     assert last.startswith("error: 5 of its parts could not be made; see ")

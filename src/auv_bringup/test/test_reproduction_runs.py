@@ -117,10 +117,12 @@ def test_what_is_kept_is_what_was_flown(tmp_path):
     assert Store(tmp_path).metrics(key)["scenario"] == "ch5_four_leaders"
 
 
-def test_an_interrupted_store_leaves_no_run_behind(tmp_path):
-    unfinished = tmp_path / "0123.99.unfinished"
-    unfinished.mkdir()
+def test_an_interrupted_store_leaves_no_run_behind_and_one_at_work_is_let_be(tmp_path):
+    (tmp_path / "0123.999999999.unfinished").mkdir()
+    at_work = tmp_path / f"0123.{os.getpid()}.unfinished"
+    at_work.mkdir()
     assert Store(tmp_path).forget_old() == 1
+    assert list(tmp_path.iterdir()) == [at_work]
     with pytest.raises(RecordingError, match="not a recording"):
         Store(tmp_path).recording("0123")
 

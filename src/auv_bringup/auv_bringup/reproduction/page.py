@@ -122,6 +122,8 @@ def figure_file(figure: Figure) -> str:
 
 def _write_figures(folder: Path, chapters: Sequence[ChapterOutcome]) -> None:
     folder.mkdir(exist_ok=True)
+    for path in folder.glob("figure_*.png"):  # of an earlier call, perhaps of other chapters
+        path.unlink()
     for chapter in chapters:
         for outcome in chapter.figures:
             if isinstance(outcome.item, Figure) and isinstance(outcome.content, bytes):

@@ -119,8 +119,14 @@ class Store:
     def _old(self) -> Iterator[Path]:
         for folder in self.folder.iterdir() if self.folder.is_dir() else ():
             source = results.read_json(folder / _RUN_FILE).get("source", source_version())
-            if folder.name.endswith(_SUFFIX) or source != source_version():
+            if source != source_version() or _is_abandoned(folder):
                 yield folder
+
+
+def _is_abandoned(folder: Path) -> bool:
+    """Tell whether the process that was writing this run is gone."""
+    _, _, process = folder.name.removesuffix(_SUFFIX).partition(".")
+    return folder.name.endswith(_SUFFIX) and not Path("/proc", process).exists()
 
 
 @cache
