@@ -14,6 +14,7 @@ from auv_bringup.experiment import run_in_process
 from auv_bringup.lyapunov import lyapunov_metrics
 from auv_bringup.metrics import pair_distances_m
 from auv_bringup.metrics_region import region_metrics
+from auv_bringup.reproduction.ch4 import corner_starts
 from auv_bringup.scenario import load_scenario
 
 M, S = 0.01, 0.1
@@ -144,3 +145,15 @@ def test_what_the_thesis_does_not_say_of_the_hull_does_not_matter(overrides):
     metrics = _fly(PRINTED_LAYERS, *overrides)
     assert max(metrics["ring_distance_final_m"]) <= 0.05
     assert None not in metrics["ring_reached_s"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("gains", "low", "high"), [([100.0, 500.0], 0.0, 0.1), ([10.0, 50.0], 0.6, 0.95)])
+def test_how_often_random_groups_collide(gains, low, high):
+    # The prototype's 200 starts: 0.02 and 0.80. These are 40, near corners of the box drawn in Figs 4.5-4.6.
+    collisions = 0
+    for starts in corner_starts(1, 40):
+        overrides = [*COARSE, *starts, _law("layer_gains_pm3", gains), "duration_s=12.0"]
+        recording = run_in_process(load_scenario("ch4_region", overrides=overrides))
+        collisions += bool(pair_distances_m(recording).min() < 0.6)
+    assert low <= collisions / 40 <= high
