@@ -47,7 +47,7 @@ def _fly(params, duration_s, period_s=0.1):
 
 def test_it_drives_the_distances_to_the_spacing_at_a_period_of_a_tenth_of_a_second():
     distances_m, separations = _fly(Params(), 100.0)
-    np.testing.assert_allclose(distances_m[-1], 2.0, atol=0.01)
+    np.testing.assert_allclose(distances_m[-1], 2.0, atol=0.02)
     assert distances_m.min() > 1.0
     assert all(law.output_peaks_mps[2] == pytest.approx(-0.9, abs=0.05) for law in separations)
 
@@ -92,7 +92,7 @@ def test_too_near_pushes_more_and_too_far_less(distances_m):
 def test_the_bound_is_met_and_left_at_once():
     law = Separation(Params())
     for _ in range(10_000):
-        law.adapt([1.0], 2.0, 0.1)
+        law.adapt([1.5], 2.0, 0.1)
     assert law.shift_mps == -Params().shift_max_mps
     law.adapt([2.4], 2.0, 0.1)
     assert law.shift_mps > -Params().shift_max_mps
@@ -102,7 +102,7 @@ def test_obstacles_are_met_with_peaks_at_rest():
     law = Separation(Params())
     before = law.obstacle_velocity((1.0, 0.0, 0.0), ORIGIN, 2.0)
     for _ in range(100):
-        law.adapt([1.0], 2.0, 0.1)
+        law.adapt([1.5], 2.0, 0.1)
     assert law.obstacle_velocity((1.0, 0.0, 0.0), ORIGIN, 2.0) == before
     assert law.velocity((1.0, 0.0, 0.0), ORIGIN, 2.0)[0] > before[0]
 

@@ -45,12 +45,12 @@ class Params:
     )
     gain: float = param("factor on the velocity", default=1.0, above=0.0)
     adaptation_rate_ps2: float = param(
-        "speed of the peaks per metre of distance error (1/s^2)", default=0.2, minimum=0.0
+        "speed of the peaks per metre of distance error (1/s^2)", default=0.1, minimum=0.0
     )
     error_max_m: float = param(
         "distance error beyond which the peaks move no faster (m)", default=0.5, above=0.0
     )
-    reach_m: float = param("largest distance error of neighbours that count (m)", default=2.0, above=0.0)
+    reach_m: float = param("largest distance error of neighbours that count (m)", default=0.8, above=0.0)
     shift_max_mps: float = param("largest movement of the peaks (m/s for unit gain)", default=1.5, above=0.0)
 
     def __post_init__(self) -> None:
