@@ -8,6 +8,7 @@ import pytest
 from auv_bringup.experiment import run_in_process
 from auv_bringup.metrics import compute_metrics, pair_distances_m
 from auv_bringup.scenario import load_scenario
+from auv_core.params import ConfigError
 
 DISTANCE_M, APPROACH_S, ERROR_M = 0.003, 0.1, 0.005
 COARSE = ("dt_s=0.02", "period_s=0.1")
@@ -98,7 +99,7 @@ def test_sampled_at_50_hz_the_fuzzy_flock_chatters_by_a_centimetre_and_at_10_hz_
 
 
 def test_the_thesiss_gains_bear_the_fast_channel():
-    _, metrics = _run("ch5_communication", 60.0)
+    _, metrics = _run("ch5_communication", 105.0)
     assert metrics["collision"] is False
     assert metrics["packet_delivery_ratio"] == pytest.approx(0.7, abs=0.02)
     assert metrics["neighbour_position_rmse_m"] < 0.05
@@ -113,3 +114,17 @@ def test_the_thesiss_gains_collide_at_the_rates_of_real_modems_and_slower_ones_d
     assert thesis["pair_distance_min_m"] < 0.2
     assert matched["collision"] is False
     assert matched["pair_distance_min_m"] > 1.2
+
+
+def test_the_adaptive_law_flies_sampled_at_10_hz_and_brings_the_distances_to_the_spacing():
+    _, metrics = _run(
+        "ch5_one_leader", 110.0, "sampling=sampled", "dt_s=0.1", "agent.separation.kind=adaptive_fuzzy"
+    )
+    assert metrics["pair_distance_settled_min_m"] == pytest.approx(2.0, abs=0.02)
+    assert metrics["pair_distance_settled_max_m"] == pytest.approx(2.0, abs=0.02)
+
+
+def test_a_law_with_a_memory_is_refused_in_continuous_time():
+    with pytest.raises(ConfigError, match=r"^scenario\.\S+: .* is not allowed; allowed: ") as refusal:
+        load_scenario("ch6_one_leader", overrides=["agent.separation.kind=adaptive_fuzzy"])
+    assert "\n" not in str(refusal.value)

@@ -36,7 +36,7 @@ def draw_tracks(canvas: Canvas, run: Run, space: Sequence[Limits], plane: Sequen
     """
     canvas.set_layout_engine("none")
     canvas.set_size_inches(_SIZE_IN[0], 4.0)
-    in_space: Any = canvas.add_axes((-0.02, 0.16, 0.5, 0.82), projection="3d")
+    in_space: Any = canvas.add_axes((0.0, 0.18, 0.5, 0.8), projection="3d")
     in_plane: Any = canvas.add_axes((0.64, 0.24, 0.35, 0.7))
     positions = run.recording.position_ned_m
     path = path_ned_m(run.recording, run.scenario)
@@ -58,6 +58,7 @@ def draw_tracks(canvas: Canvas, run: Run, space: Sequence[Limits], plane: Sequen
         getattr(in_space, f"set_{letter}lim")(limits)
         getattr(in_space, f"set_{letter}label")(f"{letter} (m)")
     in_space.view_init(elev=24.0, azim=-58.0)
+    in_space.set_box_aspect(None, zoom=0.82)
     in_plane.set_xlim(plane[0])
     in_plane.set_ylim(plane[1])
     in_plane.set_xlabel("x (m)")
