@@ -13,14 +13,15 @@ from auv_bringup.recording import Recording
 if TYPE_CHECKING:
     from auv_bringup.scenario import Scenario
 
-_OF_A_GROUP = ("pair_distances", "packet_delivery", "estimate_error")
+_OF_A_GROUP = ("packet_delivery", "estimate_error")
 
 
 def run_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> list[Figure]:
     """Draw the figures of a run as PNG files into `out_dir`, in the order in which a report shows them."""
     if scenario.follows == "velocity":
         return draw_figures(recording, scenario, out_dir)
-    own = path_figures if scenario.follows == "path" else region_figures
-    figures = own(recording, scenario, out_dir)
-    names = {figure.path.stem for figure in figures}
-    return figures + draw_figures(recording, scenario, out_dir, only=set(_OF_A_GROUP) - names)
+    if scenario.follows == "region":
+        own, group = region_figures(recording, scenario, out_dir), _OF_A_GROUP
+    else:
+        own, group = path_figures(recording, scenario, out_dir), ("pair_distances", *_OF_A_GROUP)
+    return own + draw_figures(recording, scenario, out_dir, only=group)

@@ -147,10 +147,10 @@ class Scenario:
     vehicles: tuple[VehicleEntry, ...] = param(
         "the vehicles; their order gives the acoustic addresses 1, 2, ..."
     )
-    agent: AgentSettings = param("what every vehicle's computer runs")
-    acoustics: Acoustics = param("the medium between the vehicles")
     leaders: tuple[str, ...] = param("ids of the vehicles of a flock that know the path", default=())
     reference: Section | None = param("path to follow", default=None, plugins=REFERENCES)
+    agent: AgentSettings = param("what every vehicle's computer runs")
+    acoustics: Acoustics = param("the medium between the vehicles")
     readings: tuple[Reading, ...] = param("path errors to report at instants of the run", default=())
     environment: Environment = param("the water and its obstacles", default=Environment())
     random_starts: RandomStarts | None = param("starts for vehicles without one", default=None)

@@ -50,6 +50,7 @@ def make_scenario(obstacles: tuple[tuple[float, float, float], ...] = ()) -> Any
         seed=7,
         hull_radius_m=0.3,
         follows="velocity",
+        agent=SimpleNamespace(flocking=None),
         reference_position=lambda t_s: (0.0, 0.0, 10.0),
         environment=SimpleNamespace(
             obstacles=tuple(SimpleNamespace(position_ned_m=p, safety_distance_m=2.0) for p in obstacles)

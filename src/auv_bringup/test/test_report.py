@@ -67,7 +67,7 @@ def make_scenario(**changes: Any) -> Any:
         "leaders": ("auv_1",),
         "reference": kind(kind="circle"),
         "follows": "velocity",
-        "agent": kind(flocking=kind(kind="potential")),
+        "agent": kind(flocking=None, controller=kind(kind="pfpd")),
         "reference_position": lambda t_s: (0.0, 0.0, 10.0),
         "acoustics": kind(preset="lossy", mac=kind(kind="tdma"), outage=kind(kind="bernoulli")),
         "environment": kind(
