@@ -35,8 +35,7 @@ def candidate_series(recording: Recording, scenario: Scenario) -> dict[str, Floa
     """
     if scenario.follows == "velocity":
         return {}
-    section = scenario.agent.controller
-    law = find_plugin(CONTROLLERS, section.kind).Controller(section.params, scenario.period_s)
+    law = _law(scenario)
     vehicles = [_values(recording, scenario, law, index) for index in range(recording.n_vehicles)]
     stacked = np.stack(vehicles, axis=1)
     if law.shared_candidate:
@@ -73,10 +72,13 @@ def lyapunov_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]
         )
         metrics[f"{prefix}_largest_rise_ratio"] = float(largest)
     if metrics and not all(value for key, value in metrics.items() if key.endswith("_falls")):
-        metrics["lyapunov_proof_gap"] = find_plugin(
-            CONTROLLERS, scenario.agent.controller.kind
-        ).Controller.proof_gap
+        metrics["lyapunov_proof_gap"] = _law(scenario).proof_gap
     return metrics
+
+
+def _law(scenario: Scenario) -> Any:
+    section = scenario.agent.controller
+    return find_plugin(CONTROLLERS, section.kind).Controller(section.params, scenario.period_s)
 
 
 def _values(recording: Recording, scenario: Scenario, law: Any, index: int) -> FloatArray:
