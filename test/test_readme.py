@@ -52,6 +52,6 @@ def test_links_lead_somewhere(target):
 
 @pytest.mark.parametrize("option", sorted(set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", README))))
 def test_options_named_in_the_readme_exist(option):
-    sources = [*(ROOT / "scripts").iterdir(), *(ROOT / "src/auv_bringup/auv_bringup").glob("*.py")]
+    sources = [*(ROOT / "scripts").iterdir(), *(ROOT / "src/auv_bringup/auv_bringup").rglob("*.py")]
     ours = any(f'"{option}"' in path.read_text(encoding="utf-8") for path in sources if path.is_file())
     assert ours or option in {"--help", "--ros-args", "--params-file"}
