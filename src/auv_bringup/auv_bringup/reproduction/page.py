@@ -139,7 +139,7 @@ def _failures(chapters: Sequence[ChapterOutcome]) -> str:
     if not failed:
         return ""
     items = "\n".join(
-        f"<li><a href='#{_anchor(outcome.item)}'>{html.escape(name_of(outcome.item).capitalize())}</a>: "
+        f"<li><a href='#{_anchor(outcome.item)}'>{html.escape(_capital(name_of(outcome.item)))}</a>: "
         f"{html.escape(outcome.failure.line)}</li>"
         for outcome in failed
         if outcome.failure is not None
@@ -189,7 +189,7 @@ def _all_claims(chapters: Sequence[ChapterOutcome]) -> str:
         ]
         if found:
             items = "\n".join(
-                f"<li><a href='#{_anchor(outcome.item)}'>{html.escape(outcome.item.number)}</a> "
+                f"<li><a href='#{_anchor(outcome.item)}'>{_place(outcome.item)}</a>: "
                 f"{html.escape(_text(outcome.item))}</li>"
                 for outcome in found
             )
@@ -222,7 +222,7 @@ def _claim(outcome: Outcome) -> str:
         verdict, evidence, kind = "<b>not judged</b>", _failure(outcome), "failure"
     return (
         f"<div class='claim {kind}' id='{_anchor(outcome.item)}'>\n"
-        f"<p><span class='number'>{html.escape(outcome.item.number)}</span> "
+        f"<p><span class='number'>{_place(outcome.item)}</span> "
         f"{html.escape(_text(outcome.item))}</p>\n"
         f"<p>{verdict}. {evidence}</p>\n{_commands(outcome.item.runs)}</div>"
     )
@@ -309,7 +309,16 @@ def _link(chapter: ChapterOutcome) -> str:
 
 def _heading(item: Item) -> str:
     title = "" if isinstance(item, Claim) else f". {item.title}"
-    return f"{name_of(item).capitalize()}{title}"
+    return f"{_capital(name_of(item))}{title}"
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _place(claim: Item) -> str:
+    """Return where in the thesis a claim is; a bare number is a section's."""
+    return html.escape(f"Section {claim.number}" if claim.number[:1].isdigit() else claim.number)
 
 
 def _text(item: Item) -> str:

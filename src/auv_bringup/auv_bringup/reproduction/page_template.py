@@ -88,10 +88,11 @@ its line names. A second call flies only what changed.</p>
 <div class="scroll">
 $versions
 </div>
-<h3>Runs</h3>
+<details><summary>All runs, with the time that they took</summary>
 <div class="scroll">
 $runs
 </div>
+</details>
 </section>
 </main>
 </body>
