@@ -21,7 +21,7 @@ def run_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> list
     if scenario.follows == "velocity":
         return draw_figures(recording, scenario, out_dir)
     if scenario.follows == "region":
-        own, group = region_figures(recording, scenario, out_dir), _OF_A_GROUP
-    else:
-        own, group = path_figures(recording, scenario, out_dir), ("pair_distances", *_OF_A_GROUP)
-    return own + draw_figures(recording, scenario, out_dir, only=group)
+        own = region_figures(recording, scenario, out_dir)
+        return own + draw_figures(recording, scenario, out_dir, only=_OF_A_GROUP)
+    own = path_figures(recording, scenario, out_dir)
+    return own + draw_figures(recording, scenario, out_dir, only=("pair_distances", *_OF_A_GROUP))

@@ -1,4 +1,4 @@
-"""Claims about Lyapunov candidates as data: a fall is a fall, a rise is found, and the proof's gap is told."""
+"""Claims about Lyapunov candidates as data: a rise is found, and the gap of the proof is told."""
 
 import numpy as np
 import pytest

@@ -51,7 +51,8 @@ class FlockTask:
         self.flock_velocity = self._law.flock_velocity(path, self.centre, heard)
         view = self._view(path, nav.position, self.centre, tuple([n.position for n in neighbours]))
         velocity = self._law.velocity(view)
-        self._law.adapt(view, self._period_s)
+        if not is_waiting:
+            self._law.adapt(view, self._period_s)
         self.reference = VelocityReference(_ZERO if is_waiting else velocity, path.heading_rad)
         command: Command = self._controller.step(nav, self.reference)
         self.centre_rate = self.consensus_rate(nav.position, self.centre, centres)

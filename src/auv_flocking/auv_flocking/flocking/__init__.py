@@ -6,10 +6,12 @@ To add one, write one file with ``Params`` and ``Flocking(params, separation, is
 * ``flock_velocity(path, centre, heard) -> Vec3``: what this vehicle believes the flock's velocity to be
   (m/s; NED), from the path point (leaders use it, blind followers must not), its own estimate of the centre,
   and the list of the neighbours' beliefs;
-* ``velocity(view) -> Vec3``: the velocity over ground (m/s; NED) for the `View` of one instant.
+* ``velocity(view) -> Vec3``: the velocity over ground (m/s; NED) for the `View` of one instant;
+* ``adapt(view, dt_s)``: called by the sampled agent after `velocity`, once per control period, for separation
+  laws that learn; nothing to do for the others.
 
-Both are pure functions of their arguments, so that the sampled agent and the continuous-time runner use the
-same law.  Where `velocity` looks at the flock's velocity, ``Params`` says so with a property
+The first two are pure functions of their arguments, so that the sampled agent and the continuous-time
+runner use the same law.  Where `velocity` looks at the flock's velocity, ``Params`` says so with a property
 ``uses_flock_velocity``: packets carry it, so such a law is refused in continuous time.  The file's name
 is its ``kind``.
 """
