@@ -16,7 +16,7 @@ from auv_bringup.scenario import list_scenarios, load_scenario
 pytestmark = pytest.mark.ros
 
 TOLERANCE = 1e-9
-OF_THE_THESIS = [name for name, _ in list_scenarios() if name.startswith("ch")]
+SHIPPED = [name for name, _ in list_scenarios() if name != "flock_acoustic"]
 
 
 def fly(scenario, out_dir, duration_s, *options):
@@ -61,9 +61,21 @@ def test_a_lockstep_run_equals_the_run_in_one_process(lossy_runs):
     assert_equals_in_process(lossy_runs[0])
 
 
-@pytest.mark.parametrize("scenario", OF_THE_THESIS)
-def test_the_thesis_in_lockstep_equals_the_run_in_one_process(scenario, tmp_path):
+@pytest.mark.parametrize("scenario", SHIPPED)
+def test_every_scenario_in_lockstep_equals_the_run_in_one_process(scenario, tmp_path):
     assert_equals_in_process(fly(scenario, tmp_path, 20))
+
+
+@pytest.mark.parametrize(
+    ("scenario", "override"),
+    [
+        ("compare_path_laws", "agent.controller={preset: h_infinity_table_2_1}"),
+        ("compare_path_laws", "agent.controller={kind: sliding_mode}"),
+        ("flock_acoustic", "agent.separation={kind: adaptive_fuzzy}"),
+    ],
+)
+def test_laws_that_no_scenario_names_are_the_same_in_lockstep(scenario, override, tmp_path):
+    assert_equals_in_process(fly(scenario, tmp_path, 10, "--set", override))
 
 
 def test_noise_and_failures_of_the_navigation_are_the_same_in_lockstep(tmp_path):
