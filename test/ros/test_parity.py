@@ -13,7 +13,7 @@ from auv_bringup.bag_reader import compare_bags, read_recording
 from auv_bringup.experiment import run_in_process
 from auv_bringup.scenario import list_scenarios, load_scenario
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, pytest.mark.patient]
 
 TOLERANCE = 1e-9
 SHIPPED = [name for name, _ in list_scenarios() if name != "flock_acoustic"]
@@ -22,7 +22,7 @@ SHIPPED = [name for name, _ in list_scenarios() if name != "flock_acoustic"]
 def fly(scenario, out_dir, duration_s, *options):
     """Fly in lock-step with real processes and return the results folder."""
     command = [sys.executable, "-m", "auv_bringup.cli", scenario, "--mode", "lockstep", "--out", str(out_dir)]
-    command += ["--duration", str(duration_s), "--no-figures", *options]
+    command += ["--duration", str(duration_s), "--no-figures", "--set", "answer_timeout_s=30", *options]
     done = subprocess.run(command, capture_output=True, text=True, timeout=240, env=os.environ, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     (results_dir,) = out_dir.iterdir()

@@ -162,10 +162,21 @@ class _RunReader:
     def _add_laws(self, recording: Recording) -> None:
         """Fill in what the laws remembered and when agents held the safe command."""
         k, n = recording.n_ticks, recording.n_vehicles
-        recording.law_state = law_states(self._law_state, k, n)
+        recording.law_state = law_states(self._held(self._law_state, k), k, n)
         for tick, i in self._holding:
             if tick < k:
                 recording.holding[tick, i] = True
+
+    def _held(
+        self, states: dict[tuple[int, int], list[float]], n_ticks: int
+    ) -> dict[tuple[int, int], list[float]]:
+        """Return the states with those of the tick before in missed ticks, to the vehicle's last command."""
+        held = dict(states)
+        for i, commands in enumerate(self._command):
+            for tick in range(1, min(n_ticks, max(commands.values, default=-1) + 1)):
+                if (tick, i) not in held and (tick - 1, i) in held:
+                    held[tick, i] = held[tick - 1, i]
+        return held
 
     def _add_packets(self, recording: Recording) -> None:
         """Fill in the packets of the ticks that are kept: by tick and vehicle, then as they came."""

@@ -15,7 +15,6 @@ from auv_core.params import dump
 from auv_flocking.agent import AgentConfig
 from auv_sim.vehicle import VehicleConfig
 
-ANSWER_TIMEOUT_S = 3.0
 START_TIMEOUT_S = 60.0
 
 
@@ -127,7 +126,7 @@ def _relay_spec(scenario: Scenario, run: Mapping[str, Any]) -> NodeSpec:
         "vehicle_ids": [vehicle.id for vehicle in scenario.vehicles],
         "duration_ticks": scenario.ticks,
         "on_vehicle_loss": scenario.on_vehicle_loss,
-        "answer_timeout_s": ANSWER_TIMEOUT_S,
+        "answer_timeout_s": scenario.answer_timeout_s,
         "start_timeout_s": START_TIMEOUT_S,
     }
     if scenario.on_vehicle_loss == "continue":

@@ -31,7 +31,8 @@ def candidate_series(recording: Recording, scenario: Scenario) -> dict[str, Floa
     """
     Return V along a run, by the candidate's name: (K, N), or (K, 1) where the candidate is the group's.
 
-    Empty for vehicles that fly a flocking law over a velocity controller.
+    NaN where what the law remembered is not recorded, as in the first ticks of a run in real time.  Empty for
+    vehicles that fly a flocking law over a velocity controller.
     """
     if scenario.follows == "velocity":
         return {}
@@ -93,6 +94,7 @@ def _values(recording: Recording, scenario: Scenario, law: Any, index: int) -> F
     attitudes = recording.attitude_quat_wxyz[:, index].tolist()
     velocities = recording.velocity_body[:, index].tolist()
     memories = recording.law_state[:, index].tolist()
+    size = int(np.isfinite(recording.law_state[:, index]).sum(axis=1).max(initial=0))
     values = np.full((recording.n_ticks, len(law.candidates)), np.nan)
     for tick, t_s in enumerate(recording.t_s[:-1].tolist()):
         places: list[Vec3] = [(x, y, z) for x, y, z in positions[tick]]
@@ -100,5 +102,6 @@ def _values(recording: Recording, scenario: Scenario, law: Any, index: int) -> F
         others = (*places[:index], *places[index + 1 :])
         view = MotionView(t_s, nav, None if path is None else path.at(t_s), others, obstacles)
         memory = tuple([value for value in memories[tick] if value == value])
-        values[tick] = law.lyapunov(memory, view, energy)
+        if len(memory) == size:
+            values[tick] = law.lyapunov(memory, view, energy)
     return values

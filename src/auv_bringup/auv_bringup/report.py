@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import base64
 import html
+import importlib.metadata
 import json
 import math
 import os
@@ -20,13 +21,12 @@ from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
 import numpy as np
 
-from auv_bringup.figures import Figure
 from auv_bringup.metric_words import shown_metrics, value_text
 
 if TYPE_CHECKING:
+    from auv_bringup.figures import Figure
     from auv_bringup.scenario import Scenario
 
 REPORT_FILE = "report.html"
@@ -347,7 +347,7 @@ def _versions_table(provenance: dict[str, Any]) -> str:
         "Python": provenance.get("python") or platform.python_version(),
         "ROS 2": os.environ.get("ROS_DISTRO", "not sourced"),
         "numpy": np.__version__,
-        "matplotlib": matplotlib.__version__,
+        "matplotlib": importlib.metadata.version("matplotlib"),
     }
     versions.update({name: packages[name] for name in _SHOWN_PACKAGES if name in packages})
     versions["system"] = provenance.get("platform") or platform.platform()

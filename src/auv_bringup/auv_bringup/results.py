@@ -232,11 +232,12 @@ def write_results(
     metrics = compute_metrics(recording, scenario, mode=mode, real_time_factor=real_time_factor)
     (results_dir / METRICS_FILE).write_text(metrics_to_json(metrics), encoding="utf-8")
 
-    from auv_bringup.law_figures import run_figures
     from auv_bringup.report import write_report
 
     figures = []
     if with_figures:
+        from auv_bringup.law_figures import run_figures
+
         on_step("figures")
         figures = run_figures(recording, scenario, results_dir / FIGURES)
     on_step("report")

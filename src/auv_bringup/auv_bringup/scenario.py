@@ -165,6 +165,9 @@ class Scenario:
         choices=("sampled", "continuous"),
     )
     on_vehicle_loss: str = param("when a vehicle is lost", default="stop", choices=("stop", "continue"))
+    answer_timeout_s: float = param(
+        "wall time without an answer after which a node is lost (s)", default=3.0, minimum=0.5, maximum=600.0
+    )
 
     def __post_init__(self) -> None:
         """Check what no single value shows; messages begin with the field."""

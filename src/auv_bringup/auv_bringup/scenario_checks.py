@@ -177,9 +177,11 @@ def _check_continuous(scenario: Scenario) -> None:
             "sampling: 'continuous' is not allowed; allowed: sampled, unless environment.navigation is exact"
         )
     ideal = scenario.acoustics.propagation.kind == "instant" and scenario.acoustics.outage.kind == "none"
-    if not ideal or scenario.acoustics.mac.kind != "unlimited" or scenario.acoustics.modem.kind != "ideal":
+    ideal = ideal and scenario.acoustics.mac.kind == "unlimited" and scenario.acoustics.modem.kind == "ideal"
+    if not ideal and scenario.follows != "path":
         raise ValueError(
-            "sampling: 'continuous' is not allowed; allowed: sampled, unless acoustics.preset is ideal"
+            "sampling: 'continuous' is not allowed; allowed: sampled, unless acoustics.preset is ideal or "
+            "nobody listens (a controller that follows a path)"
         )
     separation = scenario.agent.separation
     if separation is not None and getattr(separation.params, "adapts", False):

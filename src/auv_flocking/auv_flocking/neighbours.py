@@ -15,9 +15,9 @@ traffic.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from filterpy.kalman import ExtendedKalmanFilter
 from numpy.typing import NDArray
 
 from auv_core.geometry import Vec3
@@ -89,12 +89,24 @@ def process_noise(dt_s: float, acceleration_psd: float) -> Matrix:
     return (q * dt_s * dt_s / 3.0) * _POSITION + (0.5 * q * dt_s) * _COUPLING + q * _VELOCITY
 
 
+def kalman_filter() -> Any:
+    """
+    Return an unset filter for a state and a measurement of six components.
+
+    filterpy is imported here, since that takes longer than all else that an agent imports: who hears nobody
+    does not wait for it, and a node with neighbours calls this before its run begins.
+    """
+    from filterpy.kalman import ExtendedKalmanFilter
+
+    return ExtendedKalmanFilter(dim_x=6, dim_z=6)
+
+
 class _Track:
     """The filter of one neighbour, at the time tag of its newest packet."""
 
     def __init__(self, report: Report, config: NeighbourConfig) -> None:
         self._config = config
-        self._filter = ExtendedKalmanFilter(dim_x=6, dim_z=6)
+        self._filter = kalman_filter()
         self._filter.x = _measurement(report)
         self._filter.R = np.diag([config.position_std_m**2] * 3 + [config.velocity_std_mps**2] * 3)
         self._filter.P = self._filter.R.copy()

@@ -32,6 +32,7 @@ from auv_core.node_main import (
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
 from auv_flocking.agent import Agent, AgentConfig
+from auv_flocking.neighbours import kalman_filter
 from auv_msgs.msg import (
     AcousticInbox,
     AcousticOutbox,
@@ -56,6 +57,8 @@ class AgentNode(Node):
         self._config = declare_config(self, AgentConfig)
         self._ticks = TickClock(run, self._config.period_s, now_s(self))
         self._agent = Agent(self._config)
+        if self._config.fleet_size > 1:
+            kalman_filter()
         self._navs: dict[int, State] = {}
         self._inboxes: dict[int, Inbox] = {}
         self._tick = 0
