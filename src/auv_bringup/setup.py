@@ -29,6 +29,7 @@ setup(
             "recorder_node = auv_bringup.nodes.recorder_node:main",
             "run = auv_bringup.cli:main",
             "replay = auv_bringup.replay:main",
+            "reproduce = auv_bringup.reproduction.cli:main",
             "topic = auv_bringup.topic:main",
         ],
     },
