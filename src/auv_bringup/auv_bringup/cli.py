@@ -7,7 +7,6 @@ import importlib.util
 import math
 import os
 import shutil
-import signal
 import sys
 import tempfile
 import time
@@ -15,12 +14,12 @@ import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from types import FrameType
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 from auv_bringup import results
 from auv_bringup.domains import DomainClaim, DomainError, claim_domain
-from auv_bringup.one_line_parser import OneLineParser
+from auv_bringup.interrupts import make_signals_interrupt
+from auv_bringup.one_line_parser import OneLineParser, fail
 from auv_bringup.plan import DEFAULT_SCENARIO, MODES, ROS_MODES, Plan, make_plan, start_results
 
 if TYPE_CHECKING:
@@ -92,20 +91,20 @@ examples:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status."""
-    _make_signals_interrupt()
+    make_signals_interrupt()
     place = _TracebackPlace()
     try:
         options = _parser().parse_args(arguments)
         return _run(options, place)
     except (ConfigError, DomainError, results.ResultsError) as error:
-        return _fail(BAD_INPUT, str(error))
+        return fail(BAD_INPUT, str(error))
     except KeyboardInterrupt:
-        return _fail(INTERRUPTED, "interrupted")
+        return fail(INTERRUPTED, "interrupted")
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return INTERNAL_ERROR
     except Exception as error:
-        return _fail(
+        return fail(
             INTERNAL_ERROR, f"{type(error).__name__}: {_one_line(error)}; the traceback is in {place.write()}"
         )
 
@@ -230,7 +229,7 @@ def _fly_in_process(plan: Plan, folder: Path, options: argparse.Namespace) -> in
         try:
             recording = run_in_process(plan.scenario, on_progress=progress.update)
         except DivergedError as error:
-            return _fail(LOST, f"{error}; nothing is recorded")
+            return fail(LOST, f"{error}; nothing is recorded")
         wall_s = time.monotonic() - start_s
     if not options.no_bag:
         recording.save(folder / results.RECORDING_FILE)
@@ -269,18 +268,18 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
     if flight.lost_vehicles:
         print(f"lost on the way: {', '.join(flight.lost_vehicles)}")
     if flight.reason:
-        _fail(flight.exit_status, f"{flight.reason}; logs are in {folder / results.LOGS}")
+        fail(flight.exit_status, f"{flight.reason}; logs are in {folder / results.LOGS}")
     return status
 
 
 def _interrupted(folder: Path) -> int:
     """Say what an interrupted run leaves; where no node was started and nothing recorded, nothing at all."""
     if (folder / results.BAG).exists() or (folder / results.RECORDING_FILE).exists():
-        return _fail(INTERRUPTED, f"interrupted; what was recorded: ./scripts/run --report {folder}")
+        return fail(INTERRUPTED, f"interrupted; what was recorded: ./scripts/run --report {folder}")
     if any((folder / results.LOGS).iterdir()):
-        return _fail(INTERRUPTED, f"interrupted; logs are in {folder / results.LOGS}")
+        return fail(INTERRUPTED, f"interrupted; logs are in {folder / results.LOGS}")
     shutil.rmtree(folder)  # made by this run, and empty
-    return _fail(INTERRUPTED, "interrupted before anything was recorded")
+    return fail(INTERRUPTED, "interrupted before anything was recorded")
 
 
 def _remember_flight(folder: Path, flight: Flight, domain_id: int) -> None:
@@ -309,7 +308,7 @@ def _report_flight(plan: Plan, folder: Path, options: argparse.Namespace, flight
     except results.ResultsError as error:
         if status == DONE:
             raise RuntimeError(str(error)) from None
-        return _fail(status, str(error))  # a flight that was stopped early may have recorded nothing yet
+        return fail(status, str(error))  # a flight that was stopped early may have recorded nothing yet
     metrics = _show_results(folder, plan.scenario, recording, plan.mode, flight.real_time_factor, options)
     return COLLISION if status == DONE and metrics["collision"] else status
 
@@ -386,31 +385,6 @@ class _TracebackPlace:
         ) as stream:
             stream.write(text)
             return Path(stream.name)
-
-
-class _Interrupted(KeyboardInterrupt):
-    """
-    A signal asked for the end.
-
-    Of its own class, since CPython remembers a plain KeyboardInterrupt that hits an exec() of text, as
-    dataclasses do while a module is imported, and then ends by SIGINT although it was caught.
-    """
-
-
-def _make_signals_interrupt() -> None:
-    """Let SIGINT, SIGTERM and SIGHUP raise KeyboardInterrupt, even in a shell's background."""
-
-    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
-        del number, frame
-        raise _Interrupted
-
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, interrupt)
-
-
-def _fail(status: int, line: str) -> int:
-    print(f"error: {line}", file=sys.stderr, flush=True)
-    return status
 
 
 def _one_line(error: BaseException) -> str:

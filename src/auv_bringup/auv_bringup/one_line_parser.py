@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from typing import NoReturn
 
 from auv_core.params import shown
@@ -22,3 +23,10 @@ class OneLineParser(argparse.ArgumentParser):
 def refusal(text: str, allowed: str) -> argparse.ArgumentTypeError:
     """Return what an argument's type function raises: the value that was given, and what is allowed."""
     return argparse.ArgumentTypeError(f"{shown(text)} is not allowed; allowed: {allowed}")
+
+
+def fail(status: int, line: str) -> int:
+    """Print a complaint of one line on standard error; return `status`, the exit status that it gives."""
+    sys.stderr.write(f"error: {line}\n")
+    sys.stderr.flush()
+    return status

@@ -7,18 +7,16 @@ A bar on a terminal; elsewhere a line now and then.
 from __future__ import annotations
 
 import math
-import sys
 import time
-from types import TracebackType
 from typing import TextIO
 
-from tqdm import tqdm
+from auv_bringup.terminal_bar import TerminalBar
 
 _LINE_EVERY_S = 10.0
 _RATE_WINDOW_S = 10.0
 
 
-class Progress:
+class Progress(TerminalBar):
     """
     Progress of one flight on standard error.
 
@@ -26,11 +24,10 @@ class Progress:
     """
 
     def __init__(self, duration_s: float, stream: TextIO | None = None) -> None:
+        super().__init__(stream)
         self._duration_s = duration_s
-        self._stream = stream or sys.stderr
         self._laps: list[tuple[float, float]] = []
         self._line_at_s = math.inf
-        self._bar: tqdm | None = None
 
     def update(self, time_s: float) -> None:
         """Show that the flight has reached `time_s` (s, scenario time)."""
@@ -46,41 +43,11 @@ class Progress:
             self._line_at_s = now_s + _LINE_EVERY_S
             self.message(f"{time_s:.0f} of {self._duration_s:.0f} s simulated, {self._rate_words(time_s)}")
 
-    def message(self, line: str) -> None:
-        """Print a line above the bar."""
-        if self._bar is not None:
-            self._bar.write(line, file=self._stream)
-        else:
-            self._stream.write(line + "\n")
-            self._stream.flush()
-
-    def close(self) -> None:
-        """Leave the bar as it is and end its line."""
-        if self._bar is not None:
-            self._bar.close()
-            self._bar = None
-
-    def __enter__(self) -> Progress:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        self.close()
-
     def _draw(self, time_s: float) -> None:
         if self._bar is None:
-            self._bar = tqdm(
-                total=self._duration_s,
-                file=self._stream,
-                dynamic_ncols=True,
-                bar_format="{percentage:3.0f} % |{bar}| {desc}",
-            )
-        self._bar.n = min(time_s, self._duration_s)
-        self._bar.set_description_str(
-            f"{time_s:.0f} of {self._duration_s:.0f} s, {self._rate_words(time_s)}", refresh=False
-        )
-        self._bar.refresh()
+            self._bar = self._make_bar(self._duration_s)
+        words = f"{time_s:.0f} of {self._duration_s:.0f} s, {self._rate_words(time_s)}"
+        self._show(min(time_s, self._duration_s), words)
 
     def _rate_words(self, time_s: float) -> str:
         first_s, wall_first_s = self._laps[0]

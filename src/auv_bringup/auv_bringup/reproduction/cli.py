@@ -5,17 +5,16 @@ from __future__ import annotations
 import argparse
 import os
 import shlex
-import signal
 import sys
 import tempfile
 import time
 import traceback
 from collections.abc import Sequence
 from pathlib import Path
-from types import FrameType
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
-from auv_bringup.one_line_parser import OneLineParser, refusal
+from auv_bringup.interrupts import make_signals_interrupt
+from auv_bringup.one_line_parser import OneLineParser, fail, refusal
 from auv_bringup.reproduction import Chapter, ChapterError, chapters, choose
 from auv_core.params import ConfigError
 
@@ -65,7 +64,7 @@ examples:
 
 def main(arguments: Sequence[str] | None = None, found: Sequence[Chapter] | None = None) -> int:
     """Run the command; return its exit status. `found` are the chapters; those of this folder if left out."""
-    _make_signals_interrupt()
+    make_signals_interrupt()
     try:
         options = _parser().parse_args(arguments)
         known = chapters() if found is None else tuple(found)
@@ -76,9 +75,9 @@ def main(arguments: Sequence[str] | None = None, found: Sequence[Chapter] | None
             return _list(chosen)
         return _reproduce(chosen, options, list(sys.argv[1:] if arguments is None else arguments))
     except (ConfigError, ChapterError) as error:
-        return _fail(BAD_INPUT, str(error))
+        return fail(BAD_INPUT, str(error))
     except KeyboardInterrupt:
-        return _fail(INTERRUPTED, "interrupted; finished runs are kept for the next call")
+        return fail(INTERRUPTED, "interrupted; finished runs are kept for the next call")
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
@@ -90,7 +89,7 @@ def _internal_error(error: Exception) -> int:
     with tempfile.NamedTemporaryFile("w", prefix="shoal-", suffix=".traceback.txt", delete=False) as stream:
         traceback.print_exc(file=stream)
     words = " ".join(str(error).split()) or "no message"
-    return _fail(FAILED, f"{type(error).__name__}: {words}; the traceback is in {stream.name}")
+    return fail(FAILED, f"{type(error).__name__}: {words}; the traceback is in {stream.name}")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -222,7 +221,7 @@ def _tell_failures(file: Path, flown: Flown, outcomes: Sequence[ChapterOutcome])
         return DONE
     text = "\n".join(f"== {name}\n{failure.traceback or failure.line}\n" for name, failure in failures)
     file.write_text(text, encoding="utf-8")
-    return _fail(FAILED, f"{len(failures)} of its parts could not be made; see {file}")
+    return fail(FAILED, f"{len(failures)} of its parts could not be made; see {file}")
 
 
 def _make_folder(folder: Path) -> None:
@@ -233,26 +232,6 @@ def _make_folder(folder: Path) -> None:
         probe.unlink()
     except OSError as error:
         raise ConfigError(f"--out {str(folder)!r}: cannot be written ({error.strerror or error})") from None
-
-
-class _Interrupted(KeyboardInterrupt):
-    """A signal asked for the end; of its own class, as in the run command."""
-
-
-def _make_signals_interrupt() -> None:
-    """Let SIGINT, SIGTERM and SIGHUP raise KeyboardInterrupt, even in a shell's background."""
-
-    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
-        del number, frame
-        raise _Interrupted
-
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, interrupt)
-
-
-def _fail(status: int, line: str) -> int:
-    print(f"error: {line}", file=sys.stderr, flush=True)
-    return status
 
 
 if __name__ == "__main__":

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-import sys
 import time
-from types import TracebackType
 from typing import TextIO
 
 from tqdm import tqdm
 
 from auv_bringup.reproduction.workers import Failure
+from auv_bringup.terminal_bar import TerminalBar
 
 _LINE_EVERY_S = 15.0
 
 
-class Tally:
+class Tally(TerminalBar):
     """
     Progress of many jobs on standard error, weighed by their expected effort.
 
@@ -23,9 +22,8 @@ class Tally:
     """
 
     def __init__(self, what: str, stream: TextIO | None = None) -> None:
+        super().__init__(stream)
         self._what = what
-        self._stream = stream or sys.stderr
-        self._bar: tqdm | None = None
         self._jobs = self._finished = 0
         self._total = self._done = 0.0
         self._started_s = self._line_at_s = 0.0
@@ -38,21 +36,14 @@ class Tally:
         self.message(f"{self._what}: {jobs}{remark}")
         if jobs and self._stream.isatty():
             tqdm.monitor_interval = 0  # no thread of its own: workers are forked after this
-            self._bar = tqdm(
-                total=total,
-                file=self._stream,
-                dynamic_ncols=True,
-                bar_format="{percentage:3.0f} % |{bar}| {desc}",
-            )
+            self._bar = self._make_bar(total)
 
     def advance(self, done: float) -> None:
         """Show that so much of the effort is behind us."""
         self._done = min(done, self._total)
         now_s = time.monotonic()
         if self._bar is not None:
-            self._bar.n = self._done
-            self._bar.set_description_str(self._words(now_s), refresh=False)
-            self._bar.refresh()
+            self._show(self._done, self._words(now_s))
         elif now_s >= self._line_at_s:
             self._line_at_s = now_s + _LINE_EVERY_S
             self.message(self._words(now_s))
@@ -64,28 +55,6 @@ class Tally:
     def failed(self, job: str, failure: Failure) -> None:
         """Say that a job failed, and why."""
         self.message(f"error: {job}: {failure.line}")
-
-    def message(self, line: str) -> None:
-        """Print a line above the bar."""
-        if self._bar is not None:
-            self._bar.write(line, file=self._stream)
-        else:
-            self._stream.write(line + "\n")
-            self._stream.flush()
-
-    def close(self) -> None:
-        """Leave the bar as it is and end its line."""
-        if self._bar is not None:
-            self._bar.close()
-            self._bar = None
-
-    def __enter__(self) -> Tally:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        self.close()
 
     def _words(self, now_s: float) -> str:
         words = f"{self._finished} of {self._jobs} {self._what}"
