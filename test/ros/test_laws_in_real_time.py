@@ -14,7 +14,7 @@ from auv_bringup.scenario import load_scenario
 pytestmark = pytest.mark.ros
 
 
-@pytest.mark.parametrize("name", ["ch3_circle", "ch4_region_limited"])
+@pytest.mark.parametrize("name", ["ch4_region_limited", pytest.param("ch3_circle", marks=pytest.mark.slow)])
 def test_a_law_flies_in_real_time_and_brings_its_vehicles_nearer(name, tmp_path):
     command = [sys.executable, "-m", "auv_bringup.cli", name, "--mode", "realtime", "--duration", "4"]
     command += ["--no-figures", "--out", str(tmp_path)]

@@ -13,7 +13,7 @@ from auv_bringup.bag_reader import compare_bags, read_recording
 from auv_bringup.experiment import run_in_process
 from auv_bringup.scenario import list_scenarios, load_scenario
 
-pytestmark = [pytest.mark.ros, pytest.mark.patient]
+pytestmark = pytest.mark.ros
 
 TOLERANCE = 1e-9
 SHIPPED = [name for name, _ in list_scenarios() if name != "flock_acoustic"]
@@ -66,6 +66,7 @@ def test_every_scenario_in_lockstep_equals_the_run_in_one_process(scenario, tmp_
     assert_equals_in_process(fly(scenario, tmp_path, 20))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scenario", "override"),
     [

@@ -310,6 +310,11 @@ def _report_flight(plan: Plan, folder: Path, options: argparse.Namespace, flight
             raise RuntimeError(str(error)) from None
         return fail(status, str(error))  # a flight that was stopped early may have recorded nothing yet
     metrics = _show_results(folder, plan.scenario, recording, plan.mode, flight.real_time_factor, options)
+    if status == DONE and plan.mode == "lockstep" and recording.n_ticks < plan.scenario.ticks:
+        recorded_s = float(recording.t_s[-1])
+        return fail(
+            LOST, f"the bag holds {recorded_s:g} of {plan.scenario.duration_s:g} s: the recorder fell behind"
+        )
     return COLLISION if status == DONE and metrics["collision"] else status
 
 

@@ -24,6 +24,8 @@ def law_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
 
     See `path_metrics`, `formation_metrics`, `region_metrics` and `flock_metrics` for their definitions.
     """
+    if recording.n_ticks == 0:
+        return {}
     if scenario.follows == "velocity":
         return flock_metrics(recording, scenario)
     if scenario.follows == "region":

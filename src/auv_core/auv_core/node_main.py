@@ -39,7 +39,7 @@ from auv_core.run_config import TickClock
 from auv_msgs.msg import FlockStatus
 
 _WAKE_S = 0.25
-_HAND_OVER_S = 2.0
+_HAND_OVER_S = 5.0
 _LOOK_S = 0.02
 
 EVERY_TICK = QoSProfile(
