@@ -89,7 +89,7 @@ def test_a_preset_of_a_controller_is_filled_in_and_can_be_overridden():
 
 
 def test_a_motion_that_diverges_ends_the_run_with_one_line_and_status_3(tmp_path, capsys):
-    """Drag as the thesis prints it drives a hull on: from y(0) = -15 m PD has no finite motion (spec 1.8)."""
+    """Drag as the thesis prints it drives on a hull that goes backwards: so it does from east of its path."""
     overrides = ["--set", "vehicles.0.position_ned_m=[0, -15, 0]", "--no-figures", "--out", str(tmp_path)]
     assert cli.main(["ch2_pfpd", *overrides]) == 0
     overrides[1] = "vehicles.0.position_ned_m=[0, 30, 0]"
