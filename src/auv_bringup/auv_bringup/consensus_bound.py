@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from auv_bringup.lyapunov import TOLERANCE_RATIO
+from auv_bringup.lyapunov import TOLERANCE_RATIO, fall_metrics
 from auv_bringup.recording import FloatArray, Recording
 from auv_core.plugins import find_plugin
 from auv_flocking.agent import SEPARATION
@@ -180,14 +180,9 @@ def _bound_metrics(recording: Recording, scenario: Scenario) -> dict[str, float 
 
 
 def _fall_metrics(prefix: str, values: FloatArray | None, t_s: FloatArray) -> dict[str, float | bool | None]:
-    keys = [f"{prefix}_{word}" for word in ("falls", "rise_ratio", "first_rise_s", "largest_rise_ratio")]
     if values is None or len(values) < 2 or not np.isfinite(values).all():
-        return dict.fromkeys(keys)
-    steps, scale = np.diff(values), float(np.abs(values).max())
-    rises = steps > TOLERANCE_RATIO * scale
-    first_s = float(t_s[rises.argmax()]) if rises.any() else None
-    largest = max(float(steps.max()), 0.0) / scale if scale > 0.0 else 0.0
-    return dict(zip(keys, (not rises.any(), float(rises.mean()), first_s, largest), strict=True))
+        return dict.fromkeys(fall_metrics(prefix, np.zeros((1, 1)), t_s))
+    return fall_metrics(prefix, values[:, np.newaxis], t_s)
 
 
 def _path_ned_m(recording: Recording, scenario: Scenario) -> FloatArray:

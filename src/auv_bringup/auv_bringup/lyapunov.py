@@ -60,21 +60,37 @@ def lyapunov_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]
     """
     metrics: dict[str, Any] = {}
     for name, values in candidate_series(recording, scenario).items():
-        prefix = f"lyapunov_{name}"
-        steps = np.diff(values, axis=0)
-        scale = np.nanmax(np.abs(values), axis=0, initial=0.0)
-        rises = steps > TOLERANCE_RATIO * scale
-        any_rise = rises.any(axis=1)
-        largest = np.nanmax(steps / np.where(scale > 0.0, scale, 1.0), initial=0.0)
-        metrics[f"{prefix}_falls"] = not any_rise.any()
-        metrics[f"{prefix}_rise_ratio"] = float(rises.mean()) if rises.size else None
-        metrics[f"{prefix}_first_rise_s"] = (
-            float(recording.t_s[any_rise.argmax()]) if any_rise.any() else None
-        )
-        metrics[f"{prefix}_largest_rise_ratio"] = float(largest)
+        metrics |= fall_metrics(f"lyapunov_{name}", values, recording.t_s)
     if metrics and not all(value for key, value in metrics.items() if key.endswith("_falls")):
         metrics["lyapunov_proof_gap"] = _law(scenario).proof_gap
     return metrics
+
+
+def fall_metrics(prefix: str, values: FloatArray, t_s: FloatArray) -> dict[str, float | bool | None]:
+    """
+    Return ``<prefix>_falls``, ``_rise_ratio``, ``_first_rise_s`` and ``_largest_rise_ratio`` of a candidate.
+
+    Parameters
+    ----------
+    prefix : str
+        Put before the names.
+    values : (K, M) array
+        M series of V; NaN where it does not exist.
+    t_s : (K,) or longer array
+        Times of the records (s).
+
+    """
+    steps = np.diff(values, axis=0)
+    scale = np.nanmax(np.abs(values), axis=0, initial=0.0)
+    rises = steps > TOLERANCE_RATIO * scale
+    any_rise = rises.any(axis=1)
+    largest = np.nanmax(steps / np.where(scale > 0.0, scale, 1.0), initial=0.0)
+    return {
+        f"{prefix}_falls": not any_rise.any(),
+        f"{prefix}_rise_ratio": float(rises.mean()) if rises.size else None,
+        f"{prefix}_first_rise_s": float(t_s[any_rise.argmax()]) if any_rise.any() else None,
+        f"{prefix}_largest_rise_ratio": float(largest),
+    }
 
 
 def _law(scenario: Scenario) -> Any:
