@@ -7,6 +7,7 @@ Positions are NED (m), attitudes are unit quaternions body to NED, nu is the bod
 
 from __future__ import annotations
 
+import enum
 from dataclasses import dataclass
 
 from auv_core.geometry import Quat, Vec3
@@ -23,6 +24,8 @@ class VehicleState:
     Pose and velocity of one vehicle at a tick: the truth, or what its own navigation believes.
 
     `is_valid` is false where the navigation has no solution; the numbers are then the last ones that it had.
+    `position_sd_m` (per horizontal axis, m) and `heading_sd_rad` are the standard deviations that the
+    navigation states of itself; the truth has none.
     """
 
     tick: int
@@ -30,13 +33,14 @@ class VehicleState:
     attitude: Quat
     nu: Vec6
     is_valid: bool = True
+    position_sd_m: float = 0.0
+    heading_sd_rad: float = 0.0
 
 
 def is_usable(state: VehicleState) -> bool:
     """Return whether `state` is valid and all its numbers are finite and of this world."""
-    return state.is_valid and all(
-        abs(number) <= _LARGEST for number in (*state.position, *state.attitude, *state.nu)
-    )
+    numbers = (*state.position, *state.attitude, *state.nu, state.position_sd_m, state.heading_sd_rad)
+    return state.is_valid and all(abs(number) <= _LARGEST for number in numbers)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,14 +93,61 @@ class Reception:
 
 
 @dataclass(frozen=True, slots=True)
+class SonarContact:
+    """
+    Something that the sonar saw at a tick, it does not say what.
+
+    Range (m); bearing (rad) from the body's forward axis towards starboard, atan2(y, x) in the body frame
+    FRD; elevation (rad) above the body's horizontal plane, atan2(-z, hypot(x, y)).
+    """
+
+    range_m: float
+    bearing_rad: float
+    elevation_rad: float
+
+
+@dataclass(frozen=True, slots=True)
 class Inbox:
     """
-    What a modem tells its vehicle at a tick.
+    What modem and sonar tell their vehicle at a tick.
 
-    `transmit_ready`: the modem asks for data; a packet handed over in this tick goes on the air before the
-    next.
+    `transmit_ready`: the modem asks for data; a packet handed over in this tick is the next on the air.
+    `contacts`: what the sonar sees in this tick.
     """
 
     tick: int
     transmit_ready: bool
     receptions: tuple[Reception, ...]
+    contacts: tuple[SonarContact, ...] = ()
+
+
+class Outcome(enum.IntEnum):
+    """What became of a packet: sent, or at one receiver delivered, or lost and why."""
+
+    SENT = 0
+    DELIVERED = 1
+    RANGE = 2
+    NOISE = 3
+    COLLISION = 4
+    HALF_DUPLEX = 5
+    OUTAGE = 6
+
+
+@dataclass(frozen=True, slots=True)
+class AcousticEvent:
+    """
+    One line of the acoustic log.
+
+    SENT stands once per transmission, with the packet's destination (0: everybody), from its first to its
+    last moment on the air.  The others stand once per packet and receiver, from the first to the last moment
+    of the signal at the receiver; `snr_db` is NaN where none is modelled.
+    """
+
+    outcome: Outcome
+    source: int
+    destination: int
+    sequence: int
+    start_s: float
+    end_s: float
+    snr_db: float
+    size_bytes: int

@@ -15,6 +15,11 @@ class Purpose(enum.IntEnum):
 
     OUTAGE = 1
     NAVIGATION = 3
+    SONAR = 4
+    NOISE = 5
+    MAC = 6
+    BURST = 7
+    FIX = 8
 
 
 def uniform(seed: int, purpose: Purpose, source: int, destination: int, sequence: int) -> float:
