@@ -14,6 +14,8 @@ traffic.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_core.geometry import Vec3
+from auv_core.messages import SonarContact, VehicleState
 from auv_core.params import param
 from auv_flocking.report import Report
 
@@ -62,8 +65,11 @@ class NeighbourEstimate:
     """
     A neighbour as believed at one instant.
 
-    position (m), velocity (m/s), centre (m), flock_velocity (m/s): NED; covariance (6, 6) of position and
-    velocity; age_s: time since the time tag of its newest packet.
+    position (m), velocity (m/s), centre (m), flock_velocity (m/s): NED, in the frame of the own navigation;
+    covariance (6, 6) of position relative to the own vehicle, and of velocity; age_s: time since the time tag
+    `time_s` of its newest packet.  flock_stamp_s: when a leader made this flock velocity (-inf: never heard
+    of one); sonar_age_s: time since the own sonar saw it (inf: never); navigation_sd_m: what the neighbour
+    states of its own navigation, per axis; shared: what its consensus filter added to the packet.
     """
 
     address: int
@@ -73,6 +79,11 @@ class NeighbourEstimate:
     age_s: float
     centre: Vec3
     flock_velocity: Vec3
+    flock_stamp_s: float = -math.inf
+    sonar_age_s: float = math.inf
+    navigation_sd_m: float = 0.0
+    time_s: float = -math.inf
+    shared: tuple[float, ...] = ()
 
 
 def transition_matrix(dt_s: float) -> Matrix:
@@ -154,6 +165,11 @@ class _Track:
                 report.centre[2] + age_s * report.centre_rate[2],
             ),
             report.flock_velocity,
+            getattr(report, "flock_stamp_s", -math.inf),
+            math.inf,
+            getattr(report, "position_sd_m", 0.0),
+            report.time_s,
+            getattr(report, "shared", ()),
         )
 
 
@@ -193,7 +209,10 @@ class NeighbourTable:
         else:
             track.update(report)
 
-    def estimates(self, t_s: float) -> list[NeighbourEstimate]:
+    def observe(self, t_s: float, nav: VehicleState, contacts: Sequence[SonarContact]) -> None:
+        """Use the sonar contacts of one tick, seen from the pose that the own navigation gives."""
+
+    def estimates(self, t_s: float, nav: VehicleState | None = None) -> list[NeighbourEstimate]:
         """Return the neighbours heard within the time-out, carried to `t_s`, in the order of addresses."""
         return [
             track.estimate(t_s)
