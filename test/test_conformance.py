@@ -171,12 +171,27 @@ def _use_consensus(module, params, inputs):
 
 
 def _use_navigation(module, params, inputs):
-    first, second = module.Navigation(params, 3, 1), module.Navigation(params, 3, 1)
+    first, second = (module.Navigation(params, 3, 1, PERIOD_S) for _ in range(2))
     truths = [VehicleState(tick, inputs.point(), inputs.attitude(), inputs.six(1.0)) for tick in range(20)]
     measured = [first.measured(truth) for truth in truths]
     assert [second.measured(truth) for truth in truths] == measured
     assert [state.tick for state in measured] == list(range(20))
-    return [(state.position, state.attitude, state.nu) for state in measured]
+    assert all(state.position_sd_m >= 0.0 and state.heading_sd_rad >= 0.0 for state in measured)
+    stated = [(state.position_sd_m, state.heading_sd_rad) for state in measured]
+    return [[(state.position, state.attitude, state.nu) for state in measured], stated]
+
+
+def _use_sonar(module, params, inputs):
+    sonar = module.Sonar(params, 3)
+    outputs = [(0.0, 0.0, 0.0)]
+    for tick in range(50):
+        states = [VehicleState(tick, point, inputs.attitude(), inputs.six(1.0)) for point in inputs.points(4)]
+        for address in range(1, 5):
+            contacts = sonar.contacts(address, tick, PERIOD_S, tuple(states))
+            assert len(contacts) <= 3
+            assert all(contact.range_m >= 0.0 for contact in contacts)
+            outputs += [astuple(contact) for contact in contacts]
+    return outputs
 
 
 def _use_propagation(module, params, inputs):
@@ -226,6 +241,7 @@ ROLES = {
     "auv_sim.acoustics.modem": ("Modem", _use_modem),
     "auv_sim.acoustics.mac": ("Mac", _use_mac),
     "auv_sim.acoustics.outage": ("Outage", _use_outage),
+    "auv_sim.acoustics.sonar": ("Sonar", _use_sonar),
 }
 FOUND = [(folder, kind) for folder in ROLES for kind in list_plugins(folder)]
 every_plugin = pytest.mark.parametrize(("folder", "kind"), FOUND, ids=[f"{f}.{k}" for f, k in FOUND])

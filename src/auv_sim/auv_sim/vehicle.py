@@ -86,7 +86,9 @@ class Vehicle:
         self._name = config.vehicle_id
         self._period_s = config.period_s
         navigation = find_plugin(NAVIGATION, config.navigation.kind)
-        self._navigation = navigation.Navigation(config.navigation.params, config.seed, config.address)
+        self._navigation = navigation.Navigation(
+            config.navigation.params, config.seed, config.address, config.period_s
+        )
         self.nav: VehicleState = self._navigation.measured(self.state)
 
     @property

@@ -15,12 +15,12 @@ def truth(tick):
 
 
 def test_exact_navigation_is_the_truth():
-    assert exact.Navigation(exact.Params(), 1, 1).measured(truth(5)) == truth(5)
+    assert exact.Navigation(exact.Params(), 1, 1, 0.1).measured(truth(5)) == truth(5)
 
 
 def test_noise_has_the_standard_deviations_asked_for_and_no_bias():
     params = noisy.Params(position_sd_m=0.05, velocity_sd_mps=0.01)
-    navigation = noisy.Navigation(params, 1, 2)
+    navigation = noisy.Navigation(params, 1, 2, 0.1)
     measured = [navigation.measured(truth(tick)) for tick in range(4000)]
     errors_m = np.array([state.position for state in measured]) - truth(0).position
     errors_mps = np.array([state.nu[:3] for state in measured]) - truth(0).nu[:3]
@@ -32,14 +32,14 @@ def test_noise_has_the_standard_deviations_asked_for_and_no_bias():
 
 def test_noise_belongs_to_seed_vehicle_and_tick():
     def at(seed, address, tick):
-        return noisy.Navigation(noisy.Params(), seed, address).measured(truth(tick)).position
+        return noisy.Navigation(noisy.Params(), seed, address, 0.1).measured(truth(tick)).position
 
     assert at(1, 1, 7) == at(1, 1, 7)
     assert len({at(1, 1, 7), at(2, 1, 7), at(1, 2, 7), at(1, 1, 8)}) == 4
 
 
 def test_a_failed_measurement_is_marked_and_holds_the_last_one():
-    navigation = noisy.Navigation(noisy.Params(failure_prob=0.3), 1, 1)
+    navigation = noisy.Navigation(noisy.Params(failure_prob=0.3), 1, 1, 0.1)
     last, failures = None, 0
     for tick in range(500):
         state = navigation.measured(truth(tick))

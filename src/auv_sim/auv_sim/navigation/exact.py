@@ -15,8 +15,8 @@ class Params:
 class Navigation:
     """The truth."""
 
-    def __init__(self, params: Params, seed: int, address: int) -> None:
-        del params, seed, address
+    def __init__(self, params: Params, seed: int, address: int, period_s: float) -> None:
+        del params, seed, address, period_s
 
     def measured(self, state: VehicleState) -> VehicleState:
         """Return `state` itself."""

@@ -26,7 +26,8 @@ class Params:
 class Navigation:
     """Noise by (seed, address, tick): a vehicle more or less does not change it."""
 
-    def __init__(self, params: Params, seed: int, address: int) -> None:
+    def __init__(self, params: Params, seed: int, address: int, period_s: float) -> None:
+        del period_s
         self._params = params
         self._seed = seed
         self._address = address
@@ -46,5 +47,5 @@ class Navigation:
         )
         sd_mps = p.velocity_sd_mps
         nu = (state.nu[0] + sd_mps * u, state.nu[1] + sd_mps * v, state.nu[2] + sd_mps * w, *state.nu[3:])
-        self._last = VehicleState(state.tick, position, state.attitude, nu)
+        self._last = VehicleState(state.tick, position, state.attitude, nu, position_sd_m=p.position_sd_m)
         return self._last

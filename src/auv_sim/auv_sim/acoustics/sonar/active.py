@@ -1,0 +1,149 @@
+"""An active sonar: range, bearing and elevation of every hull in reach, at a fixed rate, without names."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+
+from auv_core.geometry import ned_to_body
+from auv_core.messages import SonarContact, VehicleState
+from auv_core.params import param
+from auv_sim.streams import Purpose, generator
+
+_SLACK_PINGS = 1e-6
+_BLOCK_TICKS = 64
+
+_Luck = list[tuple[float, float, float, float]]
+
+
+@dataclass(frozen=True)
+class Params:
+    """Reach, rate, accuracy (one sigma) and field of view."""
+
+    max_range_m: float = param("farthest hull centre that can be seen (m)", default=10.0, above=0.0)
+    rate_hz: float = param("pings per second; at most one per control period", default=2.0, above=0.0)
+    range_sd_m: float = param("error of a range (m)", default=0.1, minimum=0.0, maximum=100.0)
+    angle_sd_rad: float = param(
+        "error of bearing and of elevation (rad)", default=math.radians(1.0), minimum=0.0, maximum=1.0
+    )
+    detection_prob: float = param(
+        "probability that a ping shows a hull in view", default=0.9, minimum=0.0, maximum=1.0
+    )
+    horizontal_view_rad: float = param(
+        "width of the field of view, centred on the bow (rad)",
+        default=2.0 * math.pi,
+        above=0.0,
+        maximum=2.0 * math.pi,
+    )
+    vertical_view_rad: float = param(
+        "height of the field of view, centred on the body's horizontal plane (rad)",
+        default=math.pi,
+        above=0.0,
+        maximum=math.pi,
+    )
+
+
+class Sonar:
+    """
+    See hull centres from hull centre, in the body frame of the true attitude at the tick.
+
+    A lost vehicle's hull is seen like any other. No hull hides another one, sound takes no time over these
+    distances, and there are no false contacts. Contacts come with the nearest first.
+    """
+
+    def __init__(self, params: Params, seed: int) -> None:
+        self._params = params
+        self._seed = seed
+        self._blocks: dict[tuple[int, int], tuple[int, _Luck]] = {}
+
+    def contacts(
+        self, address: int, tick: int, period_s: float, states: Sequence[VehicleState]
+    ) -> tuple[SonarContact, ...]:
+        """
+        Return what vehicle `address` sees at a tick, the nearest first.
+
+        Parameters
+        ----------
+        address : int
+            The observer's address, from 1.
+        tick : int
+            The control tick.
+        period_s : float
+            Control period (s).
+        states : sequence of VehicleState
+            The true states at the tick, in the order of addresses.
+
+        Returns
+        -------
+        contacts : tuple of SonarContact
+            Empty in a tick without a ping: there is one in a tick into which, up to the next one, a multiple
+            of 1 / rate falls.
+
+        """
+        if not self._pings(tick, period_s):
+            return ()
+        own = states[address - 1]
+        x, y, z = own.position
+        reach_m2 = self._params.max_range_m * self._params.max_range_m
+        found = []
+        for index, state in enumerate(states):
+            north, east, down = state.position[0] - x, state.position[1] - y, state.position[2] - z
+            if north * north + east * east + down * down <= reach_m2 and index != address - 1:
+                contact = self._contact(
+                    ned_to_body(own.attitude, (north, east, down)), address, index + 1, tick
+                )
+                if contact is not None:
+                    found.append(contact)
+        return tuple(sorted(found, key=attrgetter("range_m", "bearing_rad", "elevation_rad")))
+
+    def _pings(self, tick: int, period_s: float) -> bool:
+        pings_per_tick = self._params.rate_hz * period_s
+        # How many pings began before a tick. Slack, so that a ping on a tick belongs to that tick whatever
+        # the rounding; the same sum ends one tick and begins the next, so none is lost or seen twice.
+        before = math.ceil(tick * pings_per_tick - _SLACK_PINGS)
+        return math.ceil((tick + 1) * pings_per_tick - _SLACK_PINGS) > before
+
+    def _contact(
+        self, body: tuple[float, float, float], observer: int, target: int, tick: int
+    ) -> SonarContact | None:
+        """Return the contact of a hull at `body` (m; FRD), or None where it is out of view or missed."""
+        p = self._params
+        level_m = math.hypot(body[0], body[1])
+        bearing_rad, elevation_rad = math.atan2(body[1], body[0]), math.atan2(-body[2], level_m)
+        if 2.0 * abs(bearing_rad) > p.horizontal_view_rad or 2.0 * abs(elevation_rad) > p.vertical_view_rad:
+            return None
+        chance, first, second, third = self._luck(observer, target, tick)
+        if chance >= p.detection_prob:
+            return None
+        return _in_range(
+            max(0.0, math.hypot(level_m, body[2]) + p.range_sd_m * first),
+            bearing_rad + p.angle_sd_rad * second,
+            elevation_rad + p.angle_sd_rad * third,
+        )
+
+    def _luck(self, observer: int, target: int, tick: int) -> tuple[float, float, float, float]:
+        """
+        Return one number uniform on [0, 1) and three standard normal ones, fixed by seed, pair and tick.
+
+        They are drawn for many ticks at once and kept, which takes a tenth of the time.
+        """
+        block = tick // _BLOCK_TICKS
+        drawn, rows = self._blocks.get((observer, target), (-1, []))
+        if drawn != block:
+            rng = generator(self._seed, Purpose.SONAR, 256 * observer + target, block)
+            chances = rng.random(_BLOCK_TICKS).tolist()
+            normals = rng.standard_normal((_BLOCK_TICKS, 3)).tolist()
+            rows = [(chance, *row) for chance, row in zip(chances, normals, strict=True)]
+            self._blocks[observer, target] = (block, rows)
+        return rows[tick % _BLOCK_TICKS]
+
+
+def _in_range(range_m: float, bearing_rad: float, elevation_rad: float) -> SonarContact:
+    """Return the contact with its elevation in [-pi/2, pi/2] and its bearing in [-pi, pi]."""
+    elevation_rad = math.remainder(elevation_rad, 2.0 * math.pi)
+    if abs(elevation_rad) > 0.5 * math.pi:  # over the zenith and down on the other side
+        elevation_rad = math.copysign(math.pi, elevation_rad) - elevation_rad
+        bearing_rad += math.pi
+    return SonarContact(range_m, math.remainder(bearing_rad, 2.0 * math.pi), elevation_rad)
