@@ -17,9 +17,21 @@ from tf2_msgs.msg import TFMessage
 
 from auv_core.geometry import Quat, Vec3
 from auv_core.integrate import State
-from auv_core.messages import Command, Inbox, Packet, Reception, VehicleState, VelocityCommand, Wrench
+from auv_core.messages import (
+    AcousticEvent,
+    Command,
+    Inbox,
+    Packet,
+    Reception,
+    SonarContact,
+    VehicleState,
+    VelocityCommand,
+    Wrench,
+)
 from auv_core.stencil import Stencil, read_numbers
+from auv_msgs.msg import AcousticEvent as AcousticEventMsg
 from auv_msgs.msg import (
+    AcousticEvents,
     AcousticInbox,
     AcousticOutbox,
     AcousticPacket,
@@ -29,11 +41,12 @@ from auv_msgs.msg import (
     NeighbourEstimate,
     NeighbourEstimates,
 )
+from auv_msgs.msg import SonarContact as SonarContactMsg
 from auv_msgs.msg import VehicleState as VehicleStateMsg
 
 WORLD_FRAME = "map_ned"
 
-_STATE = struct.Struct("<q?7x13d")
+_STATE = struct.Struct("<q?7x15d")
 _SIX = struct.Struct("<6d")
 _NO_COVARIANCE = (0.0,) * 36
 
@@ -71,20 +84,24 @@ def quaternion(q: Quat) -> Quaternion:
 
 def state_stencil() -> Stencil:
     """Return the small state message; fill it with `state_numbers`."""
-    return Stencil(VehicleStateMsg(header=header(0.0, WORLD_FRAME)), "q?7x13d")
+    return Stencil(VehicleStateMsg(header=header(0.0, WORLD_FRAME)), "q?7x15d")
 
 
 def state_numbers(state: VehicleState) -> tuple[float, ...]:
-    """Return tick, validity, pose (NED; quaternion with w last) and nu (body) in the order of the message."""
+    """
+    Return tick, validity, pose (NED; quaternion with w last), nu (body) and the navigation's standard
+    deviations in the order of the message.
+    """
     w, x, y, z = state.attitude
-    return (state.tick, state.is_valid, *state.position, x, y, z, w, *state.nu)
+    sds = (state.position_sd_m, state.heading_sd_rad)
+    return (state.tick, state.is_valid, *state.position, x, y, z, w, *state.nu, *sds)
 
 
 def state_from_bytes(data: bytes) -> VehicleState:
     """Return the record of a serialised state message; raise ValueError for bytes that hold none."""
-    tick, is_valid, px, py, pz, x, y, z, w, *nu = read_numbers(data, _STATE)
+    tick, is_valid, px, py, pz, x, y, z, w, *nu, position_sd_m, heading_sd_rad = read_numbers(data, _STATE)
     six = (nu[0], nu[1], nu[2], nu[3], nu[4], nu[5])
-    return VehicleState(tick, (px, py, pz), (w, x, y, z), six, is_valid)
+    return VehicleState(tick, (px, py, pz), (w, x, y, z), six, is_valid, position_sd_m, heading_sd_rad)
 
 
 def odometry_stencil(vehicle_id: str) -> Stencil:
@@ -96,7 +113,7 @@ def odometry_stencil(vehicle_id: str) -> Stencil:
 def odometry_numbers(state: VehicleState) -> tuple[float, ...]:
     """Return pose, its covariance, twist, its covariance; the truth has none."""
     numbers = state_numbers(state)
-    return (*numbers[2:9], *_NO_COVARIANCE, *numbers[9:], *_NO_COVARIANCE)
+    return (*numbers[2:9], *_NO_COVARIANCE, *numbers[9:15], *_NO_COVARIANCE)
 
 
 def transform_stencil(vehicle_id: str) -> Stencil:
@@ -150,12 +167,12 @@ def centre_stencil() -> Stencil:
 @cache
 def neighbours_stencil(count: int) -> Stencil:
     """
-    Return auv_msgs/NeighbourEstimates with `count` neighbours: tick, count, then per neighbour 44 numbers.
+    Return auv_msgs/NeighbourEstimates with `count` neighbours: tick, count, then per neighbour 45 numbers.
     """
     message = NeighbourEstimates(
         header=header(0.0, WORLD_FRAME), neighbours=[NeighbourEstimate() for _ in range(count)]
     )
-    layouts = ["B3x43d" if index == 0 else "B7x43d" for index in range(count)]
+    layouts = ["B3x44d" if index == 0 else "B7x44d" for index in range(count)]
     return Stencil(message, "qI" + "".join(layouts))
 
 
@@ -197,6 +214,10 @@ def inbox_to_msg(inbox: Inbox, t_s: float, vehicle_id: str) -> AcousticInbox:
         tick=inbox.tick,
         transmit_ready=inbox.transmit_ready,
         receptions=receptions,
+        contacts=[
+            SonarContactMsg(range_m=c.range_m, bearing_rad=c.bearing_rad, elevation_rad=c.elevation_rad)
+            for c in inbox.contacts
+        ],
     )
 
 
@@ -205,4 +226,23 @@ def inbox_from_msg(message: AcousticInbox) -> Inbox:
     receptions = tuple(
         Reception(packet_from_msg(r.packet), r.sent_s, r.arrival_s, r.snr_db) for r in message.receptions
     )
-    return Inbox(message.tick, message.transmit_ready, receptions)
+    contacts = tuple(SonarContact(c.range_m, c.bearing_rad, c.elevation_rad) for c in message.contacts)
+    return Inbox(message.tick, message.transmit_ready, receptions, contacts)
+
+
+def events_to_msg(tick: int, events: list[AcousticEvent], t_s: float) -> AcousticEvents:
+    """Return lines of the acoustic log as a message."""
+    lines = [
+        AcousticEventMsg(
+            outcome=int(event.outcome),
+            source=event.source,
+            destination=event.destination,
+            sequence=event.sequence,
+            start_s=event.start_s,
+            end_s=event.end_s,
+            snr_db=event.snr_db,
+            size_bytes=event.size_bytes,
+        )
+        for event in events
+    ]
+    return AcousticEvents(header=header(t_s, ""), tick=tick, events=lines)

@@ -32,9 +32,8 @@ from typing import Protocol
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3, limited
 from auv_core.params import param
-from auv_flocking.flocking import View
-
-_ZERO: Vec3 = (0.0, 0.0, 0.0)
+from auv_flocking.flocking import FlockVelocity, View
+from auv_flocking.neighbours import NeighbourEstimate
 
 
 @dataclass(frozen=True)
@@ -80,34 +79,48 @@ class Flocking:
         self._is_leader = is_leader
         self._steers_itself = params.leader_steers == "itself" if is_leader else params.followers == "printed"
 
-    def flock_velocity(self, path: PathPoint, centre: Vec3, heard: Sequence[Vec3]) -> Vec3:
+    def hear(self, estimates: Sequence[NeighbourEstimate], dt_s: float) -> None:
+        """Do nothing: this law does not ask how old its information is."""
+
+    def flock_velocity(
+        self,
+        t_s: float,
+        path: PathPoint,
+        centre: Vec3,
+        own: FlockVelocity,
+        estimates: Sequence[NeighbourEstimate],
+    ) -> FlockVelocity:
         """
         Return this vehicle's belief of the flock's velocity (m/s; NED).
 
         Parameters
         ----------
+        t_s : float
+            Scenario time (s); a leader stamps its belief with it.
         path : PathPoint
             The reference; only a leader looks at it.
         centre : (3,) tuple
             Own estimate of the flocking centre (m; NED).
-        heard : sequence of (3,) tuple
-            The beliefs to average for a follower: its own latest and its neighbours' (m/s; NED).
+        own : FlockVelocity
+            Own latest belief, which a follower averages with its neighbours'.
+        estimates : sequence of NeighbourEstimate
+            The neighbours with their beliefs.
 
         """
         p = self._params
         if not self._is_leader:
-            if not heard:
-                return _ZERO
+            heard = [own.velocity, *[estimate.flock_velocity for estimate in estimates]]
             count = len(heard)
-            return (
+            mean = (
                 sum([v[0] for v in heard]) / count,
                 sum([v[1] for v in heard]) / count,
                 sum([v[2] for v in heard]) / count,
             )
+            return FlockVelocity(mean, max([own.stamp_s, *[e.flock_stamp_s for e in estimates]]))
         if p.leader_steers == "itself":
-            return path.velocity
+            return FlockVelocity(path.velocity, t_s)
         steer = limited(_scaled(_difference(path.position, centre), p.path_gain_ps), p.correction_limit_mps)
-        return _sum(path.velocity, steer)
+        return FlockVelocity(_sum(path.velocity, steer), t_s)
 
     def velocity(self, view: View) -> Vec3:
         """Return the velocity over ground that the vehicle asks of itself (m/s; NED)."""
