@@ -1,9 +1,6 @@
 """
-The report that a vehicle broadcasts, and its bytes.
-
-Little-endian, fixed length: version (1), address (1), sequence (4), time tag (8), then fifteen 32-bit
-floats: position, velocity, flocking centre, its rate, flock velocity, all NED.  Values are rounded to 32
-bits (about 1e-6 m at 10 m).
+The report that a vehicle broadcasts: the record itself.  Its bytes are made by a format of the folder
+``reports``.
 """
 
 from __future__ import annotations
@@ -18,9 +15,11 @@ _VERSION = 1
 _LAYOUT = struct.Struct("<BBId15f")
 REPORT_BYTES = _LAYOUT.size
 
+NEVER = -math.inf
+
 
 class ReportError(ValueError):
-    """Bytes that are not a report."""
+    """Bytes that are not a report, or numbers that cannot be sent as one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +27,10 @@ class Report:
     """
     State of one vehicle at its time tag.
 
-    position, centre: m; velocity, centre_rate, flock_velocity: m/s; all NED.
+    position, centre: m; velocity, centre_rate, flock_velocity: m/s; all NED.  `flock_stamp_s`: when a leader
+    made this flock velocity, on its way from vehicle to vehicle never later than a time tag; `NEVER` where
+    none was heard.  `position_sd_m`: what the sender's navigation says of itself, per horizontal axis (1
+    sigma).  `shared`: the numbers that the sender's consensus filter adds.
     """
 
     address: int
@@ -39,6 +41,9 @@ class Report:
     centre: Vec3
     centre_rate: Vec3
     flock_velocity: Vec3
+    flock_stamp_s: float = NEVER
+    position_sd_m: float = 0.0
+    shared: tuple[float, ...] = ()
 
 
 def encode(report: Report) -> bytes:
@@ -77,5 +82,5 @@ def decode(payload: bytes) -> Report:
         )
     if not all(map(math.isfinite, (time_s, *v))):
         raise ReportError("a number in the report is not finite")
-    vectors: list[Vec3] = [(v[i], v[i + 1], v[i + 2]) for i in range(0, 15, 3)]
-    return Report(address, sequence, time_s, *vectors)
+    p, u, c, r, w = [(v[i], v[i + 1], v[i + 2]) for i in range(0, 15, 3)]
+    return Report(address, sequence, time_s, p, u, c, r, w)
