@@ -2,13 +2,44 @@
 Consensus filters: how a vehicle estimates the flocking centre from its own position and what its neighbours
 say.
 
-To add one, write one file with ``Params`` and ``Consensus(params)`` with
+To add one, write one file with ``Params`` and ``Consensus(params, fleet_size)`` with
 
-* ``derivative(own, centre, neighbour_centres, flock_velocity) -> Vec3``: the rate (m/s; NED) of the estimate
-  `centre`, and
-* ``step(own, centre, neighbour_centres, flock_velocity, dt_s) -> Vec3``: the estimate `dt_s` later, the
-  inputs held.
+* ``shared_fields: tuple[Field, ...]``: what it adds to every packet beside the centre and its rate, `()` for
+  nothing; see `auv_flocking.codec.Field`;
+* ``centre(own, heard) -> Vec3``: the estimate at this control period (m; NED), from the own position and the
+  neighbours that count; called once per period, first;
+* ``advance(own, heard, flock_velocity, dt_s) -> Vec3``: called once per period, after `centre`, with the
+  flock's velocity as the vehicle believes it now: return the rate of the estimate (m/s; NED) at this period and
+  move the memory on by one period;
+* ``shared() -> tuple[float, ...]``: the numbers for the shared fields; called after `advance`, only in a period
+  in which a packet is handed to the modem.
 
-Where they look at the flock's velocity, ``Params`` says so with a property ``uses_flock_velocity``: packets
-carry it, so such a filter is refused in continuous time.  The file's name is its ``kind``.
+A filter that can run in continuous time has, besides, ``derivative(own, centre, neighbour_centres,
+flock_velocity) -> Vec3``, the rate of an estimate that the caller keeps.  Where a filter looks at the flock's
+velocity, ``Params`` says so with a property ``uses_flock_velocity``: packets carry it, so such a filter is
+refused in continuous time.  The file's name is its ``kind``.
 """
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from auv_core.geometry import Vec3
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """
+    What one neighbour says, carried to now.
+
+    position and centre (m), flock_velocity (m/s): NED; `shared`: the filter's own numbers as they stood in the
+    neighbour's newest packet, which was made at `time_s` and is `age_s` old.
+    """
+
+    address: int
+    time_s: float
+    age_s: float
+    position: Vec3
+    centre: Vec3
+    flock_velocity: Vec3
+    shared: tuple[float, ...]
