@@ -4,7 +4,7 @@ import copy
 import importlib
 import inspect
 import math
-from dataclasses import MISSING, astuple, fields
+from dataclasses import MISSING, astuple, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +16,8 @@ from auv_control.references import PathPoint
 from auv_core.messages import VehicleState, VelocityCommand, Wrench
 from auv_core.params import ConfigError, dump, load, load_section
 from auv_core.plugins import find_plugin, list_plugins
-from auv_flocking.flocking import View
-from auv_flocking.report import REPORT_BYTES
+from auv_flocking.flocking import NOTHING_HEARD, View
+from auv_flocking.neighbours import NeighbourEstimate
 from auv_flocking.separation import mathematical
 
 PERIOD_S = 0.1
@@ -52,7 +52,15 @@ class _Inputs:
         obstacles = ((self.point(), 2.0),)
         path = PathPoint(self.point(), self.point(0.1))
         neighbours = tuple(self.points(4))
-        return self.kept(View(self.point(3.0), self.point(), self.point(0.2), neighbours, obstacles, path))
+        seen = self.kept(View(self.point(3.0), self.point(), self.point(0.2), neighbours, obstacles, path))
+        return replace(seen, estimates=tuple(self._estimate(k, p) for k, p in enumerate(neighbours, start=2)))
+
+    def _estimate(self, address, position):
+        velocity, flock_velocity, centre = self.point(0.2), self.point(0.1), self.point()
+        covariance = np.diag([0.01 * address] * 3 + [0.001] * 3)
+        return NeighbourEstimate(
+            address, position, velocity, covariance, 0.7 * address, centre, flock_velocity, -0.5, time_s=-0.7
+        )
 
     def assert_unchanged(self):
         for value, before in self._given:
@@ -145,10 +153,15 @@ def _use_flocking(module, params, inputs):
     outputs = []
     for is_leader in (True, False):
         law = module.Flocking(params, SEPARATION, is_leader)
-        for _ in range(10):
+        belief = NOTHING_HEARD
+        for tick in range(10):
             view = inputs.view()
-            outputs.append((law.velocity(view), law.flock_velocity(view.path, view.centre, inputs.points(3))))
-        outputs.append(law.flock_velocity(view.path, view.centre, []))
+            estimates = view.estimates if tick else ()
+            law.hear(estimates, PERIOD_S)
+            belief = law.flock_velocity(PERIOD_S * tick, view.path, view.centre, belief, estimates)
+            assert is_leader <= (belief.stamp_s == PERIOD_S * tick)
+            outputs.append((law.velocity(view), belief.velocity))
+            law.adapt(view, PERIOD_S)
     return outputs
 
 
@@ -203,10 +216,10 @@ def _use_propagation(module, params, inputs):
 
 def _use_modem(module, params, _inputs):
     modem = module.Modem(params)
-    airtimes = [modem.airtime_s(size) for size in (1, REPORT_BYTES)]
+    airtimes = [modem.airtime_s(size) for size in (1, 32)]
     assert 0.0 <= airtimes[0] <= airtimes[1]
     assert modem.max_range_m > 0.0
-    assert modem.max_payload_bytes >= REPORT_BYTES
+    assert modem.max_payload_bytes >= 32
     return airtimes
 
 

@@ -28,7 +28,8 @@ SHARED_TOPICS = frozenset({"/tf", "/tf_static", "/markers", "/diagnostics"})
 """Topics with several publishers: the order of their messages within one tick means nothing."""
 
 _STATUS_TOPIC = "/flock/status"
-_NEIGHBOUR_WIDTH = 3 + 3 + 36 + 1  # position, velocity, covariance, age
+_EVENTS_TOPIC = "/acoustic/events"
+_NEIGHBOUR_WIDTH = 3 + 3 + 36 + 1 + 1  # position, velocity, covariance, age, age of the sonar's last look
 
 
 def read_recording(bag_dir: Path, scenario: Scenario) -> Recording:
@@ -36,7 +37,7 @@ def read_recording(bag_dir: Path, scenario: Scenario) -> Recording:
 
     Ticks that a bag lacks (a real-time run may miss some) hold the values of the tick before. A lost
     vehicle's commands and estimates are NaN from its loss on. Rows of `sent` are in the order of tick and
-    source, those of `received` of tick, destination and arrival.
+    source, those of `received` of tick, destination and arrival, those of `events` as the medium wrote them.
 
     Parameters
     ----------
@@ -97,6 +98,7 @@ class _RunReader:
         self._period_s = period_s
         n = len(vehicle_ids)
         self._state = [_Series(13) for _ in range(n)]
+        self._nav = [_Series(4) for _ in range(n)]
         self._command = [_Series(6) for _ in range(n)]
         self._reference = [_Series(3) for _ in range(n)]
         self._centre = [_Series(6) for _ in range(n)]
@@ -105,6 +107,8 @@ class _RunReader:
         self._neighbours = [_Series(n * _NEIGHBOUR_WIDTH) for _ in range(n)]
         self._sent: list[tuple[int, int, int]] = []
         self._received: list[tuple[int, int, int, int, float]] = []
+        self._contacts: list[tuple[int, int, float, float, float]] = []
+        self._events: list[tuple[Any, ...]] = []
         self._lost: set[str] = set()
         self._epoch_ns = 0
 
@@ -134,6 +138,7 @@ class _RunReader:
             self._add_decisions(recording, i, lost=name in self._lost)
         self._add_laws(recording)
         self._add_packets(recording)
+        self._add_sound(recording)
         return recording
 
     def _add_truth(self, recording: Recording, i: int) -> None:
@@ -142,6 +147,9 @@ class _RunReader:
         recording.position_ned_m[:, i] = state[:, :3]
         recording.attitude_quat_wxyz[:, i] = state[:, 3:7]
         recording.velocity_body[:, i] = state[:, 7:]
+        nav = self._nav[i].table(recording.n_ticks, hold_to_end=True)
+        recording.nav_position_ned_m[:, i] = nav[:, :3]
+        recording.nav_position_sd_m[:, i] = nav[:, 3]
 
     def _add_decisions(self, recording: Recording, i: int, *, lost: bool) -> None:
         """Fill in what the computer of vehicle i made, up to its loss."""
@@ -156,6 +164,7 @@ class _RunReader:
         recording.neighbour_velocity_ned_mps[:, i] = neighbours[..., 3:6]
         recording.neighbour_covariance[:, i] = neighbours[..., 6:42].reshape(k, n, 6, 6)
         recording.neighbour_age_s[:, i] = neighbours[..., 42]
+        recording.neighbour_sonar_age_s[:, i] = neighbours[..., 43]
         if lost:
             recording.lost_at_s[i] = (max(self._command[i].values, default=-1) + 1) * self._period_s
 
@@ -188,6 +197,16 @@ class _RunReader:
         recording.received = np.array([row[:4] for row in received], dtype=np.int64).reshape(-1, 4)
         recording.delay_s = np.array([row[4] for row in received], dtype=np.float64)
 
+    def _add_sound(self, recording: Recording) -> None:
+        """Fill in the sonar contacts and the acoustic log of the ticks that are kept."""
+        contacts = [row for row in self._contacts if row[0] < recording.n_ticks]
+        contacts.sort(key=itemgetter(0, 1))
+        recording.contacts = np.array([row[:2] for row in contacts], dtype=np.int64).reshape(-1, 2)
+        recording.contact_values = np.array([row[2:] for row in contacts], dtype=np.float64).reshape(-1, 3)
+        events = [row for row in self._events if row[0] < recording.n_ticks]
+        recording.events = np.array([row[:6] for row in events], dtype=np.int64).reshape(-1, 6)
+        recording.event_values = np.array([row[6:] for row in events], dtype=np.float64).reshape(-1, 3)
+
     def _find_epoch_ns(self, bag: Bag) -> int:
         """Return the stamp of tick 0 (ns): 0 in lock-step, wall time in a real-time run."""
         first = next(bag.messages({f"/{name}/state" for name in self._ids}), None)
@@ -198,10 +217,14 @@ class _RunReader:
 
     def _handlers(self) -> dict[str, Callable[[Any], None]]:
         """Return what to do with a message, by topic."""
-        handlers: dict[str, Callable[[Any], None]] = {_STATUS_TOPIC: self._take_status}
+        handlers: dict[str, Callable[[Any], None]] = {
+            _STATUS_TOPIC: self._take_status,
+            _EVENTS_TOPIC: self._take_events,
+        }
         for i, name in enumerate(self._ids):
             for topic, take in {
                 "state": self._take_state,
+                "nav": self._take_nav,
                 "cmd_wrench": self._take_wrench,
                 "cmd_vel": self._take_velocity_command,
                 "reference": self._take_reference,
@@ -223,6 +246,9 @@ class _RunReader:
         self._state[i].values[state.tick] = np.array(
             [p.x, p.y, p.z, q.w, q.x, q.y, q.z, v.x, v.y, v.z, w.x, w.y, w.z]
         )
+
+    def _take_nav(self, i: int, nav: Any) -> None:
+        self._nav[i].values[nav.tick] = np.array([*_xyz(nav.pose.position), nav.position_sd_m])
 
     def _take_wrench(self, i: int, command: Any) -> None:
         force, torque = command.wrench.force, command.wrench.torque
@@ -250,7 +276,7 @@ class _RunReader:
             row = table[estimate.address - 1]
             row[0:6] = _xyz(estimate.position) + _xyz(estimate.velocity)
             row[6:42] = estimate.covariance
-            row[42] = estimate.age_s
+            row[42:44] = estimate.age_s, estimate.sonar_age_s
         self._neighbours[i].values[message.tick] = table.reshape(-1)
 
     def _take_sent(self, _: int, outbox: Any) -> None:
@@ -261,6 +287,13 @@ class _RunReader:
             packet = reception.packet
             delay_s = reception.arrival_s - reception.sent_s
             self._received.append((inbox.tick, packet.source, i + 1, packet.sequence, delay_s))
+        for c in inbox.contacts:
+            self._contacts.append((inbox.tick, i + 1, c.range_m, c.bearing_rad, c.elevation_rad))
+
+    def _take_events(self, message: Any) -> None:
+        for e in message.events:
+            keys = (message.tick, e.outcome, e.source, e.destination, e.sequence, e.size_bytes)
+            self._events.append((*keys, e.start_s, e.end_s, e.snr_db))
 
     def _take_status(self, status: Any) -> None:
         self._lost.update(status.lost_vehicles)

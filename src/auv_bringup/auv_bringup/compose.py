@@ -74,6 +74,7 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
             flocking=settings.flocking,
             separation=settings.separation,
             consensus=settings.consensus,
+            report=settings.report,
             neighbours=settings.neighbours,
             controller=settings.controller,
         )

@@ -63,4 +63,6 @@ def run_continuous(scenario: Scenario, *, on_progress: Callable[[float], None] |
         if on_progress is not None and tick % 100 == 99:
             on_progress((tick + 1) * scenario.period_s)
     system.record(recording, scenario.ticks, scenario.ticks * scenario.period_s, state)
+    recording.nav_position_ned_m[:] = recording.position_ned_m[:-1]
+    recording.nav_position_sd_m[:] = 0.0
     return recording

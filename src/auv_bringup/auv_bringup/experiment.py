@@ -10,12 +10,14 @@ from auv_bringup.compose import agent_configs, vehicle_configs
 from auv_bringup.continuous import run_continuous
 from auv_bringup.recording import Recording, law_states
 from auv_bringup.scenario import Scenario
-from auv_core.messages import Command, Inbox, Packet, VehicleState, command_numbers
+from auv_core.messages import AcousticEvent, Command, Inbox, Packet, VehicleState, command_numbers
 from auv_flocking.agent import Agent
 from auv_sim.acoustics.medium import AcousticMedium
 from auv_sim.vehicle import Vehicle
 
 Progress = Callable[[float], None]
+
+_ROWS = ("sent", "received", "delay_s", "contacts", "contact_values", "events", "event_values")
 
 
 def run_in_process(scenario: Scenario, *, on_progress: Progress | None = None) -> Recording:
@@ -39,16 +41,17 @@ def run_in_process(scenario: Scenario, *, on_progress: Progress | None = None) -
     states = [vehicle.state for vehicle in vehicles]
     navs = [vehicle.nav for vehicle in vehicles]
     for tick in range(scenario.ticks):
-        positions = [state.position for state in states]
-        inboxes = medium.exchange(tick, positions)
+        inboxes = medium.exchange(tick, states)
         commands: list[Command] = []
         handed_over: dict[int, Sequence[Packet]] = {}
         for index, agent in enumerate(agents):
             command, packets = agent.step(tick * scenario.period_s, navs[index], inboxes[index])
             commands.append(command)
             handed_over[index + 1] = packets
-        medium.transmit(handed_over, positions)
-        log.tick(tick, states, agents, commands, inboxes, handed_over)
+        medium.transmit(handed_over, states)
+        log.tick(tick, states, agents, commands)
+        log.navigation(tick, navs)
+        log.water(tick, inboxes, handed_over, medium.take_events())
         states = [vehicle.step(command) for vehicle, command in zip(vehicles, commands, strict=True)]
         navs = [vehicle.nav for vehicle in vehicles]
         if on_progress is not None and tick % 100 == 99:
@@ -63,12 +66,11 @@ class _Log:
     def __init__(self, scenario: Scenario) -> None:
         ids = [vehicle.id for vehicle in scenario.vehicles]
         self._recording = Recording.empty(ids, scenario.tick_times())
-        self._sent: list[tuple[int, int, int]] = []
-        self._received: list[tuple[int, int, int, int]] = []
-        self._delays_s: list[float] = []
         self._law_states: dict[tuple[int, int], Sequence[float]] = {}
+        self._rows: dict[str, list[Sequence[float]]] = {name: [] for name in _ROWS}
 
     def states(self, tick: int, states: Sequence[VehicleState]) -> None:
+        """Note the true states."""
         r = self._recording
         r.position_ned_m[tick] = [state.position for state in states]
         r.attitude_quat_wxyz[tick] = [state.attitude for state in states]
@@ -80,9 +82,8 @@ class _Log:
         states: Sequence[VehicleState],
         agents: Sequence[Agent],
         commands: Sequence[Command],
-        inboxes: Sequence[Inbox],
-        handed_over: dict[int, Sequence[Packet]],
     ) -> None:
+        """Note the true states and what the agents made of the tick."""
         self.states(tick, states)
         r = self._recording
         r.command[tick] = [command_numbers(command) for command in commands]
@@ -100,17 +101,41 @@ class _Log:
                 r.neighbour_velocity_ned_mps[tick, index, other] = estimate.velocity
                 r.neighbour_covariance[tick, index, other] = estimate.covariance
                 r.neighbour_age_s[tick, index, other] = estimate.age_s
+                r.neighbour_sonar_age_s[tick, index, other] = estimate.sonar_age_s
+
+    def navigation(self, tick: int, navs: Sequence[VehicleState]) -> None:
+        """Note what the vehicles believe of themselves."""
+        self._recording.nav_position_ned_m[tick] = [nav.position for nav in navs]
+        self._recording.nav_position_sd_m[tick] = [nav.position_sd_m for nav in navs]
+
+    def water(
+        self,
+        tick: int,
+        inboxes: Sequence[Inbox],
+        handed_over: dict[int, Sequence[Packet]],
+        events: Sequence[AcousticEvent],
+    ) -> None:
+        """Note what went into the water and what came out of it."""
+        rows = self._rows
         for packets in handed_over.values():
-            self._sent.extend((packet.tick, packet.source, packet.sequence) for packet in packets)
-        for index, inbox in enumerate(inboxes):
+            rows["sent"].extend((packet.tick, packet.source, packet.sequence) for packet in packets)
+        for address, inbox in enumerate(inboxes, start=1):
             for reception in inbox.receptions:
-                self._received.append((tick, reception.packet.source, index + 1, reception.packet.sequence))
-                self._delays_s.append(reception.arrival_s - reception.sent_s)
+                packet = reception.packet
+                rows["received"].append((tick, packet.source, address, packet.sequence))
+                rows["delay_s"].append((reception.arrival_s - reception.sent_s,))
+            for contact in inbox.contacts:
+                rows["contacts"].append((tick, address))
+                rows["contact_values"].append((contact.range_m, contact.bearing_rad, contact.elevation_rad))
+        for e in events:
+            rows["events"].append((tick, e.outcome, e.source, e.destination, e.sequence, e.size_bytes))
+            rows["event_values"].append((e.start_s, e.end_s, e.snr_db))
 
     def finished(self) -> Recording:
+        """Return the recording."""
         r = self._recording
         r.law_state = law_states(self._law_states, r.n_ticks, r.n_vehicles)
-        r.sent = np.array(self._sent, dtype=np.int64).reshape(-1, 3)
-        r.received = np.array(self._received, dtype=np.int64).reshape(-1, 4)
-        r.delay_s = np.array(self._delays_s)
+        for name, rows in self._rows.items():
+            empty = getattr(r, name)
+            setattr(r, name, np.array(rows, dtype=empty.dtype).reshape(-1, *empty.shape[1:]))
         return r

@@ -1,7 +1,7 @@
-"""Run the neighbour filters of every agent again, from a bag's received packets, and compare.
+"""Run the neighbour filters of every agent again, from a bag's received packets and contacts, and compare.
 
-Only the acoustic packets that an agent received go in: no truth, no simulator, no estimate of another agent.
-The filters are those of :mod:`auv_flocking.neighbours`, set as in the scenario beside the bag: any
+Only what an agent was given goes in, acoustic packets, sonar contacts and its own navigation: no truth, no
+simulator, no estimate of another agent.  The filters are those of :mod:`auv_flocking.neighbours`, set as in the scenario beside the bag: any
 difference means that the recorded estimates were not made from the recorded packets.
 """
 
@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike
 
 from auv_bringup.bag import Bag
 from auv_bringup.bag_writer import BagError
+from auv_core.messages import SonarContact, VehicleState, is_usable
 from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable, is_plausible
-from auv_flocking.report import ReportError, decode
+from auv_flocking.report import ReportError
 
 TOLERANCE = 1e-9
 
@@ -55,7 +56,9 @@ class Comparison:
         return self.unmatched == 0 and self.estimates > 0 and worst <= TOLERANCE
 
 
-def re_estimate(bag: Bag, vehicle_ids: Sequence[str], config: NeighbourConfig, period_s: float) -> Comparison:
+def re_estimate(
+    bag: Bag, vehicle_ids: Sequence[str], config: NeighbourConfig, report_format: Any, period_s: float
+) -> Comparison:
     """Repeat the estimates of all agents.
 
     Parameters
@@ -66,6 +69,8 @@ def re_estimate(bag: Bag, vehicle_ids: Sequence[str], config: NeighbourConfig, p
         Names of the vehicles.
     config
         Settings of the filters.
+    report_format
+        Format of the reports (`auv_flocking.agent.make_format`).
     period_s
         Control period (s); the estimates of tick k are for k * period_s.
     """
@@ -76,34 +81,62 @@ def re_estimate(bag: Bag, vehicle_ids: Sequence[str], config: NeighbourConfig, p
             "estimate used; allowed: a bag of a lockstep run"
         )
     for index in range(len(vehicle_ids)):
-        _compare_agent(bag, vehicle_ids, index, NeighbourTable(config), period_s, result)
+        repeat = _Repeat(NeighbourTable(config), report_format, index + 1, len(vehicle_ids))
+        _compare_agent(bag, vehicle_ids[index], repeat, period_s, result)
     return result
 
 
-def _compare_agent(
-    bag: Bag,
-    vehicle_ids: Sequence[str],
-    index: int,
-    table: NeighbourTable,
-    period_s: float,
-    result: Comparison,
-) -> None:
-    """Repeat one agent's estimates and add their differences to the result."""
-    vehicle_id = vehicle_ids[index]
-    inboxes = _by_tick(bag, f"/{vehicle_id}/acoustic/rx")
-    recorded = _by_tick(bag, f"/{vehicle_id}/neighbours")
-    known = next((tick for tick in range(len(inboxes)) if tick not in inboxes), len(inboxes))
-    result.unused_ticks += sum(tick >= known for tick in recorded)
-    for tick in range(known):
-        for reception in inboxes[tick].receptions:
+@dataclass
+class _Repeat:
+    """What one agent estimates with."""
+
+    table: NeighbourTable
+    report_format: Any
+    address: int
+    fleet_size: int
+
+    def estimates(self, t_s: float, inbox: Any, nav: VehicleState) -> list[NeighbourEstimate]:
+        """Return the estimates of one tick, as `auv_flocking.agent.Agent.step` makes them."""
+        for reception in inbox.receptions:
             try:
-                report = decode(reception.packet.payload.tobytes())
+                report = self.report_format.decode(reception.packet.payload.tobytes(), t_s)
             except ReportError:
                 continue  # as the agent does: not a report, not used
-            if is_plausible(report, index + 1, len(vehicle_ids), tick * period_s):
-                table.receive(report)
+            if is_plausible(report, self.address, self.fleet_size, t_s):
+                self.table.receive(report)
+        is_lost = not is_usable(nav)
+        if inbox.contacts and not is_lost:
+            contacts = [SonarContact(c.range_m, c.bearing_rad, c.elevation_rad) for c in inbox.contacts]
+            self.table.observe(t_s, nav, contacts)
+        return self.table.estimates(t_s, None if is_lost else nav)
+
+
+def _compare_agent(bag: Bag, vehicle_id: str, repeat: _Repeat, period_s: float, result: Comparison) -> None:
+    """Repeat one agent's estimates and add their differences to the result."""
+    inboxes = _by_tick(bag, f"/{vehicle_id}/acoustic/rx")
+    navs = _by_tick(bag, f"/{vehicle_id}/nav")
+    recorded = _by_tick(bag, f"/{vehicle_id}/neighbours")
+    known = next(
+        (tick for tick in range(len(inboxes)) if tick not in inboxes or tick not in navs), len(inboxes)
+    )
+    result.unused_ticks += sum(tick >= known for tick in recorded)
+    for tick in range(known):
+        estimates = repeat.estimates(tick * period_s, inboxes[tick], _navigation(navs[tick]))
         if tick in recorded:
-            _compare_tick(recorded[tick].neighbours, table.estimates(tick * period_s), result)
+            _compare_tick(recorded[tick].neighbours, estimates, result)
+
+
+def _navigation(message: Any) -> VehicleState:
+    """Return the record of a decoded state message."""
+    p, q, v, w = (
+        message.pose.position,
+        message.pose.orientation,
+        message.twist.linear,
+        message.twist.angular,
+    )
+    nu = (v.x, v.y, v.z, w.x, w.y, w.z)
+    sds = (message.position_sd_m, message.heading_sd_rad)
+    return VehicleState(message.tick, (p.x, p.y, p.z), (q.w, q.x, q.y, q.z), nu, message.valid, *sds)
 
 
 def _by_tick(bag: Bag, topic: str) -> dict[int, Any]:

@@ -45,6 +45,7 @@ _VELOCITY_TOPIC = TopicSpec("cmd_vel", "geometry_msgs/msg/TwistStamped")
 _GLOBAL_TOPICS = (
     TopicSpec(CLOCK_TOPIC, "rosgraph_msgs/msg/Clock"),
     TopicSpec("/acoustic/stats", "auv_msgs/msg/AcousticStats"),
+    TopicSpec("/acoustic/events", "auv_msgs/msg/AcousticEvents"),
     TopicSpec("/flock/status", "auv_msgs/msg/FlockStatus", latched=True),
     TopicSpec("/tf", "tf2_msgs/msg/TFMessage"),
     TopicSpec("/tf_static", "tf2_msgs/msg/TFMessage", latched=True),

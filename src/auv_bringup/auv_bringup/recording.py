@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 _VERSION_KEY = "format_version"
 
 
@@ -62,14 +62,28 @@ class Recording:
         Estimate [k, i, j] that vehicle i holds of vehicle j (m and m/s, NED).
     neighbour_covariance : (K, N, N, 6, 6) array
         Covariance of position and velocity, in this order (m^2, m^2/s, m^2/s^2; NED).
-    neighbour_age_s : (K, N, N) array
-        Age of the newest information in the estimate (s).
+    neighbour_age_s, neighbour_sonar_age_s : (K, N, N) arrays
+        Age of the newest packet in the estimate (s), and time since the sonar saw the neighbour (s; inf: never).
+    nav_position_ned_m : (K, N, 3) array
+        Where the vehicle's own navigation believes itself to be (m, map_ned).
+    nav_position_sd_m : (K, N) array
+        Standard deviation per horizontal axis that the navigation states of that (m).
+    contacts : (C, 2) array of int64
+        Tick of a sonar contact and the address of the vehicle whose sonar it is.
+    contact_values : (C, 3) array
+        Range (m), bearing and elevation (rad; body FRD, elevation positive up), per row of `contacts`.
     sent : (S, 3) array of int64
         Tick in which the packet was handed over, source address, sequence number.
     received : (R, 4) array of int64
         Tick of delivery, source address, destination address, sequence number.
     delay_s : (R,) array
         End of reception minus start of transmission, per row of `received` (s).
+    events : (E, 6) array of int64
+        The acoustic log: tick in which it became known, `Outcome`, source address, destination address (0 in
+        a SENT row that everybody may hear), sequence number, payload size (bytes).
+    event_values : (E, 3) array
+        First and last moment of the signal, at the sender in SENT rows, else at the receiver (s), and the
+        ratio of signal to noise and interference (dB, NaN where there is none), per row of `events`.
     lost_at_s : (N,) array
         Scenario time at which the vehicle's computer was lost, NaN if it never was (s).
 
@@ -90,9 +104,16 @@ class Recording:
     neighbour_velocity_ned_mps: FloatArray
     neighbour_covariance: FloatArray
     neighbour_age_s: FloatArray
+    neighbour_sonar_age_s: FloatArray
+    nav_position_ned_m: FloatArray
+    nav_position_sd_m: FloatArray
+    contacts: IntArray
+    contact_values: FloatArray
     sent: IntArray
     received: IntArray
     delay_s: FloatArray
+    events: IntArray
+    event_values: FloatArray
     lost_at_s: FloatArray
 
     def __post_init__(self) -> None:
@@ -105,8 +126,14 @@ class Recording:
             if not _fits(array.shape, shape):
                 raise RecordingError(f"{name}: shape {array.shape}, expected {shape}")
             setattr(self, name, array)
-        if len(self.delay_s) != len(self.received):
-            raise RecordingError(f"delay_s: {len(self.delay_s)} rows for {len(self.received)} receptions")
+        for values, keys in (
+            ("delay_s", "received"),
+            ("contact_values", "contacts"),
+            ("event_values", "events"),
+        ):
+            rows, expected = len(getattr(self, values)), len(getattr(self, keys))
+            if rows != expected:
+                raise RecordingError(f"{values}: {rows} rows for the {expected} of {keys}")
 
     @classmethod
     def empty(cls, vehicle_ids: Sequence[str], t_s: FloatArray) -> Recording:
@@ -209,9 +236,16 @@ def _shapes(n_states: int, n: int) -> dict[str, tuple[int | None, ...]]:
         "neighbour_velocity_ned_mps": (k, n, n, 3),
         "neighbour_covariance": (k, n, n, 6, 6),
         "neighbour_age_s": (k, n, n),
+        "neighbour_sonar_age_s": (k, n, n),
+        "nav_position_ned_m": (k, n, 3),
+        "nav_position_sd_m": (k, n),
+        "contacts": (None, 2),
+        "contact_values": (None, 3),
         "sent": (None, 3),
         "received": (None, 4),
         "delay_s": (None,),
+        "events": (None, 6),
+        "event_values": (None, 3),
         "lost_at_s": (n,),
     }
 
@@ -219,7 +253,7 @@ def _shapes(n_states: int, n: int) -> dict[str, tuple[int | None, ...]]:
 def _dtype(name: str) -> type[np.int64] | type[np.float64] | type[np.bool_]:
     if name == "holding":
         return np.bool_
-    return np.int64 if name in ("sent", "received") else np.float64
+    return np.int64 if name in ("sent", "received", "contacts", "events") else np.float64
 
 
 def _fits(shape: tuple[int, ...], expected: tuple[int | None, ...]) -> bool:

@@ -30,9 +30,10 @@ from auv_bringup.scenario_file import (
 from auv_core.geometry import Vec3, distance
 from auv_core.params import ConfigError, Section, dump, load, param, shown
 from auv_core.plugins import find_plugin
-from auv_flocking.agent import CONSENSUS, CONTROLLERS, FLOCKING, REFERENCES, SEPARATION
+from auv_flocking.agent import COMPACT, CONSENSUS, CONTROLLERS, FLOCKING, REFERENCES, REPORTS, SEPARATION
 from auv_flocking.neighbours import NeighbourConfig
-from auv_sim.acoustics.medium import MAC, MODEM, OUTAGE, PROPAGATION, MediumConfig
+from auv_sim.acoustics.medium import MAC, MODEM, OUTAGE, PROPAGATION, SONAR, MediumConfig
+from auv_sim.acoustics.sonar import none as no_sonar
 from auv_sim.vehicle import EXACT, MODELS, NAVIGATION, substeps
 
 MAX_M = 1e5
@@ -113,6 +114,9 @@ class Acoustics:
     modem: Section = param("airtime and reach", plugins=MODEM)
     mac: Section = param("medium access", plugins=MAC)
     outage: Section = param("losses by no other cause", plugins=OUTAGE)
+    sonar: Section = param(
+        "what vehicles see of each other", default=Section("none", no_sonar.Params()), plugins=SONAR
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,6 +132,7 @@ class AgentSettings:
     consensus: Section | None = param(
         "consensus filter of the flocking centre", default=None, plugins=CONSENSUS
     )
+    report: Section = param("bytes of a report", default=COMPACT, plugins=REPORTS)
     neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
     hold_s: float = param(
         "hold station at most so long until every neighbour was heard (s)", default=0.0, minimum=0.0
@@ -215,6 +220,7 @@ class Scenario:
             modem=a.modem,
             mac=a.mac,
             outage=a.outage,
+            sonar=a.sonar,
         )
 
     def reference_of(self, index: int | None = None) -> Any | None:

@@ -9,8 +9,7 @@ from auv_bringup.scenario_file import ID, ID_WORDS
 from auv_core.geometry import distance
 from auv_core.params import shown
 from auv_core.plugins import find_plugin
-from auv_flocking.agent import CONTROLLERS, check_parts
-from auv_flocking.report import REPORT_BYTES
+from auv_flocking.agent import CONTROLLERS, check_parts, make_consensus, make_format
 from auv_sim.acoustics.medium import AcousticMedium
 from auv_sim.vehicle import MODELS
 
@@ -199,7 +198,9 @@ def _check_continuous(scenario: Scenario) -> None:
 
 
 def _check_medium(scenario: Scenario) -> None:
+    consensus = make_consensus(scenario.agent.consensus, len(scenario.vehicles))
+    payload_bytes = make_format(scenario.agent.report, consensus).payload_bytes
     try:
-        AcousticMedium(scenario.medium_config).check_payload(REPORT_BYTES)
+        AcousticMedium(scenario.medium_config).check_payload(payload_bytes)
     except ValueError as error:
         raise ValueError(f"acoustics.{error}") from None

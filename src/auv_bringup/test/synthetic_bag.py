@@ -137,7 +137,8 @@ class SyntheticRun:
         self.command = rng.normal(size=(n_ticks, n, 6))
         self.reference = rng.normal(size=(n_ticks, n, 6))
         self.centre = rng.normal(size=(n_ticks, n, 6))
-        self.neighbours = rng.normal(size=(n_ticks, n, n, 43))
+        self.neighbours = rng.normal(size=(n_ticks, n, n, 44))
+        self.nav = rng.normal(size=(n_ticks + 1, n, 15))
         self.heard = rng.random((n_ticks, n)) < 0.8
 
     def time_ns(self, tick: int) -> int:
@@ -153,18 +154,23 @@ class SyntheticRun:
                     self._write_extras(recorder, k, i)
                 if k < self.n_ticks:
                     self.write_decision(recorder, k, i)
+            if k < self.n_ticks:
+                self._write_events(recorder, k)
 
     def write_state(self, recorder: Recorder, k: int, i: int) -> None:
-        row = self.state[k, i]
-        message = make(
-            "auv_msgs/msg/VehicleState",
-            header=header(self.time_ns(k), "map_ned"),
-            tick=k,
-            pose=pose(row[:3], row[3:7]),
-            twist=twist(row[7:]),
-            valid=True,
-        )
-        recorder.write(f"/auv_{i + 1}/state", message, self.time_ns(k))
+        truth = np.concatenate([self.state[k, i], [0.0, 0.0]])
+        for topic, row in (("state", truth), ("nav", self.nav[k, i])):
+            message = make(
+                "auv_msgs/msg/VehicleState",
+                header=header(self.time_ns(k), "map_ned"),
+                tick=k,
+                pose=pose(row[:3], row[3:7]),
+                twist=twist(row[7:13]),
+                valid=True,
+                position_sd_m=float(row[13]),
+                heading_sd_rad=float(row[14]),
+            )
+            recorder.write(f"/auv_{i + 1}/{topic}", message, self.time_ns(k))
 
     def write_decision(self, recorder: Recorder, k: int, i: int) -> None:
         t_ns, vehicle = self.time_ns(k), f"/auv_{i + 1}"
@@ -212,9 +218,30 @@ class SyntheticRun:
                 tick=k,
                 transmit_ready=True,
                 receptions=self._receptions(k, i),
+                contacts=[self._contact(k, i)] if self.heard[k, i] else [],
             ),
             t_ns,
         )
+
+    def _write_events(self, recorder: Recorder, k: int) -> None:
+        events = [
+            make(
+                "auv_msgs/msg/AcousticEvent",
+                outcome=0,
+                source=i + 1,
+                destination=0,
+                sequence=k,
+                start_s=k * self.period_s,
+                end_s=(k + 0.5) * self.period_s,
+                snr_db=float("nan"),
+                size_bytes=2,
+            )
+            for i in range(self.n)
+        ]
+        message = make(
+            "auv_msgs/msg/AcousticEvents", header=header(self.time_ns(k), ""), tick=k, events=events
+        )
+        recorder.write("/acoustic/events", message, self.time_ns(k))
 
     def _estimates(self, k: int, i: int):
         return [
@@ -225,10 +252,17 @@ class SyntheticRun:
                 velocity=vector(row[3:6]),
                 covariance=row[6:42].copy(),
                 age_s=float(row[42]),
+                sonar_age_s=float(row[43]),
             )
             for j, row in enumerate(self.neighbours[k, i])
             if j != i
         ]
+
+    def _contact(self, k: int, i: int):
+        range_m, bearing_rad, elevation_rad = map(float, self.nav[k, i, :3])
+        return make(
+            "auv_msgs/msg/SonarContact", range_m=range_m, bearing_rad=bearing_rad, elevation_rad=elevation_rad
+        )
 
     def _packet(self, k: int, i: int):
         payload = np.frombuffer(bytes([k % 256, i]), np.uint8)

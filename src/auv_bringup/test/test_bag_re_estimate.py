@@ -11,10 +11,12 @@ from auv_bringup.bag import Bag
 from auv_bringup.re_estimate import re_estimate
 from auv_bringup.scenario import load_scenario, scenario_to_yaml
 from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
-from auv_flocking.report import Report, encode
+from auv_flocking.report import Report
+from auv_flocking.reports import exact
 
 CONFIG = NeighbourConfig()
 PERIOD_S = 0.1
+FORMAT = exact.Format(exact.Params(), ())
 
 
 class Filtered(synthetic.SyntheticRun):
@@ -22,6 +24,8 @@ class Filtered(synthetic.SyntheticRun):
 
     def __init__(self, n, n_ticks, *, config=CONFIG, missing=frozenset()):
         super().__init__(n, n_ticks)
+        self.nav[..., 13:] = 0.0
+        self.heard[:] = False  # no sonar contacts, and the base class's packets are not used
         self.tables = [NeighbourTable(config) for _ in range(n)]
         self.missing = missing
 
@@ -50,7 +54,7 @@ class Filtered(synthetic.SyntheticRun):
         )
 
     def reception(self, k, j):
-        payload = b"?" if k == 8 else encode(self.report(k, j))  # once, a packet that is not a report
+        payload = b"?" if k == 8 else FORMAT.encode(self.report(k, j))  # once, a packet that is not a report
         packet = synthetic.make(
             "auv_msgs/msg/AcousticPacket",
             tick=k,
@@ -72,6 +76,7 @@ class Filtered(synthetic.SyntheticRun):
             velocity=synthetic.vector(estimate.velocity),
             covariance=np.asarray(estimate.covariance).reshape(-1).copy(),
             age_s=estimate.age_s,
+            sonar_age_s=estimate.sonar_age_s,
         )
 
 
@@ -86,7 +91,7 @@ def written(tmp_path, run):
 
 
 def test_the_packets_give_the_estimates(tmp_path):
-    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, CONFIG, PERIOD_S)
+    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, CONFIG, FORMAT, PERIOD_S)
     assert result.agrees
     assert result.ticks == 4 * 40
     assert result.estimates > 300
@@ -95,7 +100,7 @@ def test_the_packets_give_the_estimates(tmp_path):
 
 def test_other_filters_do_not(tmp_path):
     other = replace(CONFIG, acceleration_psd=2.0 * CONFIG.acceleration_psd)
-    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, other, PERIOD_S)
+    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, other, FORMAT, PERIOD_S)
     assert not result.agrees
     assert result.covariance > 1e-6
     assert result.unmatched == 0
@@ -103,27 +108,27 @@ def test_other_filters_do_not(tmp_path):
 
 def test_estimates_on_one_side_only_are_a_difference(tmp_path):
     forgetful = replace(CONFIG, timeout_s=0.2)
-    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, forgetful, PERIOD_S)
+    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, forgetful, FORMAT, PERIOD_S)
     assert result.unmatched > 0
     assert not result.agrees
 
 
 def test_after_a_missing_inbox_nothing_is_claimed(tmp_path):
     bag = written(tmp_path, Filtered(4, 40, missing={(25, 2)}))
-    result = re_estimate(bag, IDS, CONFIG, PERIOD_S)
+    result = re_estimate(bag, IDS, CONFIG, FORMAT, PERIOD_S)
     assert result.agrees
     assert result.unused_ticks == 15
     assert result.ticks == 4 * 40 - 15
 
 
 def test_a_bag_without_packets_does_not_agree(tmp_path):
-    result = re_estimate(written(tmp_path, synthetic.SyntheticRun(1, 2)), ["auv_9"], CONFIG, PERIOD_S)
+    result = re_estimate(written(tmp_path, synthetic.SyntheticRun(1, 2)), ["auv_9"], CONFIG, FORMAT, PERIOD_S)
     assert not result.agrees
 
 
 @pytest.mark.parametrize(("change", "status"), [(1.0, 0), (3.0, 1)])
 def test_the_command_takes_the_scenario_beside_the_bag(tmp_path, capsys, change, status):
-    scenario = load_scenario("flock_acoustic")
+    scenario = load_scenario("flock_acoustic", overrides=["agent.report={kind: exact}"])
     settings = scenario.agent.neighbours
     config = replace(settings, position_std_m=change * settings.position_std_m)
     written(tmp_path, Filtered(4, 20, config=config))

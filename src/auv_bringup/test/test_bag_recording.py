@@ -40,8 +40,22 @@ def test_every_array_holds_what_was_recorded(tmp_path, epoch_ns, period_s):
         covariance = recording.neighbour_covariance[k][others].reshape(-1, 36)
         assert_array_equal(covariance, run.neighbours[k][others][:, 6:42])
         assert_array_equal(recording.neighbour_age_s[k][others], run.neighbours[k][others][:, 42])
+        assert_array_equal(recording.neighbour_sonar_age_s[k][others], run.neighbours[k][others][:, 43])
         assert np.isnan(recording.neighbour_position_ned_m[k][~others]).all()
     assert np.isnan(recording.lost_at_s).all()
+
+
+def test_navigation_contacts_and_the_acoustic_log_are_read(tmp_path):
+    run = synthetic.SyntheticRun(3, 12)
+    recording = read_recording(written(tmp_path, run), synthetic.scenario(3))
+    assert_array_equal(recording.nav_position_ned_m, run.nav[:-1, :, :3])
+    assert_array_equal(recording.nav_position_sd_m, run.nav[:-1, :, 13])
+    seen = [(k, i) for k in range(12) for i in range(3) if run.heard[k, i]]
+    assert_array_equal(recording.contacts, [(k, i + 1) for k, i in seen])
+    assert_array_equal(recording.contact_values, [run.nav[k, i, :3] for k, i in seen])
+    assert_array_equal(recording.events, [(k, 0, i + 1, 0, k, 2) for k in range(12) for i in range(3)])
+    np.testing.assert_allclose(recording.event_values[:, 0], np.repeat(np.arange(12) * 0.1, 3))
+    assert np.isnan(recording.event_values[:, 2]).all()
 
 
 def test_packets_are_listed_by_tick_and_vehicle(tmp_path):

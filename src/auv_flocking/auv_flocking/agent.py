@@ -28,15 +28,19 @@ from auv_core.messages import (
 from auv_core.params import Section, param
 from auv_core.plugins import find_plugin
 from auv_flocking.flock_task import FlockTask, Obstacles
+from auv_flocking.flocking import FlockVelocity
 from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable, is_plausible
-from auv_flocking.report import Report, ReportError, decode, encode
+from auv_flocking.report import Report, ReportError
+from auv_flocking.reports import compact
 
 REFERENCES = "auv_control.references"
 CONTROLLERS = "auv_control.controllers"
 FLOCKING = "auv_flocking.flocking"
 SEPARATION = "auv_flocking.separation"
 CONSENSUS = "auv_flocking.consensus"
+REPORTS = "auv_flocking.reports"
+COMPACT = Section("compact", compact.Params())
 
 NO_MEASUREMENT = "no usable measurement of its own position and velocity"
 NO_FINITE_COMMAND = "the law gave no finite command"
@@ -66,6 +70,7 @@ class AgentConfig:
     consensus: Section | None = param(
         "consensus filter of the flocking centre", default=None, plugins=CONSENSUS
     )
+    report: Section = param("bytes of a report", default=COMPACT, plugins=REPORTS)
     neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
     controller: Section = param("from velocity, path or region to command", plugins=CONTROLLERS)
 
@@ -126,12 +131,25 @@ def check_parts(
         )
 
 
+def make_consensus(section: Section | None, fleet_size: int) -> Any:
+    """Return the consensus filter of a section, or None."""
+    if section is None:
+        return None
+    return find_plugin(CONSENSUS, section.kind).Consensus(section.params, fleet_size)
+
+
+def make_format(report: Section, consensus: Any) -> Any:
+    """Return the format of the reports: the section's, with what the consensus filter adds."""
+    shared_fields = () if consensus is None else consensus.shared_fields
+    return find_plugin(REPORTS, report.kind).Format(report.params, shared_fields)
+
+
 class Agent:
     """
     One vehicle's computer.
 
     After a step, for people to look at: `centre` and `centre_rate` (own estimate of the flocking centre, m
-    and m/s; NED), `flock_velocity` (m/s; NED), `reference` (what the law asked, or the path's velocity),
+    and m/s; NED), `flock_velocity` (m/s; NED, with its stamp), `reference` (what the law asked, or the path's velocity),
     `law_state` (what the law remembers), `neighbours` (the estimates that the step used) and `holding` (why
     it gave the safe command instead of the law's, or nothing).
     """
@@ -144,21 +162,22 @@ class Agent:
         self._controller = find_plugin(CONTROLLERS, config.controller.kind).Controller(
             config.controller.params, config.period_s
         )
-        self.task = self._make_task()
+        consensus = make_consensus(config.consensus, config.fleet_size)
+        self._format = make_format(config.report, consensus)
+        self.task = self._make_task(consensus)
         self._table = NeighbourTable(config.neighbours)
         self._sequence = 0
         self.rejected = 0
         self.holding = ""
         self.neighbours: list[NeighbourEstimate] = []
 
-    def _make_task(self) -> FlockTask | MotionTask:
+    def _make_task(self, consensus: Any) -> FlockTask | MotionTask:
         config = self._config
-        if config.flocking is None or config.separation is None or config.consensus is None:
+        if config.flocking is None or config.separation is None or consensus is None:
             return MotionTask(self._controller, config.obstacles, config.period_s)
         separation = find_plugin(SEPARATION, config.separation.kind).Separation(config.separation.params)
         flocking = find_plugin(FLOCKING, config.flocking.kind)
         law = flocking.Flocking(config.flocking.params, separation, config.is_leader)
-        consensus = find_plugin(CONSENSUS, config.consensus.kind).Consensus(config.consensus.params)
         return FlockTask(law, consensus, self._controller, config.obstacles, config.period_s)
 
     @property
@@ -187,8 +206,8 @@ class Agent:
         return self.task.centre_rate
 
     @property
-    def flock_velocity(self) -> Vec3:
-        """What this vehicle believes the flock's velocity to be (m/s; NED)."""
+    def flock_velocity(self) -> FlockVelocity:
+        """What this vehicle believes the flock's velocity to be (m/s; NED), and since when."""
         return self.task.flock_velocity
 
     @property
@@ -205,6 +224,11 @@ class Agent:
     def outdated(self) -> int:
         """Number of packets that came after a newer one of the same sender."""
         return self._table.outdated
+
+    @property
+    def saturated(self) -> int:
+        """Number of values that did not fit their field of a report and were sent as its bound."""
+        return int(self._format.saturated)
 
     @property
     def path_period_s(self) -> float | None:
@@ -230,8 +254,11 @@ class Agent:
 
         """
         self._receive(inbox, t_s)
-        self.neighbours = self._table.estimates(t_s)
-        if not is_usable(nav):
+        is_lost = not is_usable(nav)
+        if inbox.contacts and not is_lost:
+            self._table.observe(t_s, nav, inbox.contacts)
+        self.neighbours = self._table.estimates(t_s, None if is_lost else nav)
+        if is_lost:
             self.holding = NO_MEASUREMENT
             return self._safe_command(), []
         command = self._act_safely(t_s, nav)
@@ -256,7 +283,7 @@ class Agent:
             return self.task.step(t_s, nav, path, self.neighbours, is_waiting=is_waiting)
         if path is None:
             raise RuntimeError("a flock without a path: AgentConfig should have refused it")
-        return self.task.step(nav, path, self.neighbours, is_waiting=is_waiting)
+        return self.task.step(t_s, nav, path, self.neighbours, is_waiting=is_waiting)
 
     def _safe_command(self) -> Command:
         if self.takes_velocity:
@@ -270,7 +297,7 @@ class Agent:
     def _receive(self, inbox: Inbox, t_s: float) -> None:
         for reception in inbox.receptions:
             try:
-                report = decode(reception.packet.payload)
+                report = self._format.decode(reception.packet.payload, t_s)
             except ReportError:
                 self.rejected += 1
                 continue
@@ -290,6 +317,9 @@ class Agent:
             velocity,
             self.centre,
             self.centre_rate,
-            self.flock_velocity,
+            self.flock_velocity.velocity,
+            self.flock_velocity.stamp_s,
+            nav.position_sd_m,
+            self.task.shared(),
         )
-        return Packet(tick, self._config.address, 0, self._sequence, encode(report))
+        return Packet(tick, self._config.address, 0, self._sequence, self._format.encode(report))

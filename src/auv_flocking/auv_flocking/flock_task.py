@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,7 +10,8 @@ from auv_control.controllers import VelocityReference
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
 from auv_core.messages import Command, VehicleState
-from auv_flocking.flocking import View
+from auv_flocking.consensus import Heard
+from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View
 from auv_flocking.neighbours import NeighbourEstimate
 
 Obstacles = tuple[tuple[Vec3, float], ...]
@@ -22,7 +24,7 @@ class FlockTask:
     Flocking law, consensus filter and the velocity controller under them.
 
     After a step: `centre` and `centre_rate` (own estimate of the flocking centre, m and m/s; NED),
-    `flock_velocity` (m/s; NED) and `reference` (what the law asked).
+    `flock_velocity` (m/s; NED, with its stamp) and `reference` (what the law asked).
     """
 
     law_state: tuple[float, ...] = ()
@@ -35,44 +37,77 @@ class FlockTask:
         self._controller = controller
         self._obstacles = obstacles
         self._period_s = period_s
-        self._next_centre: Vec3 | None = None
         self.centre: Vec3 = _ZERO
         self.centre_rate: Vec3 = _ZERO
-        self.flock_velocity: Vec3 = _ZERO
+        self.flock_velocity: FlockVelocity = NOTHING_HEARD
         self.reference = VelocityReference(_ZERO, 0.0)
 
     def step(
-        self, nav: VehicleState, path: PathPoint, neighbours: Sequence[NeighbourEstimate], *, is_waiting: bool
+        self,
+        t_s: float,
+        nav: VehicleState,
+        path: PathPoint,
+        neighbours: Sequence[NeighbourEstimate],
+        *,
+        is_waiting: bool,
     ) -> Command:
         """Return the command of one control period; while `is_waiting` the vehicle holds its station."""
-        self.centre = nav.position if self._next_centre is None else self._next_centre
-        centres = [neighbour.centre for neighbour in neighbours]
-        heard = [self.flock_velocity, *(neighbour.flock_velocity for neighbour in neighbours)]
-        self.flock_velocity = self._law.flock_velocity(path, self.centre, heard)
-        view = self._view(path, nav.position, self.centre, tuple([n.position for n in neighbours]))
-        velocity = self._law.velocity(view)
+        law, consensus, estimates = self._law, self._consensus, tuple(neighbours)
+        law.hear(estimates, self._period_s)
+        heard = [_heard(estimate) for estimate in estimates if estimate.age_s < math.inf]
+        self.centre = consensus.centre(nav.position, heard)
+        self.flock_velocity = law.flock_velocity(t_s, path, self.centre, self.flock_velocity, estimates)
+        positions = tuple([estimate.position for estimate in estimates])
+        view = self._view(path, nav.position, self.centre, positions, estimates)
+        velocity = law.velocity(view)
         if not is_waiting:
-            self._law.adapt(view, self._period_s)
+            law.adapt(view, self._period_s)
         self.reference = VelocityReference(_ZERO if is_waiting else velocity, path.heading_rad)
         command: Command = self._controller.step(nav, self.reference)
-        self.centre_rate = self.consensus_rate(nav.position, self.centre, centres)
-        self._next_centre = self._consensus.step(
-            nav.position, self.centre, centres, self.flock_velocity, self._period_s
+        self.centre_rate = consensus.advance(
+            nav.position, heard, self.flock_velocity.velocity, self._period_s
         )
         return command
+
+    def shared(self) -> tuple[float, ...]:
+        """Return what the consensus filter adds to a packet that is handed over after this step."""
+        numbers: tuple[float, ...] = self._consensus.shared()
+        return numbers
 
     def velocity(self, path: PathPoint, position: Vec3, centre: Vec3, neighbours: tuple[Vec3, ...]) -> Vec3:
         """
         Return what the flocking law asks (m/s; NED) of this vehicle at `position`, with its present flock
         velocity.
         """
-        velocity: Vec3 = self._law.velocity(self._view(path, position, centre, neighbours))
+        velocity: Vec3 = self._law.velocity(self._view(path, position, centre, neighbours, ()))
         return velocity
 
-    def _view(self, path: PathPoint, position: Vec3, centre: Vec3, neighbours: tuple[Vec3, ...]) -> View:
-        return View(position, centre, self.flock_velocity, neighbours, self._obstacles, path)
+    def _view(
+        self,
+        path: PathPoint,
+        position: Vec3,
+        centre: Vec3,
+        neighbours: tuple[Vec3, ...],
+        estimates: tuple[NeighbourEstimate, ...],
+    ) -> View:
+        flock_velocity = self.flock_velocity.velocity
+        return View(position, centre, flock_velocity, neighbours, self._obstacles, path, estimates)
 
     def consensus_rate(self, position: Vec3, centre: Vec3, neighbour_centres: list[Vec3]) -> Vec3:
         """Return the rate of the flocking-centre estimate (m/s; NED)."""
-        rate: Vec3 = self._consensus.derivative(position, centre, neighbour_centres, self.flock_velocity)
+        rate: Vec3 = self._consensus.derivative(
+            position, centre, neighbour_centres, self.flock_velocity.velocity
+        )
         return rate
+
+
+def _heard(estimate: NeighbourEstimate) -> Heard:
+    return Heard(
+        estimate.address,
+        estimate.time_s,
+        estimate.age_s,
+        estimate.position,
+        estimate.centre,
+        estimate.flock_velocity,
+        estimate.shared,
+    )

@@ -12,6 +12,7 @@ from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Command, Vec6, VehicleState, Wrench
 from auv_flocking.flock_task import Obstacles
+from auv_flocking.flocking import NOTHING_HEARD
 from auv_flocking.neighbours import NeighbourEstimate
 
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
@@ -33,7 +34,7 @@ class MotionTask:
         self.law_state: State = ()
         self.centre: Vec3 = _ZERO
         self.centre_rate: Vec3 = _ZERO
-        self.flock_velocity: Vec3 = _ZERO
+        self.flock_velocity = NOTHING_HEARD
         self.reference = VelocityReference(_ZERO, 0.0)
 
     def step(
@@ -59,6 +60,10 @@ class MotionTask:
         if math.isfinite(sum(tau) + sum(after)):
             self._next_state = self.law.constrained(after)
         return Wrench(tau)
+
+    def shared(self) -> tuple[float, ...]:
+        """Return nothing: there is no consensus filter."""
+        return ()
 
     def view(
         self, t_s: float, nav: VehicleState, path: PathPoint | None, neighbours: tuple[Vec3, ...]

@@ -8,9 +8,11 @@ import pytest
 from auv_core.messages import Inbox, Packet, Reception, VehicleState, VelocityCommand
 from auv_core.params import ConfigError, load
 from auv_flocking.agent import Agent, AgentConfig
-from auv_flocking.report import REPORT_BYTES, Report, decode, encode
+from auv_flocking.report import Report
+from auv_flocking.reports import exact
 
 PERIOD_S = 0.1
+FORMAT = exact.Format(exact.Params(), ())
 
 
 def _config(**changes):
@@ -24,6 +26,7 @@ def _config(**changes):
         "flocking": {"kind": "potential"},
         "separation": {"kind": "mathematical"},
         "consensus": {"kind": "thesis"},
+        "report": {"kind": "exact"},
         "controller": {"kind": "velocity_direct"},
     }
     return load(AgentConfig, {**raw, **changes}, "agent")
@@ -36,7 +39,7 @@ def _nav(tick, position=(1.0, 9.0, 10.0), nu=(0.1, 0.0, 0.0, 0.0, 0.0, 0.0)):
 def _heard(tick, address, position=(3.0, 9.0, 10.0), *, time_s=None, payload=None):
     if payload is None:
         time_s = (tick - 1) * PERIOD_S if time_s is None else time_s
-        payload = encode(
+        payload = FORMAT.encode(
             Report(address, tick, time_s, position, (0.0,) * 3, position, (0.0,) * 3, (0.0,) * 3)
         )
     return Reception(Packet(tick - 1, address, 0, tick, payload), 0.0, 0.0, math.nan)
@@ -78,7 +81,7 @@ def test_its_packets_are_numbered_addressed_to_everybody_and_of_the_report_s_len
     packets = [_step(agent, tick, ready=True)[1][0] for tick in range(5)]
     assert [packet.sequence for packet in packets] == [1, 2, 3, 4, 5]
     assert {(packet.source, packet.destination, len(packet.payload)) for packet in packets} == {
-        (2, 0, REPORT_BYTES)
+        (2, 0, FORMAT.payload_bytes)
     }
     assert [packet.tick for packet in packets] == [0, 1, 2, 3, 4]
 
@@ -88,13 +91,15 @@ def test_its_report_says_where_it_is_how_fast_and_what_it_believes():
     east = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))
     nav = VehicleState(4, (1.0, 2.0, 3.0), east, (0.2, 0.0, 0.1, 0.0, 0.0, 0.0))
     (packet,) = agent.step(0.4, nav, _inbox(4, ready=True))[1]
-    report = decode(packet.payload)
+    report = FORMAT.decode(packet.payload, 0.0)
     assert (report.address, report.sequence, report.time_s) == (1, 1, 0.4)
     assert report.position == (1.0, 2.0, 3.0)
     assert report.velocity == pytest.approx((0.0, 0.2, 0.1), abs=1e-6)
     np.testing.assert_allclose(report.centre, agent.centre, rtol=1e-6)
     np.testing.assert_allclose(report.centre_rate, agent.centre_rate, rtol=1e-6, atol=1e-9)
-    np.testing.assert_allclose(report.flock_velocity, agent.flock_velocity, rtol=1e-6)
+    np.testing.assert_allclose(report.flock_velocity, agent.flock_velocity.velocity, rtol=1e-6)
+    assert report.flock_stamp_s == agent.flock_velocity.stamp_s == 0.4
+    assert report.position_sd_m == 0.0
 
 
 def test_it_holds_station_until_all_neighbours_were_heard():
@@ -158,7 +163,13 @@ def test_it_gives_way_to_an_obstacle():
 def test_bytes_that_are_no_report_are_counted_and_change_nothing():
     clean, noisy = Agent(_config()), Agent(_config())
     _step(clean, 1, _heard(1, 2))
-    _step(noisy, 1, _heard(1, 3, payload=b"noise"), _heard(1, 2), _heard(1, 3, payload=bytes(REPORT_BYTES)))
+    _step(
+        noisy,
+        1,
+        _heard(1, 3, payload=b"noise"),
+        _heard(1, 2),
+        _heard(1, 3, payload=bytes(FORMAT.payload_bytes)),
+    )
     assert noisy.rejected == 2
     assert noisy.reference == clean.reference
 

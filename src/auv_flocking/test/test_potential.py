@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_control.references import PathPoint
-from auv_flocking.flocking import View
+from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View
 from auv_flocking.flocking.potential import Flocking, Params
+from auv_flocking.neighbours import NeighbourEstimate
 from auv_flocking.separation import mathematical
 
 MODERATE = settings(max_examples=60, deadline=None)
@@ -47,6 +48,16 @@ def _law(is_leader=True, **changes):
     return Flocking(replace(PARAMS, **changes), SEPARATION, is_leader)
 
 
+def _estimate(flock_velocity, stamp_s=0.0):
+    zero = (0.0, 0.0, 0.0)
+    return NeighbourEstimate(2, zero, zero, np.eye(6), 0.0, zero, flock_velocity, stamp_s)
+
+
+def _belief(law, view, heard):
+    estimates = [_estimate(velocity) for velocity in heard]
+    return law.flock_velocity(0.0, view.path, view.centre, NOTHING_HEARD, estimates).velocity
+
+
 def test_leader_follows_eq_5_22_and_5_40():
     np.testing.assert_allclose(_law().velocity(VIEW), COHESION + PATH + APART + OBSTACLE + AHEAD)
 
@@ -73,18 +84,27 @@ def test_a_leader_that_steers_the_centre_does_not_pull_itself_to_the_path():
 def test_a_leader_that_steers_the_centre_believes_the_flock_to_go_to_the_path():
     law = _law(leader_steers="centre")
     expected = AHEAD + 0.5 * (np.array(VIEW.path.position) - VIEW.centre)
-    np.testing.assert_allclose(law.flock_velocity(VIEW.path, VIEW.centre, [(9.0, 9.0, 9.0)]), expected)
+    np.testing.assert_allclose(_belief(law, VIEW, [(9.0, 9.0, 9.0)]), expected)
 
 
 def test_a_leader_that_steers_itself_believes_the_paths_velocity():
-    assert _law().flock_velocity(VIEW.path, VIEW.centre, [(9.0, 9.0, 9.0)]) == (0.1, 0.0, 0.0)
+    assert _belief(_law(), VIEW, [(9.0, 9.0, 9.0)]) == (0.1, 0.0, 0.0)
 
 
 def test_a_follower_takes_the_mean_of_what_is_believed():
     law = _law(is_leader=False)
-    heard = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.0, 0.0, 0.6)]
-    assert law.flock_velocity(VIEW.path, VIEW.centre, heard) == pytest.approx((0.1, 0.0, 0.2))
-    assert law.flock_velocity(VIEW.path, VIEW.centre, []) == (0.0, 0.0, 0.0)
+    heard = [(0.3, 0.0, 0.0), (0.0, 0.0, 0.6)]
+    assert _belief(law, VIEW, heard) == pytest.approx((0.1, 0.0, 0.2))
+    assert _belief(law, VIEW, []) == (0.0, 0.0, 0.0)
+
+
+def test_a_belief_carries_the_stamp_of_the_newest_leader_heard():
+    view, own = VIEW, FlockVelocity((0.0, 0.0, 0.0), 3.0)
+    heard = [_estimate((0.1, 0.0, 0.0), 5.0), _estimate((0.1, 0.0, 0.0), 4.0)]
+    follower, leader = _law(is_leader=False), _law()
+    assert follower.flock_velocity(9.0, view.path, view.centre, own, heard).stamp_s == 5.0
+    assert follower.flock_velocity(9.0, view.path, view.centre, own, []).stamp_s == 3.0
+    assert leader.flock_velocity(9.0, view.path, view.centre, own, heard).stamp_s == 9.0
 
 
 @pytest.mark.parametrize("is_leader", [True, False])
@@ -100,7 +120,7 @@ def test_a_blind_follower_never_depends_on_the_path(view, position, velocity, he
     law = _law(is_leader=False, followers="blind", feedforward=feedforward)
     other = PathPoint(position, velocity)
     assert law.velocity(view) == law.velocity(replace(view, path=other))
-    assert law.flock_velocity(view.path, view.centre, heard) == law.flock_velocity(other, view.centre, heard)
+    assert _belief(law, view, heard) == _belief(law, replace(view, path=other), heard)
 
 
 @MODERATE
@@ -119,7 +139,7 @@ def test_the_limit_bounds_the_feedback_and_keeps_its_direction(view, is_leader, 
 @given(VIEWS, st.floats(0.01, 2.0))
 def test_the_limit_bounds_the_leaders_steering(view, limit_mps):
     law = _law(leader_steers="centre", correction_limit_mps=limit_mps)
-    steer = np.subtract(law.flock_velocity(view.path, view.centre, []), view.path.velocity)
+    steer = np.subtract(_belief(law, view, []), view.path.velocity)
     assert np.linalg.norm(steer) <= limit_mps + 1e-9
 
 

@@ -133,14 +133,14 @@ class AgentNode(Node):
         if not self._navs or tick < self._tick or tick < 0:
             return
         nav = self._navs[max(self._navs)]
-        receptions: list[Reception] = [
-            r for key in sorted(self._inboxes) for r in self._inboxes[key].receptions
-        ]
+        inboxes = [self._inboxes[key] for key in sorted(self._inboxes)]
+        receptions: list[Reception] = [reception for inbox in inboxes for reception in inbox.receptions]
+        contacts = next((inbox.contacts for inbox in reversed(inboxes) if inbox.contacts), ())
         ready = [key for key, inbox in self._inboxes.items() if inbox.transmit_ready]
         self._navs = {nav.tick: nav}
         self._inboxes = {}
         self._tick = tick + 1
-        self._step(tick, nav, Inbox(max(ready, default=tick), bool(ready), tuple(receptions)))
+        self._step(tick, nav, Inbox(max(ready, default=tick), bool(ready), tuple(receptions), contacts))
 
     def _step(self, tick: int, nav: State, inbox: Inbox) -> None:
         command, packets = self._agent.step(self._ticks.scenario_s(tick), nav, inbox)
@@ -169,7 +169,7 @@ class AgentNode(Node):
         numbers: list[float] = []
         for estimate in agent.neighbours:
             numbers += (estimate.address, *estimate.position, *estimate.velocity)
-            numbers += (*estimate.covariance.ravel().tolist(), estimate.age_s)
+            numbers += (*estimate.covariance.ravel().tolist(), estimate.age_s, estimate.sonar_age_s)
         count = len(agent.neighbours)
         self._neighbours_pub.publish(convert.neighbours_stencil(count).filled(t_s, tick, count, *numbers))
 

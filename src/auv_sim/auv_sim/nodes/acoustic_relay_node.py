@@ -28,9 +28,9 @@ from auv_core.node_main import EVERY_TICK, Audience, Rendezvous, main_loop, now_
 from auv_core.node_params import declare_config
 from auv_core.params import param
 from auv_core.run_config import RunConfig, TickClock
-from auv_msgs.msg import AcousticInbox, AcousticLinkStats, AcousticOutbox, AcousticStats
+from auv_msgs.msg import AcousticEvents, AcousticInbox, AcousticLinkStats, AcousticOutbox, AcousticStats
 from auv_msgs.msg import VehicleState as VehicleStateMsg
-from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
+from auv_sim.acoustics.medium import DELAY_EDGES_S, AcousticMedium, MediumConfig
 from auv_sim.barrier import Barrier
 from auv_sim.nodes.clock_node import ClockNode, WatchConfig
 from auv_sim.vehicle import Vehicle, VehicleConfig
@@ -98,6 +98,7 @@ class AcousticRelayNode(Node):
             for i in self._hulls
         }
         self._stats_pub = self.create_publisher(AcousticStats, "/acoustic/stats", EVERY_TICK)
+        self._events_pub = self.create_publisher(AcousticEvents, "/acoustic/events", EVERY_TICK)
         self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
         self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
         for index, name in enumerate(self._ids):
@@ -110,7 +111,8 @@ class AcousticRelayNode(Node):
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
         recorder = {"/recorder_node"} if run.recorded else set()
-        publishers = [self._stats_pub, self._marker_pub, self._diagnostics_pub, *self._hull_pubs.values()]
+        publishers = [self._stats_pub, self._events_pub, self._marker_pub, self._diagnostics_pub]
+        publishers += self._hull_pubs.values()
         if self._ticks.lockstep:
             publishers.append(self.clock.clock_pub)
         audiences = [Audience(publisher, frozenset(recorder)) for publisher in publishers]
@@ -148,6 +150,7 @@ class AcousticRelayNode(Node):
         if self._meeting.ready and self._barrier.complete and self.clock.has_room and not self.clock.ended:
             self._transmit(self._packets)
             self._packets = {}
+            self._publish_events(self._barrier.tick)
             self._states, self._next_states = self._next_states, {}
             tick = self._barrier.advance()
             self._begin_tick(tick)
@@ -165,6 +168,7 @@ class AcousticRelayNode(Node):
             return
         self._drift()
         self._states.update(self._next_states)
+        self._publish_events(self._barrier.tick)
         self._barrier.tick = tick
         self._begin_tick(tick)
 
@@ -174,7 +178,7 @@ class AcousticRelayNode(Node):
             self._publish_stats(tick)
         if self.clock.ended:
             return
-        inboxes = self._medium.exchange(tick, self._positions())
+        inboxes = self._medium.exchange(tick, self._fleet())
         t_s = self._ticks.stamp_s(tick)
         for name, publisher, inbox in zip(self._ids, self._rx_pubs, inboxes, strict=True):
             publisher.publish(convert.inbox_to_msg(inbox, t_s, name))
@@ -186,15 +190,20 @@ class AcousticRelayNode(Node):
     def _transmit(self, packets: dict[int, list[Packet]]) -> None:
         if len(self._states) < len(self._ids):
             return
-        positions = self._positions()
+        fleet = self._fleet()
         for source in sorted(packets):
             try:
-                self._medium.transmit({source: packets[source]}, positions)
+                self._medium.transmit({source: packets[source]}, fleet)
             except ValueError as error:
                 self.get_logger().error(f"{error}: not sent")
 
-    def _positions(self) -> list[Vec3]:
-        return [self._states[index].position for index in range(len(self._ids))]
+    def _fleet(self) -> list[VehicleState]:
+        return [self._states[index] for index in range(len(self._ids))]
+
+    def _publish_events(self, tick: int) -> None:
+        events = self._medium.take_events()
+        if events:
+            self._events_pub.publish(convert.events_to_msg(tick, events, self._ticks.stamp_s(tick)))
 
     def _awaited(self) -> list[str]:
         if not self._meeting.ready:
@@ -247,7 +256,8 @@ class AcousticRelayNode(Node):
             for (source, destination), counters in sorted(self._medium.links.items())
         ]
         t_s = self._ticks.stamp_s(tick)
-        self._stats_pub.publish(AcousticStats(header=convert.header(t_s, ""), links=links))
+        stats = AcousticStats(header=convert.header(t_s, ""), delay_edges_s=DELAY_EDGES_S, links=links)
+        self._stats_pub.publish(stats)
         sent, delivered = sum(link.sent for link in links), sum(link.delivered for link in links)
         ratio = delivered / sent if sent else math.nan
         status = DiagnosticStatus(
