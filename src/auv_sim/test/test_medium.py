@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from auv_core.messages import Packet
+from auv_core.messages import Packet, VehicleState
 from auv_core.params import load
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
 
@@ -33,6 +33,10 @@ def _ideal(**changes):
     return _config(**{**{key: {"kind": kind} for key, kind in kinds.items()}, **changes})
 
 
+def _states(tick, positions):
+    return [VehicleState(tick, position, (1.0, 0.0, 0.0, 0.0), (0.0,) * 6) for position in positions]
+
+
 def _line(count, spacing_m=50.0):
     return [(spacing_m * i, 0.0, 10.0) for i in range(count)]
 
@@ -45,15 +49,15 @@ def _chatter(medium, ticks, positions_at, *, size=40, talkers=None):
     """
     packets, receptions, sequences = [], [], Counter()
     for tick in range(ticks):
-        positions = positions_at(tick)
+        states = _states(tick, positions_at(tick))
         handed_over = {}
-        for address, inbox in enumerate(medium.exchange(tick, positions), start=1):
+        for address, inbox in enumerate(medium.exchange(tick, states), start=1):
             assert inbox.tick == tick
             receptions += [(tick, address, reception) for reception in inbox.receptions]
             if inbox.transmit_ready and (talkers is None or address in talkers):
                 sequences[address] += 1
                 handed_over[address] = [Packet(tick, address, 0, sequences[address], bytes([address] * size))]
-        medium.transmit(handed_over, positions)
+        medium.transmit(handed_over, states)
         packets += [packet for (packet,) in handed_over.values()]
     return packets, receptions
 
@@ -135,7 +139,7 @@ def _listen(medium, first, count, positions):
     return [
         (tick, address, reception)
         for tick in range(first, first + count)
-        for address, inbox in enumerate(medium.exchange(tick, positions), start=1)
+        for address, inbox in enumerate(medium.exchange(tick, _states(tick, positions)), start=1)
         for reception in inbox.receptions
     ]
 
@@ -229,28 +233,28 @@ def test_receptions_of_an_inbox_are_in_the_order_of_arrival():
 
 def test_a_packet_to_one_modem_is_heard_by_that_one_only():
     medium = AcousticMedium(_ideal())
-    medium.exchange(0, _line(4))
-    medium.transmit({2: [Packet(0, 2, 3, 1, b"x")]}, _line(4))
-    assert [len(inbox.receptions) for inbox in medium.exchange(1, _line(4))] == [0, 0, 1, 0]
+    medium.exchange(0, _states(0, _line(4)))
+    medium.transmit({2: [Packet(0, 2, 3, 1, b"x")]}, _states(0, _line(4)))
+    assert [len(inbox.receptions) for inbox in medium.exchange(1, _states(1, _line(4)))] == [0, 0, 1, 0]
     assert set(medium.links) == {(2, 3)}
 
 
 def test_packets_out_of_turn_are_refused():
     medium = AcousticMedium(_config())
     with pytest.raises(ValueError, match="modem 2 was handed a packet in tick 0, where it may not transmit"):
-        medium.transmit({2: [Packet(0, 2, 0, 1, b"x")]}, _line(4))
+        medium.transmit({2: [Packet(0, 2, 0, 1, b"x")]}, _states(0, _line(4)))
 
 
 def test_a_second_packet_in_a_tick_is_refused():
     medium = AcousticMedium(_config())
     with pytest.raises(ValueError, match="modem 1 got 2 packets in one tick"):
-        medium.transmit({1: [Packet(0, 1, 0, 1, b"x"), Packet(0, 1, 0, 2, b"x")]}, _line(4))
+        medium.transmit({1: [Packet(0, 1, 0, 1, b"x"), Packet(0, 1, 0, 2, b"x")]}, _states(0, _line(4)))
 
 
 def test_a_payload_too_long_for_the_modem_is_refused():
     medium = AcousticMedium(_config(modem={"kind": "fixed_rate", "params": {"max_payload_bytes": 10}}))
     with pytest.raises(ValueError, match="modem 1 was handed 11 bytes; it takes 10"):
-        medium.transmit({1: [Packet(0, 1, 0, 1, bytes(11))]}, _line(4))
+        medium.transmit({1: [Packet(0, 1, 0, 1, bytes(11))]}, _states(0, _line(4)))
 
 
 def test_reports_that_do_not_fit_the_modem_or_the_slot_are_told_before_the_run():

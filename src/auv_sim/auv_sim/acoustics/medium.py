@@ -15,14 +15,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from auv_core.geometry import Vec3, distance
-from auv_core.messages import Inbox, Packet, Reception
+from auv_core.messages import AcousticEvent, Inbox, Outcome, Packet, Reception, VehicleState
 from auv_core.params import Section, param
 from auv_core.plugins import find_plugin
+from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
+from auv_sim.acoustics.sonar import none
+
+__all__ = ["DELAY_EDGES_S", "AcousticMedium", "LinkCounters", "MediumConfig"]
 
 PROPAGATION = "auv_sim.acoustics.propagation"
 MODEM = "auv_sim.acoustics.modem"
 MAC = "auv_sim.acoustics.mac"
 OUTAGE = "auv_sim.acoustics.outage"
+SONAR = "auv_sim.acoustics.sonar"
+NO_SONAR = Section("none", none.Params())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,16 +42,7 @@ class MediumConfig:
     modem: Section = param("airtime and reach", plugins=MODEM)
     mac: Section = param("medium access", plugins=MAC)
     outage: Section = param("losses by no other cause", plugins=OUTAGE)
-
-
-@dataclass
-class LinkCounters:
-    """What became of the packets from one modem to another."""
-
-    sent: int = 0
-    delivered: int = 0
-    lost_outage: int = 0
-    lost_range: int = 0
+    sonar: Section = param("what the vehicles see of each other", default=NO_SONAR, plugins=SONAR)
 
 
 @dataclass(frozen=True)
@@ -76,7 +73,9 @@ class AcousticMedium:
         self._modem = find_plugin(MODEM, config.modem.kind).Modem(config.modem.params)
         self._mac = find_plugin(MAC, config.mac.kind).Mac(config.mac.params, config.fleet_size)
         self._outage = find_plugin(OUTAGE, config.outage.kind).Outage(config.outage.params, config.seed)
+        self._sonar = find_plugin(SONAR, config.sonar.kind).Sonar(config.sonar.params, config.seed)
         self._flights: list[_Flight] = []
+        self._events: list[AcousticEvent] = []
         self.links: defaultdict[tuple[int, int], LinkCounters] = defaultdict(LinkCounters)
 
     def check_payload(self, payload_bytes: int) -> None:
@@ -99,7 +98,7 @@ class AcousticMedium:
         except ValueError as error:
             raise ValueError(f"mac.params.{error}") from None
 
-    def exchange(self, tick: int, positions: Sequence[Vec3]) -> list[Inbox]:
+    def exchange(self, tick: int, states: Sequence[VehicleState]) -> list[Inbox]:
         """
         Return the inbox of every modem at a tick, in the order of addresses.
 
@@ -107,15 +106,15 @@ class AcousticMedium:
         ----------
         tick : int
             The control tick.
-        positions : sequence of (3,) tuple
-            True positions at the tick (m; NED), in the order of addresses.
+        states : sequence of VehicleState
+            True states at the tick, in the order of addresses.
 
         """
         t_s = tick * self._period_s
         arrived: dict[int, list[Reception]] = {address: [] for address in self._addresses}
         waiting = []
         for flight in self._flights:
-            receiver = positions[flight.destination - 1]
+            receiver = states[flight.destination - 1].position
             arrival_s = flight.end_s + self._propagation.delay_s(flight.origin, receiver)
             if arrival_s > t_s + 1e-9:
                 waiting.append(flight)
@@ -123,7 +122,7 @@ class AcousticMedium:
                 arrived[flight.destination].append(
                     Reception(flight.packet, flight.sent_s, arrival_s, math.nan)
                 )
-                self.links[flight.packet.source, flight.destination].delivered += 1
+                self._end(Outcome.DELIVERED, flight, arrival_s)
         self._flights = waiting
         return [
             Inbox(
@@ -132,11 +131,12 @@ class AcousticMedium:
                 tuple(
                     sorted(arrived[address], key=lambda r: (r.arrival_s, r.packet.source, r.packet.sequence))
                 ),
+                self._sonar.contacts(address, tick, self._period_s, states),
             )
             for address in self._addresses
         ]
 
-    def transmit(self, packets: Mapping[int, Sequence[Packet]], positions: Sequence[Vec3]) -> None:
+    def transmit(self, packets: Mapping[int, Sequence[Packet]], states: Sequence[VehicleState]) -> None:
         """
         Put on the air what the vehicles handed over in one tick.
 
@@ -144,8 +144,8 @@ class AcousticMedium:
         ----------
         packets : mapping of int to sequence of Packet
             By source address; one packet per modem and opportunity, a second one is refused.
-        positions : sequence of (3,) tuple
-            True positions at that tick (m; NED), in the order of addresses.
+        states : sequence of VehicleState
+            True states at that tick, in the order of addresses.
 
         Raises
         ------
@@ -159,9 +159,9 @@ class AcousticMedium:
                     f"modem {source} got {len(packets[source])} packets in one tick; it takes one at a time"
                 )
             for packet in packets[source]:
-                self._send(packet, positions)
+                self._send(packet, states)
 
-    def _send(self, packet: Packet, positions: Sequence[Vec3]) -> None:
+    def _send(self, packet: Packet, states: Sequence[VehicleState]) -> None:
         start_s = self._mac.opportunity_s(packet.source, packet.tick, self._period_s)
         if start_s is None:
             raise ValueError(
@@ -173,15 +173,40 @@ class AcousticMedium:
                 f"it takes {self._modem.max_payload_bytes}"
             )
         end_s = start_s + self._modem.airtime_s(len(packet.payload))
-        origin = positions[packet.source - 1]
+        origin = states[packet.source - 1].position
+        self._events.append(
+            AcousticEvent(
+                Outcome.SENT, packet.source, packet.destination, packet.sequence,
+                start_s, end_s, math.nan, len(packet.payload),
+            )
+        )  # fmt: skip
         for destination in self._addresses:
             if destination == packet.source or packet.destination not in (0, destination):
                 continue
-            link = self.links[packet.source, destination]
-            link.sent += 1
-            if distance(origin, positions[destination - 1]) > self._modem.max_range_m:
-                link.lost_range += 1
+            self.links[packet.source, destination].count_sent(len(packet.payload))
+            flight = _Flight(packet, destination, start_s, end_s, origin)
+            receiver = states[destination - 1].position
+            arrival_s = end_s + self._propagation.delay_s(origin, receiver)
+            if distance(origin, receiver) > self._modem.max_range_m:
+                self._end(Outcome.RANGE, flight, arrival_s)
             elif self._outage.lost(packet.source, destination, packet.sequence):
-                link.lost_outage += 1
+                self._end(Outcome.OUTAGE, flight, arrival_s)
             else:
-                self._flights.append(_Flight(packet, destination, start_s, end_s, origin))
+                self._flights.append(flight)
+
+    def _end(self, outcome: Outcome, flight: _Flight, arrival_s: float) -> None:
+        packet = flight.packet
+        size_bytes = len(packet.payload)
+        start_s = arrival_s - (flight.end_s - flight.sent_s)
+        self.links[packet.source, flight.destination].count_end(outcome, arrival_s - flight.sent_s)
+        self._events.append(
+            AcousticEvent(
+                outcome, packet.source, flight.destination, packet.sequence,
+                start_s, arrival_s, math.nan, size_bytes,
+            )
+        )  # fmt: skip
+
+    def take_events(self) -> list[AcousticEvent]:
+        """Return the acoustic log since the last call."""
+        taken, self._events = self._events, []
+        return sorted(taken, key=lambda e: (e.end_s, e.source, e.sequence, e.destination))

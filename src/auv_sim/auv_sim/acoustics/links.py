@@ -1,0 +1,60 @@
+"""What became of the packets on each link, counted."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from dataclasses import dataclass, field
+
+from auv_core.messages import Outcome
+
+# From one hop across a flock to a report of a slow modem that waited for the channel (s).
+DELAY_EDGES_S = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
+
+_LOSSES = {
+    Outcome.RANGE: "lost_range",
+    Outcome.NOISE: "lost_noise",
+    Outcome.COLLISION: "lost_collision",
+    Outcome.HALF_DUPLEX: "lost_half_duplex",
+    Outcome.OUTAGE: "lost_outage",
+}
+
+
+@dataclass
+class LinkCounters:
+    """
+    What became of the packets from one modem to another.
+
+    `delay_counts` is a histogram of the delays from the start of a transmission to the end of its reception
+    over `DELAY_EDGES_S`: one bin below the first edge, one from each edge on.  What is in none of the other
+    counters of `sent` is still in the water.
+    """
+
+    sent: int = 0
+    delivered: int = 0
+    lost_range: int = 0
+    lost_noise: int = 0
+    lost_collision: int = 0
+    lost_half_duplex: int = 0
+    lost_outage: int = 0
+    bytes_sent: int = 0
+    delay_counts: list[int] = field(default_factory=lambda: [0] * (len(DELAY_EDGES_S) + 1))
+
+    @property
+    def lost(self) -> int:
+        """Number of packets lost, whatever the cause."""
+        return sum(getattr(self, name) for name in _LOSSES.values())
+
+    def count_sent(self, size_bytes: int) -> None:
+        """Count a packet that went on the air."""
+        self.sent += 1
+        self.bytes_sent += size_bytes
+
+    def count_end(self, outcome: Outcome, delay_s: float) -> None:
+        """Count what became of a packet; `delay_s` is that of a delivered one."""
+        if outcome is Outcome.DELIVERED:
+            self.delivered += 1
+            # A delay on an edge, but for rounding, belongs to the bin that the edge opens.
+            self.delay_counts[bisect_left(DELAY_EDGES_S, delay_s + 1e-9)] += 1
+        else:
+            name = _LOSSES[outcome]
+            setattr(self, name, getattr(self, name) + 1)
