@@ -1,8 +1,8 @@
 """Run the neighbour filters of every agent again, from a bag's received packets and contacts, and compare.
 
 Only what an agent was given goes in, acoustic packets, sonar contacts and its own navigation: no truth, no
-simulator, no estimate of another agent.  The filters are those of :mod:`auv_flocking.neighbours`, set as in the scenario beside the bag: any
-difference means that the recorded estimates were not made from the recorded packets.
+simulator, no estimate of another agent.  The filters are those of :mod:`auv_flocking.neighbours`, set as in
+the scenario beside the bag: any difference means that the recorded estimates were not made from them.
 """
 
 from __future__ import annotations
@@ -116,9 +116,9 @@ def _compare_agent(bag: Bag, vehicle_id: str, repeat: _Repeat, period_s: float, 
     inboxes = _by_tick(bag, f"/{vehicle_id}/acoustic/rx")
     navs = _by_tick(bag, f"/{vehicle_id}/nav")
     recorded = _by_tick(bag, f"/{vehicle_id}/neighbours")
-    known = next(
-        (tick for tick in range(len(inboxes)) if tick not in inboxes or tick not in navs), len(inboxes)
-    )
+    known = 0
+    while known in inboxes and known in navs:
+        known += 1
     result.unused_ticks += sum(tick >= known for tick in recorded)
     for tick in range(known):
         estimates = repeat.estimates(tick * period_s, inboxes[tick], _navigation(navs[tick]))

@@ -24,6 +24,7 @@ IntArray = NDArray[np.int64]
 
 FORMAT_VERSION = 3
 _VERSION_KEY = "format_version"
+_VALUES_OF_ROWS = (("delay_s", "received"), ("contact_values", "contacts"), ("event_values", "events"))
 
 
 class RecordingError(ValueError):
@@ -63,7 +64,7 @@ class Recording:
     neighbour_covariance : (K, N, N, 6, 6) array
         Covariance of position and velocity, in this order (m^2, m^2/s, m^2/s^2; NED).
     neighbour_age_s, neighbour_sonar_age_s : (K, N, N) arrays
-        Age of the newest packet in the estimate (s), and time since the sonar saw the neighbour (s; inf: never).
+        Age of the newest packet in the estimate, and time since the sonar saw the neighbour (s; inf: never).
     nav_position_ned_m : (K, N, 3) array
         Where the vehicle's own navigation believes itself to be (m, map_ned).
     nav_position_sd_m : (K, N) array
@@ -126,11 +127,7 @@ class Recording:
             if not _fits(array.shape, shape):
                 raise RecordingError(f"{name}: shape {array.shape}, expected {shape}")
             setattr(self, name, array)
-        for values, keys in (
-            ("delay_s", "received"),
-            ("contact_values", "contacts"),
-            ("event_values", "events"),
-        ):
+        for values, keys in _VALUES_OF_ROWS:
             rows, expected = len(getattr(self, values)), len(getattr(self, keys))
             if rows != expected:
                 raise RecordingError(f"{values}: {rows} rows for the {expected} of {keys}")

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from auv_control.controllers import VelocityReference
 from auv_control.references import PathPoint
@@ -149,9 +150,9 @@ class Agent:
     One vehicle's computer.
 
     After a step, for people to look at: `centre` and `centre_rate` (own estimate of the flocking centre, m
-    and m/s; NED), `flock_velocity` (m/s; NED, with its stamp), `reference` (what the law asked, or the path's velocity),
-    `law_state` (what the law remembers), `neighbours` (the estimates that the step used) and `holding` (why
-    it gave the safe command instead of the law's, or nothing).
+    and m/s; NED), `flock_velocity` (m/s; NED, with its stamp), `reference` (what the law asked, or the path's
+    velocity), `law_state` (what the law remembers), `neighbours` (the estimates that the step used) and
+    `holding` (why it gave the safe command instead of the law's, or nothing).
     """
 
     def __init__(self, config: AgentConfig) -> None:

@@ -9,10 +9,10 @@ To add one, write one file with ``Params`` and ``Consensus(params, fleet_size)``
 * ``centre(own, heard) -> Vec3``: the estimate at this control period (m; NED), from the own position and the
   neighbours that count; called once per period, first;
 * ``advance(own, heard, flock_velocity, dt_s) -> Vec3``: called once per period, after `centre`, with the
-  flock's velocity as the vehicle believes it now: return the rate of the estimate (m/s; NED) at this period and
-  move the memory on by one period;
-* ``shared() -> tuple[float, ...]``: the numbers for the shared fields; called after `advance`, only in a period
-  in which a packet is handed to the modem.
+  flock's velocity as the vehicle believes it now: return the rate of the estimate (m/s; NED) at this
+  period and move the memory on by one period;
+* ``shared() -> tuple[float, ...]``: the numbers for the shared fields; called after `advance`, only in a
+  period in which a packet is handed to the modem.
 
 A filter that can run in continuous time has, besides, ``derivative(own, centre, neighbour_centres,
 flock_velocity) -> Vec3``, the rate of an estimate that the caller keeps.  Where a filter looks at the flock's
@@ -32,8 +32,8 @@ class Heard:
     """
     What one neighbour says, carried to now.
 
-    position and centre (m), flock_velocity (m/s): NED; `shared`: the filter's own numbers as they stood in the
-    neighbour's newest packet, which was made at `time_s` and is `age_s` old.
+    position and centre (m), flock_velocity (m/s): NED; `shared`: the filter's own numbers as they stood in
+    the neighbour's newest packet, which was made at `time_s` and is `age_s` old.
     """
 
     address: int
