@@ -7,6 +7,7 @@ are one line.
 
 from __future__ import annotations
 
+import copy
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,7 +20,7 @@ import auv_control.controllers
 import auv_core.models
 import auv_sim.acoustics
 from auv_core.params import ConfigError, shown
-from auv_core.plugins import plugin_places
+from auv_core.plugins import PluginError, find_plugin, plugin_places
 
 SCENARIOS_DIR = Path(__file__).parent / "scenarios"
 ID = re.compile(r"[a-z][a-z0-9_]{0,30}\Z")
@@ -50,6 +51,19 @@ for _yaml in (_StrictYaml, _StrictYamlDumper):
         re.compile(r"[-+]?[0-9][0-9_]*(\.[0-9_]*)?[eE][-+]?[0-9]+\Z"),
         list("-+0123456789"),
     )
+
+_FLOCK_WITHOUT_MODEM: dict[str, Any] = {
+    "flocking": {"kind": "potential"},
+    "separation": {"kind": "mathematical"},
+    "consensus": {"kind": "thesis"},
+}
+_FLOCK_ON_A_MODEM: dict[str, Any] = {
+    "flocking": {"kind": "communication_aware"},
+    "separation": {"kind": "mathematical"},
+    "consensus": {"kind": "neighbour_mean"},
+    "neighbours": {"timeout_s": 300.0},
+    "hold_s": 120.0,
+}
 
 # What PyYAML's constructors raise on an explicit tag that does not fit its value, such as `!!int ""`.
 _MISFIT = (ValueError, TypeError, LookupError, AttributeError, OverflowError)
@@ -182,7 +196,28 @@ def with_presets(raw: dict[str, Any]) -> dict[str, Any]:
         preset = _preset(auv_sim.acoustics, acoustics["preset"], "scenario.acoustics.preset")
         sections = {key: _merged(preset.get(key), value) for key, value in acoustics.items()}
         filled["acoustics"] = {**preset, **sections}
-    return filled
+    return _with_flock(filled)
+
+
+def _with_flock(filled: dict[str, Any]) -> dict[str, Any]:
+    """
+    Return the raw scenario with the parts of a flock that it leaves out.
+
+    On any modem but the ideal one that is the law which minds the age of what it hears, and what goes with
+    it; on the ideal one it is the thesis's.
+    """
+    agent, acoustics = filled.get("agent"), filled.get("acoustics")
+    if not isinstance(agent, Mapping) or not isinstance(acoustics, Mapping) or "flocking" in agent:
+        return filled
+    try:
+        controller = find_plugin("auv_control.controllers", agent["controller"]["kind"]).Controller
+    except (KeyError, TypeError, PluginError):
+        return filled
+    modem = acoustics.get("modem")
+    if controller.follows != "velocity" or not isinstance(modem, Mapping):
+        return filled
+    parts = _FLOCK_WITHOUT_MODEM if modem.get("kind") == "ideal" else _FLOCK_ON_A_MODEM
+    return {**filled, "agent": {**copy.deepcopy(parts), **agent}}
 
 
 def _with_preset(owner: Any, key: str, package: ModuleType, path: str) -> Any:

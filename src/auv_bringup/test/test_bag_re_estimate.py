@@ -25,7 +25,6 @@ class Filtered(synthetic.SyntheticRun):
     def __init__(self, n, n_ticks, *, config=CONFIG, missing=frozenset()):
         super().__init__(n, n_ticks)
         self.nav[..., 13:] = 0.0
-        self.heard[:] = False  # no sonar contacts, and the base class's packets are not used
         self.tables = [NeighbourTable(config) for _ in range(n)]
         self.missing = missing
 
@@ -36,7 +35,12 @@ class Filtered(synthetic.SyntheticRun):
             if len(reception.packet.payload) > 1:
                 self.tables[i].receive(self.report(k, reception.packet.source - 1))
         inbox = synthetic.make(
-            "auv_msgs/msg/AcousticInbox", header=header, tick=k, transmit_ready=False, receptions=receptions
+            "auv_msgs/msg/AcousticInbox",
+            header=header,
+            tick=k,
+            transmit_ready=False,
+            receptions=receptions,
+            contacts=[],
         )
         if (k, i) not in self.missing:
             recorder.write(f"/auv_{i + 1}/acoustic/rx", inbox, t_ns)

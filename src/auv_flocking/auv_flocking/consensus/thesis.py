@@ -19,6 +19,8 @@ from dataclasses import dataclass
 
 from auv_core.geometry import Vec3
 from auv_core.params import param
+from auv_flocking.codec import Field
+from auv_flocking.consensus import Heard
 
 
 @dataclass(frozen=True)
@@ -35,11 +37,34 @@ class Params:
 
 
 class Consensus:
-    """One vehicle's filter; the estimate itself is kept by the caller."""
+    """One vehicle's filter; in continuous time the estimate is kept by the caller."""
 
-    def __init__(self, params: Params) -> None:
+    shared_fields: tuple[Field, ...] = ()
+
+    def __init__(self, params: Params, fleet_size: int) -> None:
+        del fleet_size
         self._rate_ps = params.rate_ps
         self._follow = 1.0 if params.follow_flock else 0.0
+        self._centre: Vec3 | None = None
+
+    def centre(self, own: Vec3, heard: Sequence[Heard]) -> Vec3:
+        """Return the estimate at this control period (m; NED); the first one is the own position."""
+        del heard
+        if self._centre is None:
+            self._centre = own
+        return self._centre
+
+    def advance(self, own: Vec3, heard: Sequence[Heard], flock_velocity: Vec3, dt_s: float) -> Vec3:
+        """Return the rate of the estimate (m/s; NED) and move it on by `dt_s`."""
+        centre = self.centre(own, heard)
+        centres = [neighbour.centre for neighbour in heard]
+        rate = self.derivative(own, centre, centres, flock_velocity)
+        self._centre = self.step(own, centre, centres, flock_velocity, dt_s)
+        return rate
+
+    def shared(self) -> tuple[float, ...]:
+        """Return nothing: a packet's centre is all that this filter needs."""
+        return ()
 
     def derivative(
         self, own: Vec3, centre: Vec3, neighbour_centres: Sequence[Vec3], flock_velocity: Vec3
