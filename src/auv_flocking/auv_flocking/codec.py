@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 
 from auv_flocking.report import ReportError
 
-_TOO_MANY_LEVELS = 2**52
+_MOST_STEPS = 2**40
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,11 +64,11 @@ class Field:
         lowest = round(first)
         levels = round(last) - lowest + (0 if self.wraps else 1)
         rest = max(abs(first - round(first)), abs(last - round(last)))
-        if rest > 1e-6 or not 2 <= levels <= _TOO_MANY_LEVELS:
+        if rest > 1e-3 or levels < 2 or max(abs(first), abs(last)) > _MOST_STEPS:
             raise ValueError(
                 f"{self.name}: bounds {self.minimum!r} to {self.maximum!r} with resolution "
                 f"{self.resolution!r} are not allowed; allowed: bounds that are multiples of the resolution, "
-                "at most 2^52 of them apart"
+                "at least one and at most 2^40 of them"
             )
         object.__setattr__(self, "lowest", lowest)
         object.__setattr__(self, "levels", levels)

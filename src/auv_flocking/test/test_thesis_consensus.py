@@ -39,7 +39,7 @@ def _system_matrix(law, count):
 
 @pytest.mark.parametrize("count", [2, 3, 4, 7])
 def test_the_filter_is_minus_laplacian_plus_identity(count):
-    laplacian = -_system_matrix(Consensus(Params()), count) - np.eye(count)
+    laplacian = -_system_matrix(Consensus(Params(), 4), count) - np.eye(count)
     np.testing.assert_allclose(laplacian.sum(axis=1), 0.0, atol=1e-12)
     np.testing.assert_allclose(laplacian, laplacian.T)
     np.testing.assert_allclose(laplacian, count * np.eye(count) - np.ones((count, count)))
@@ -62,7 +62,7 @@ def test_every_estimate_is_biased_towards_its_own_vehicle_by_one_over_n_plus_one
 
 def _settled(positions):
     """Return the estimates (n, 3) after all have stepped together for long."""
-    law = Consensus(Params())
+    law = Consensus(Params(), 4)
     positions = [tuple(map(float, p)) for p in positions]
     centres = list(positions)
     for _ in range(400):
@@ -77,7 +77,7 @@ def _settled(positions):
 def test_a_step_is_the_solution_of_the_equation_with_held_inputs(
     own, centre, others, flock, dt_s, rate, follow
 ):
-    law = Consensus(Params(rate_ps=rate, follow_flock=follow))
+    law = Consensus(Params(rate_ps=rate, follow_flock=follow), 4)
     exact = centre
     steps = 400
     for step in range(steps):
@@ -90,7 +90,7 @@ def test_a_step_is_the_solution_of_the_equation_with_held_inputs(
 @MODERATE
 @given(POINTS, POINTS, st.lists(POINTS, min_size=1, max_size=6), st.floats(1.0, 1e6), RATES)
 def test_long_steps_are_stable(own, centre, others, dt_s, rate):
-    law = Consensus(Params(rate_ps=rate))
+    law = Consensus(Params(rate_ps=rate), 4)
     everything = np.array([own, centre, *others])
     for _ in range(10):
         centre = law.step(own, centre, others, STILL, dt_s)
@@ -99,7 +99,7 @@ def test_long_steps_are_stable(own, centre, others, dt_s, rate):
 
 
 def test_the_thesis_filter_does_not_look_at_the_flocks_velocity():
-    law = Consensus(Params())
+    law = Consensus(Params(), 4)
     arguments = ((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), [(2.0, 0.0, 0.0)])
     assert law.derivative(*arguments, (5.0, 5.0, 5.0)) == law.derivative(*arguments, STILL) == (3.0, 0.0, 0.0)
 
@@ -109,7 +109,7 @@ def test_following_the_flock_takes_the_lag_away():
     velocity = (0.1, -0.05, 0.02)
 
     def error(follow):
-        law = Consensus(Params(rate_ps=1.0, follow_flock=follow))
+        law = Consensus(Params(rate_ps=1.0, follow_flock=follow), 4)
         centre = (0.0, 0.0, 0.0)
         for tick in range(3000):
             own = tuple(0.01 * tick * v for v in velocity)

@@ -9,8 +9,8 @@ To add one, write one file with ``Params`` and ``Consensus(params, fleet_size)``
 * ``centre(own, heard) -> Vec3``: the estimate at this control period (m; NED), from the own position and the
   neighbours that count; called once per period, first;
 * ``advance(own, heard, flock_velocity, dt_s) -> Vec3``: called once per period, after `centre`, with the
-  flock's velocity as the vehicle believes it now: return the rate of the estimate (m/s; NED) at this
-  period and move the memory on by one period;
+  flock's velocity as the vehicle believes it now: move the memory on by one period, and return the rate (m/s;
+  NED) with which the others may carry the estimate on until they hear more;
 * ``shared() -> tuple[float, ...]``: the numbers for the shared fields; called after `advance`, only in a
   period in which a packet is handed to the modem.
 

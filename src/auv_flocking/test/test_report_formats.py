@@ -1,0 +1,320 @@
+"""Claims about the bytes of a report, in every format of the folder."""
+
+import math
+import random
+import struct
+from dataclasses import astuple, replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from auv_core.plugins import find_plugin, list_plugins
+from auv_flocking.codec import Field
+from auv_flocking.report import NEVER, Report, ReportError
+from auv_flocking.reports import compact, exact
+
+MODERATE = settings(max_examples=100, deadline=None)
+SHARED = (Field("sum", -8.0, 8.0, 2.0**-10, wraps=True), Field("weight", 0.0, 1.0, 0.125))
+KINDS = list_plugins("auv_flocking.reports")
+EVERY = pytest.mark.parametrize("kind", KINDS)
+
+FLOAT_32 = st.floats(-1e6, 1e6, width=32)
+VECTORS = st.tuples(FLOAT_32, FLOAT_32, FLOAT_32)
+EXACT_REPORTS = st.builds(
+    lambda report, age_s: replace(report, flock_stamp_s=report.time_s - age_s),
+    st.builds(
+        Report,
+        address=st.integers(1, 255),
+        sequence=st.integers(0, 2**32 - 1),
+        time_s=st.floats(0.0, 1e9),
+        position=VECTORS,
+        velocity=VECTORS,
+        centre=VECTORS,
+        centre_rate=VECTORS,
+        flock_velocity=VECTORS,
+        position_sd_m=st.floats(0.0, 100.0, width=32),
+        shared=st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)),
+    ),
+    st.floats(0.0, 1e3) | st.just(math.inf),
+)
+
+
+def _vector(bound):
+    return st.tuples(*[st.floats(-bound, bound)] * 3)
+
+
+COMPACT_REPORTS = st.builds(
+    lambda report, offset, age_s: replace(
+        report,
+        centre=tuple(np.add(report.position, offset).tolist()),
+        flock_stamp_s=report.time_s - age_s,
+    ),
+    st.builds(
+        Report,
+        address=st.integers(1, 255),
+        sequence=st.integers(0, 4095),
+        time_s=st.floats(0.0, 1e5),
+        position=st.tuples(st.floats(-5242.0, 5242.0), st.floats(-5242.0, 5242.0), st.floats(-163.0, 1146.0)),
+        velocity=_vector(2.55),
+        centre=st.just((0.0, 0.0, 0.0)),
+        centre_rate=_vector(2.55),
+        flock_velocity=_vector(2.55),
+        position_sd_m=st.floats(0.0, 20.4),
+        shared=st.tuples(st.floats(-7.99, 7.99), st.floats(0.0, 1.0)),
+    ),
+    _vector(81.8),
+    st.floats(0.0, 163.8) | st.just(math.inf),
+)
+ONE = Report(
+    3,
+    17,
+    12.5,
+    (1.0, 2.0, 3.0),
+    (0.1, 0.2, 0.3),
+    (4.0, 5.0, 6.0),
+    (0.0, 0.0, 0.0),
+    (0.01, 0.0, 0.0),
+    12.0,
+    0.5,
+)
+ONE_SHARED = replace(ONE, shared=(1.0, 0.5))
+
+
+def _format(kind, shared=()):
+    module = find_plugin("auv_flocking.reports", kind)
+    return module.Format(module.Params(), shared)
+
+
+@MODERATE
+@given(EXACT_REPORTS)
+def test_exact_gives_a_report_of_32_bit_numbers_back_as_it_was(report):
+    form = _format("exact", SHARED)
+    assert form.decode(form.encode(report), 0.0) == report
+    assert form.saturated == 0
+
+
+@MODERATE
+@given(EXACT_REPORTS, st.tuples(*[st.floats(-1000.0, 1000.0)] * 3))
+def test_exact_rounds_positions_to_32_bits(report, position):
+    form = _format("exact", SHARED)
+    back = form.decode(form.encode(replace(report, position=position)), 0.0)
+    np.testing.assert_allclose(back.position, position, rtol=6e-8, atol=1e-40)
+
+
+def test_exact_numbers_stand_where_the_layout_says():
+    payload = _format("exact", SHARED).encode(ONE_SHARED)
+    assert struct.unpack_from("<BBId", payload) == (2, 3, 17, 12.5)
+    assert struct.unpack_from("<3f", payload, 14) == (1.0, 2.0, 3.0)
+    assert struct.unpack_from("<df2d", payload, 74) == (12.0, 0.5, 1.0, 0.5)
+    assert len(payload) == 102
+
+
+def test_exact_saturates_what_no_vehicle_can_mean():
+    form = _format("exact")
+    report = form.decode(form.encode(replace(ONE, velocity=(1e300, -math.inf, 0.0), flock_stamp_s=13.0)), 0.0)
+    assert report.velocity == (1e9, -1e9, 0.0)
+    assert report.flock_stamp_s == report.time_s == 12.5
+    assert form.saturated == 3
+
+
+@MODERATE
+@given(COMPACT_REPORTS, st.floats(-5000.0, 5000.0))
+def test_compact_is_right_to_half_a_resolution(report, later_s):
+    """Of every number; the centre and the stamp, which are sent as differences, included."""
+    form = _format("compact", SHARED)
+    back = form.decode(form.encode(report), report.time_s + later_s)
+    assert (back.address, back.sequence) == (report.address, report.sequence)
+    for name, half in (
+        ("time_s", 0.005),
+        ("position", 0.01),
+        ("velocity", 0.00125),
+        ("centre", 0.01),
+        ("centre_rate", 0.0025),
+        ("flock_velocity", 0.0025),
+        ("position_sd_m", 0.02),
+    ):
+        error = np.abs(np.subtract(getattr(back, name), getattr(report, name))).max()
+        assert error <= half * (1.0 + 1e-6), name
+    assert abs(back.shared[0] - report.shared[0]) <= 2.0**-11
+    assert abs(back.shared[1] - report.shared[1]) <= 2.0**-4
+    if report.flock_stamp_s == NEVER:
+        assert back.flock_stamp_s == NEVER
+    else:
+        assert abs(back.flock_stamp_s - report.flock_stamp_s) <= 0.005 * (1.0 + 1e-5)
+    assert form.saturated == 0
+
+
+def test_compact_fits_a_micromodem_frame():
+    form = _format("compact")
+    assert form.payload_bytes == len(form.encode(ONE)) == 32
+    assert sum(field.bits for field in form.fields) == 253
+    assert _format("compact", SHARED).payload_bytes == 34
+
+
+def test_compact_stamps_are_passed_on_without_a_change():
+    """From vehicle to vehicle, each a few control periods of 0.1 s later."""
+    form = _format("compact")
+    stamp_s = 601.3
+    for hop in range(1, 40):
+        tick = 6013 + 7 * hop
+        stamp_s = form.decode(
+            form.encode(replace(ONE, time_s=tick * 0.1, flock_stamp_s=stamp_s)), tick * 0.1 + 2.0
+        ).flock_stamp_s
+    assert stamp_s == pytest.approx(601.3, abs=1e-9)
+
+
+def test_compact_ages_end_at_their_maximum():
+    form = _format("compact")
+    old = form.decode(form.encode(replace(ONE, time_s=1000.0, flock_stamp_s=3.0)), 1001.0)
+    assert old.flock_stamp_s == pytest.approx(1000.0 - 163.82)
+    newer = form.decode(form.encode(replace(ONE, flock_stamp_s=13.0)), 12.5)
+    assert newer.flock_stamp_s == 12.5
+    assert form.saturated == 2
+
+
+def test_compact_counts_what_is_out_of_bounds():
+    form = _format("compact")
+    far = replace(ONE, position=(6000.0, 0.0, -500.0), centre=(5300.0, 90.0, -100.0))
+    back = form.decode(form.encode(far), 12.5)
+    assert form.saturated == 3
+    assert back.position == pytest.approx((5242.86, 0.0, -163.84))
+    assert back.centre == pytest.approx((5300.0, 81.9, -100.0))
+
+
+def test_compact_resolutions_can_be_chosen():
+    form = compact.Format(compact.Params(position_resolution_m=0.1), ())
+    assert form.payload_bytes == 32
+    back = form.decode(form.encode(replace(ONE, position=(26000.0, -26000.0, 5000.0))), 12.5)
+    assert back.position == pytest.approx((26000.0, -26000.0, 5000.0), abs=0.05)
+
+
+@EVERY
+@MODERATE
+@given(COMPACT_REPORTS)
+def test_every_report_has_the_stated_length(kind, report):
+    form = _format(kind, SHARED)
+    assert len(form.encode(report)) == form.payload_bytes
+
+
+@EVERY
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"time_s": math.nan},
+        {"time_s": math.nan, "flock_stamp_s": NEVER},
+        {"position": (0.0, math.nan, 0.0)},
+        {"centre": (math.nan, 0.0, 0.0)},
+        {"flock_stamp_s": math.nan},
+        {"position_sd_m": math.nan},
+        {"address": 0},
+        {"address": 256},
+        {"shared": ()},
+        {"shared": (math.nan, 0.0)},
+    ],
+)
+def test_what_cannot_be_sent_is_refused(kind, change):
+    with pytest.raises(ReportError):
+        _format(kind, SHARED).encode(replace(ONE_SHARED, **change))
+
+
+@EVERY
+@settings(max_examples=300, deadline=None)
+@given(st.data())
+def test_random_bytes_raise_nothing_else_than_a_report_error(kind, data):
+    form = _format(kind, SHARED)
+    size = form.payload_bytes
+    payload = data.draw(st.binary(max_size=2 * size) | st.binary(min_size=size, max_size=size))
+    _decode_or_refuse(form, payload)
+
+
+@EVERY
+@settings(max_examples=300, deadline=None)
+@given(st.data())
+def test_damaged_reports_raise_nothing_else_than_a_report_error(kind, data):
+    form = _format(kind, SHARED)
+    payload = bytearray(form.encode(ONE_SHARED))
+    for _ in range(data.draw(st.integers(1, 6))):
+        payload[data.draw(st.integers(0, len(payload) - 1))] = data.draw(st.integers(0, 255))
+    _decode_or_refuse(form, bytes(payload))
+
+
+@pytest.mark.slow
+@EVERY
+def test_a_million_random_payloads_raise_nothing_else_than_a_report_error(kind):
+    """
+    A tenth of them of any length; every other one a report of which a random part, often none of its start,
+    is random.
+    """
+    form, rng = _format(kind, SHARED), random.Random(11)
+    sound = form.encode(ONE_SHARED)
+    read = 0
+    for index in range(1_000_000):
+        if index % 10 == 0:
+            payload = rng.randbytes(rng.randrange(2 * form.payload_bytes))
+        else:
+            payload = rng.randbytes(form.payload_bytes)
+        if index % 2:
+            start, end = sorted((rng.randrange(form.payload_bytes), rng.randrange(form.payload_bytes)))
+            payload = sound[:start] + payload[start:end] + sound[end:]
+        read += _decode_or_refuse(form, payload)
+    assert read > 100
+
+
+def _decode_or_refuse(form, payload):
+    """Decode; what comes out is a report of finite numbers from a real address, or a refusal."""
+    try:
+        report = form.decode(payload, 100.0)
+    except ReportError:
+        return False
+    stamp_s = report.flock_stamp_s
+    numbers = [x for value in astuple(report) for x in (value if isinstance(value, tuple) else (value,))]
+    assert stamp_s == NEVER or math.isfinite(stamp_s)
+    assert all(math.isfinite(x) for x in numbers if x is not stamp_s)
+    assert report.address >= 1
+    assert stamp_s <= report.time_s
+    assert report.position_sd_m >= 0.0
+    assert len(report.shared) == len(SHARED)
+    return True
+
+
+@EVERY
+def test_a_wrong_length_is_refused(kind):
+    form = _format(kind)
+    size = form.payload_bytes
+    for length in (0, size - 1, size + 1):
+        with pytest.raises(ReportError, match=f"has {size} bytes, this has {length}"):
+            form.decode(form.encode(ONE)[:length] + bytes(max(0, length - size)), 0.0)
+
+
+@EVERY
+def test_another_version_is_refused(kind):
+    form = _format(kind)
+    payload = form.encode(ONE)
+    for flipped in (0x11, 0x22):
+        with pytest.raises(ReportError, match="version"):
+            form.decode(bytes((payload[0] ^ flipped,)) + payload[1:], 0.0)
+
+
+def test_no_format_reads_another():
+    for one, other in pairwise([*KINDS, KINDS[0]]):
+        with pytest.raises(ReportError):
+            _format(one).decode(_format(other).encode(ONE), 12.5)
+
+
+def test_nobodys_address_is_refused():
+    payload = bytearray(_format("exact").encode(ONE))
+    payload[1] = 0
+    with pytest.raises(ReportError, match="address 0"):
+        _format("exact").decode(bytes(payload), 12.5)
+    payload = bytearray(_format("compact").encode(ONE))
+    payload[0] &= 0xF0
+    payload[1] &= 0x0F
+    with pytest.raises(ReportError, match="address 0"):
+        _format("compact").decode(bytes(payload), 12.5)
+
+
+def test_exact_versions_and_lengths_differ_from_those_before():
+    assert (exact.VERSION, _format("exact").payload_bytes) == (2, 86)
