@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 BoolArray = NDArray[np.bool_]
 
 SETTLED_AFTER_S = 100.0
+GATHERED_AFTER_S = 150.0
 LATE_AFTER_S = 200.0
 APPROACH_MEAN_AFTER_S = 20.0
 APPROACH_BAND_RATIO = 0.02
@@ -66,6 +67,8 @@ def compute_metrics(
             over all pairs of the flock for t >= formed_at_s;
         pair_distance_settled_min_m, pair_distance_settled_max_m
             over all pairs of the flock for t > 100 s;
+        pair_distance_min_after_150s_m, pair_distance_max_after_200s_m
+            over all pairs of the flock for t > 150 s and t > 200 s, by when any flock should have formed;
         approach_time_2pct_s
             first time after which every pair stays within 2 % of its own mean over t > 20 s;
         centroid_path_rms_m, centroid_path_rms_after_200s_m
@@ -75,7 +78,8 @@ def compute_metrics(
         obstacle_clearance_min_m
             smallest distance from a hull centre to an obstacle's centre at any time;
         neighbour_position_rmse_m
-            root mean square of |estimate - truth| over ordered pairs for t > 100 s;
+            root mean square of |estimate - truth|, relative to the own position as the own navigation has
+            it, over ordered pairs for t > 100 s;
         neighbour_within_2sigma_ratio
             share of the components of these errors inside two of the filter's own standard
             deviations (0.954 for a consistent filter with Gaussian errors);
@@ -117,6 +121,8 @@ def compute_metrics(
         "pair_distance_formed_max_m": _largest(formed_m),
         "pair_distance_settled_min_m": _smallest(settled_m),
         "pair_distance_settled_max_m": _largest(settled_m),
+        "pair_distance_min_after_150s_m": _smallest(flock_pairs_m[_after(t_s, GATHERED_AFTER_S)]),
+        "pair_distance_max_after_200s_m": _largest(flock_pairs_m[_after(t_s, LATE_AFTER_S)]),
         "approach_time_2pct_s": _approach_time_s(t_s, flock_pairs_m),
         "centroid_path_rms_m": _rms(path_error_m[_after(t_s, SETTLED_AFTER_S)]),
         "centroid_path_rms_after_200s_m": _rms(path_error_m[_after(t_s, LATE_AFTER_S)]),
@@ -194,16 +200,22 @@ def obstacle_distances_m(recording: Recording, scenario: Scenario) -> FloatArray
 
 def neighbour_error_ned_m(recording: Recording) -> FloatArray:
     """
-    Return what every vehicle believes of every other, minus the truth.
+    Return what every vehicle believes of where every other is relative to itself, minus the truth.
+
+    An estimate is in the frame of the believer's own navigation, so it is compared with what that navigation
+    says; with exact navigation this is the error of the position itself.
 
     Returns
     -------
     error : (K, N, N, 3) array
-        [k, i, j] is vehicle i's estimate of vehicle j's position minus the true one (m, NED); NaN
-        on the diagonal, where no estimate exists, and from the loss of either vehicle on.
+        [k, i, j] is (vehicle i's estimate of vehicle j's position - i's own believed position) - (true
+        position of j - true position of i) (m, NED); NaN on the diagonal, where no estimate exists, and from
+        the loss of either vehicle on.
 
     """
-    error = recording.neighbour_position_ned_m - recording.position_ned_m[:-1, np.newaxis]
+    truth = recording.position_ned_m[:-1]
+    own = np.where(np.isnan(recording.nav_position_ned_m), truth, recording.nav_position_ned_m)
+    error = recording.neighbour_position_ned_m - truth[:, np.newaxis] - (own - truth)[:, :, np.newaxis]
     gone = _is_gone(recording)[:-1]
     nobody = gone[:, :, np.newaxis] | gone[:, np.newaxis, :] | np.eye(recording.n_vehicles, dtype=bool)
     return np.where(nobody[..., np.newaxis], np.nan, error)

@@ -81,7 +81,7 @@ def test_packets_follow_the_slots_and_arrive_in_a_later_tick():
     for tick, source, destination, sequence in recording.received.tolist():
         assert source != destination
         assert tick > sent_in[source, sequence]
-    airtime_s = 8.0 * 74 / 5000.0
+    airtime_s = 8.0 * 32 / 5000.0
     assert (recording.delay_s > airtime_s).all()
     assert (recording.delay_s < airtime_s + 40.0 / 1500.0).all()
 

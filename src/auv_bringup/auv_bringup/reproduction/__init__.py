@@ -9,8 +9,8 @@ A chapter is a file of this folder that defines at least one of
     CLAIMS   tuple of `Claim`: a sentence of the thesis and the function that judges it
 
 To add a figure, a table or a claim, append it to the tuple of its file; to add a chapter, write a file.
-`ch2.py`, and `ch2_obstacles.py` if one file would be too long, make the chapter `ch2`; any other name is a
-chapter of that name. What a file imports from another of its chapter is counted once.
+`ch2.py`, and `ch2_obstacles.py` if one file would be too long, make the chapter `ch2`, files that begin with
+`acoustics_` the chapter `acoustics`; any other name is a chapter of that name. What a file imports from another of its chapter is counted once.
 
 1. A `RunSpec` names a run: a scenario and what is changed in it. Equal ones are flown once, whoever asks.
 2. The functions get the finished runs in the order of `runs`. They fly nothing and keep nothing.
@@ -45,7 +45,7 @@ ROW_VERDICTS = (AGREES, AGREES_IN_PART, DIFFERS, NO_NUMBER)
 HOLDS, HOLDS_IN_PART, DOES_NOT_HOLD = "holds", "holds in part", "does not hold"
 CLAIM_VERDICTS = (HOLDS, HOLDS_IN_PART, DOES_NOT_HOLD)
 
-READING_ORDER = ("ch2", "ch3", "ch4", "ch5", "ch6", "path_laws", "separation_laws")
+READING_ORDER = ("ch2", "ch3", "ch4", "ch5", "ch6", "path_laws", "separation_laws", "acoustics")
 _TITLES = {
     "ch2": "Chapter 2: path following of one vehicle",
     "ch3": "Chapter 3: adaptive formation",
@@ -54,8 +54,9 @@ _TITLES = {
     "ch6": "Chapter 6: flocking with fuzzy potentials",
     "path_laws": "Path-following laws on one plant",
     "separation_laws": "Separation laws in one flock",
+    "acoustics": "The water between the vehicles",
 }
-_THESIS_CHAPTER = re.compile(r"(ch\d+)(?:_\w+)?\Z")
+_SEVERAL_FILES = re.compile(r"(ch\d+|acoustics)(?:_\w+)?\Z")
 
 
 class ChapterError(ValueError):
@@ -229,7 +230,7 @@ def choose(found: Sequence[Chapter], keys: Sequence[str]) -> tuple[Chapter, ...]
 
 def chapter_key(module_name: str) -> str:
     """Return the chapter that a file belongs to: `ch2` for `ch2` and `ch2_obstacles`, else its own name."""
-    match = _THESIS_CHAPTER.match(module_name)
+    match = _SEVERAL_FILES.match(module_name)
     return match.group(1) if match else module_name
 
 
