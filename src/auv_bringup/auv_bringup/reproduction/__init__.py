@@ -10,7 +10,8 @@ A chapter is a file of this folder that defines at least one of
 
 To add a figure, a table or a claim, append it to the tuple of its file; to add a chapter, write a file.
 `ch2.py`, and `ch2_obstacles.py` if one file would be too long, make the chapter `ch2`, files that begin with
-`acoustics_` the chapter `acoustics`; any other name is a chapter of that name. What a file imports from another of its chapter is counted once.
+`acoustics_` the chapter `acoustics`; any other name is a chapter of that name. What a file imports from
+another of its chapter is counted once.
 
 1. A `RunSpec` names a run: a scenario and what is changed in it. Equal ones are flown once, whoever asks.
 2. The functions get the finished runs in the order of `runs`. They fly nothing and keep nothing.

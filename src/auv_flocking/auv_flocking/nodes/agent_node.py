@@ -204,6 +204,7 @@ class AgentNode(Node):
                 KeyValue(key="oldest_packet_s", value=f"{oldest_s:.3f}"),
                 KeyValue(key="packets_rejected", value=str(agent.rejected)),
                 KeyValue(key="packets_outdated", value=str(agent.outdated)),
+                KeyValue(key="values_saturated", value=str(agent.saturated)),
             ],
         )
         law = DiagnosticStatus(
