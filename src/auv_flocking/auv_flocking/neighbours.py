@@ -1,180 +1,39 @@
 """
-What a vehicle believes of its neighbours between packets: one extended Kalman filter each, thesis Eqs.
-(5.29)-(5.35).
+What a vehicle believes of its neighbours: from packets that come late or never, sonar contacts without a name
+and its own navigation, to one estimate per neighbour and tick.
 
-State: position (m) and velocity (m/s), NED; process: constant velocity with white acceleration of spectral
-density q, discretised exactly.  A packet updates the filter at the packet's own time tag, however late it
-came, and the estimate is then carried to now with the covariance that the wait costs.  filterpy runs predict
-and update (Joseph form).
-
-A packet older than the newest one of its sender is not used, and is counted: with one packet per cycle on
-the air, packets of one sender cannot overtake each other, so this is a guard and not a filter for reordered
-traffic.
+The parts: `neighbour_motion` (how neighbours move), `navigation_offset` (what drifting navigations do),
+`sonar_contact` (the sonar's measurement model), `neighbour_filter` (the extended Kalman filter),
+`association` (which contact is whom), `track` (one neighbour through time).  docs/estimation.md tells it in
+one piece.
 """
 
 from __future__ import annotations
 
-import math
+import bisect
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from auv_core.geometry import Vec3
+from auv_core.geometry import body_to_ned
 from auv_core.messages import SonarContact, VehicleState
-from auv_core.params import param
+from auv_flocking.association import associate, chi_square_gate
+from auv_flocking.navigation_offset import OwnFix, Stated
+from auv_flocking.neighbour_filter import NeighbourConfig, NeighbourFilter, kalman_filter
 from auv_flocking.report import Report
+from auv_flocking.sonar_contact import sighting
+from auv_flocking.track import HISTORY_S, HeardReport, NeighbourEstimate, Track
 
-Matrix = NDArray[np.float64]
+__all__ = [
+    "NeighbourConfig",
+    "NeighbourEstimate",
+    "NeighbourTable",
+    "is_plausible",
+    "kalman_filter",
+]
 
 _CLOCK_SLACK_S = 1.0
-
-
-def _on_every_axis(block: list[list[float]]) -> Matrix:
-    """Return the (6, 6) matrix that does on every axis what the (2, 2) block does to position and rate."""
-    return np.asarray(np.kron(block, np.eye(3)), dtype=np.float64)
-
-
-_IDENTITY = np.eye(6)
-_DRIFT = _on_every_axis([[0.0, 1.0], [0.0, 0.0]])
-_POSITION = _on_every_axis([[1.0, 0.0], [0.0, 0.0]])
-_COUPLING = _on_every_axis([[0.0, 1.0], [1.0, 0.0]])
-_VELOCITY = _on_every_axis([[0.0, 0.0], [0.0, 1.0]])
-
-
-@dataclass(frozen=True)
-class NeighbourConfig:
-    """Noise that the filter assumes, and how long silence is believed."""
-
-    acceleration_psd: float = param(
-        "spectral density of a neighbour's acceleration (m^2/s^3)", default=1e-3, above=0.0
-    )
-    position_std_m: float = param(
-        "standard deviation of a reported position, per axis (m)", default=0.02, above=0.0
-    )
-    velocity_std_mps: float = param(
-        "standard deviation of a reported velocity, per axis (m/s)", default=0.01, above=0.0
-    )
-    timeout_s: float = param("silence after which a neighbour no longer counts (s)", default=30.0, above=0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class NeighbourEstimate:
-    """
-    A neighbour as believed at one instant.
-
-    position (m), velocity (m/s), centre (m), flock_velocity (m/s): NED, in the frame of the own navigation;
-    covariance (6, 6) of position relative to the own vehicle, and of velocity; age_s: time since the time tag
-    `time_s` of its newest packet.  flock_stamp_s: when a leader made this flock velocity (-inf: never heard
-    of one); sonar_age_s: time since the own sonar saw it (inf: never); navigation_sd_m: what the neighbour
-    states of its own navigation, per axis; shared: what its consensus filter added to the packet.
-    """
-
-    address: int
-    position: Vec3
-    velocity: Vec3
-    covariance: Matrix
-    age_s: float
-    centre: Vec3
-    flock_velocity: Vec3
-    flock_stamp_s: float = -math.inf
-    sonar_age_s: float = math.inf
-    navigation_sd_m: float = 0.0
-    time_s: float = -math.inf
-    shared: tuple[float, ...] = ()
-
-
-def transition_matrix(dt_s: float) -> Matrix:
-    """Return F (6, 6) of the constant-velocity model over `dt_s`."""
-    return _IDENTITY + dt_s * _DRIFT
-
-
-def process_noise(dt_s: float, acceleration_psd: float) -> Matrix:
-    """
-    Return Q (6, 6) of white acceleration over `dt_s`: q [[dt^3/3, dt^2/2], [dt^2/2, dt]] on every axis,
-    exact.
-    """
-    q = acceleration_psd * dt_s
-    return (q * dt_s * dt_s / 3.0) * _POSITION + (0.5 * q * dt_s) * _COUPLING + q * _VELOCITY
-
-
-def kalman_filter() -> Any:
-    """
-    Return an unset filter for a state and a measurement of six components.
-
-    filterpy is imported here, since that takes longer than all else that an agent imports: who hears nobody
-    does not wait for it, and a node with neighbours calls this before its run begins.
-    """
-    from filterpy.kalman import ExtendedKalmanFilter
-
-    return ExtendedKalmanFilter(dim_x=6, dim_z=6)
-
-
-class _Track:
-    """The filter of one neighbour, at the time tag of its newest packet."""
-
-    def __init__(self, report: Report, config: NeighbourConfig) -> None:
-        self._config = config
-        self._filter = kalman_filter()
-        self._filter.x = _measurement(report)
-        self._filter.R = np.diag([config.position_std_m**2] * 3 + [config.velocity_std_mps**2] * 3)
-        self._filter.P = self._filter.R.copy()
-        self.report = report
-        self._growth = self._covariance_growth()
-
-    def update(self, report: Report) -> None:
-        dt_s = report.time_s - self.report.time_s
-        self._filter.F = transition_matrix(dt_s)
-        self._filter.Q = process_noise(dt_s, self._config.acceleration_psd)
-        self._filter.predict()
-        self._filter.update(_measurement(report), HJacobian=lambda _x: np.eye(6), Hx=lambda x: x)
-        self.report = report
-        self._growth = self._covariance_growth()
-
-    def _covariance_growth(self) -> tuple[Matrix, Matrix, Matrix, Matrix]:
-        """
-        Return the coefficients of F P F^T + Q as a cubic in the age: at every tick that is cheaper than the
-        product.
-        """
-        covariance, psd = self._filter.P, self._config.acceleration_psd
-        drifted = _DRIFT @ covariance
-        return (
-            covariance,
-            drifted + drifted.T + psd * _VELOCITY,
-            drifted @ _DRIFT.T + (0.5 * psd) * _COUPLING,
-            (psd / 3.0) * _POSITION,
-        )
-
-    def estimate(self, t_s: float) -> NeighbourEstimate:
-        report = self.report
-        age_s = t_s - report.time_s
-        x: list[float] = self._filter.x.tolist()
-        constant, linear, square, cube = self._growth
-        covariance = constant + age_s * (linear + age_s * (square + age_s * cube))
-        return NeighbourEstimate(
-            report.address,
-            (x[0] + age_s * x[3], x[1] + age_s * x[4], x[2] + age_s * x[5]),
-            (x[3], x[4], x[5]),
-            covariance,
-            age_s,
-            (
-                report.centre[0] + age_s * report.centre_rate[0],
-                report.centre[1] + age_s * report.centre_rate[1],
-                report.centre[2] + age_s * report.centre_rate[2],
-            ),
-            report.flock_velocity,
-            getattr(report, "flock_stamp_s", -math.inf),
-            math.inf,
-            getattr(report, "position_sd_m", 0.0),
-            report.time_s,
-            getattr(report, "shared", ()),
-        )
-
-
-def _measurement(report: Report) -> Matrix:
-    return np.array((*report.position, *report.velocity))
+_FIX_RATIO = 0.95
 
 
 def is_plausible(report: Report, own_address: int, fleet_size: int, t_s: float) -> bool:
@@ -183,16 +42,66 @@ def is_plausible(report: Report, own_address: int, fleet_size: int, t_s: float) 
     return other and 0.0 <= report.time_s <= t_s + _CLOCK_SLACK_S
 
 
+class _OwnNavigation:
+    """What the own navigation stated of itself in the last while, and its fixes."""
+
+    def __init__(self) -> None:
+        self._times_s: list[float] = []
+        self._variances_m2: list[float] = []
+        self._last: tuple[float, VehicleState] | None = None
+
+    def note(self, t_s: float, nav: VehicleState) -> OwnFix | None:
+        """Remember what is stated at `t_s`; return the fix that came since the last time, if one did."""
+        last, self._last = self._last, (t_s, nav)
+        if last is not None and last[0] == t_s:
+            return None
+        variance_m2 = nav.position_sd_m * nav.position_sd_m
+        if variance_m2 == 0.0 and not self._times_s:
+            return None
+        self._times_s.append(t_s)
+        self._variances_m2.append(variance_m2)
+        if self._times_s[0] < t_s - 2.0 * HISTORY_S:
+            old = bisect.bisect_left(self._times_s, t_s - HISTORY_S)
+            del self._times_s[:old], self._variances_m2[:old]
+        if last is None or nav.position_sd_m >= _FIX_RATIO * last[1].position_sd_m:
+            return None
+        return OwnFix(t_s, _jump(*last, t_s, nav), last[1].position_sd_m ** 2, variance_m2)
+
+    def variance_m2(self, t_s: float) -> float:
+        """Return the variance of the own position, per horizontal axis, as stated at `t_s` (m^2)."""
+        if not self._times_s:
+            return 0.0
+        return self._variances_m2[max(bisect.bisect_right(self._times_s, t_s) - 1, 0)]
+
+
+def _jump(before_s: float, before: VehicleState, t_s: float, nav: VehicleState) -> tuple[float, float]:
+    """Return by how much the position jumped, beside what the mean velocity accounts for (m; north, east)."""
+    half_s = 0.5 * (t_s - before_s)
+    v0, v1 = (body_to_ned(state.attitude, state.nu[:3]) for state in (before, nav))
+    return (
+        nav.position[0] - before.position[0] - half_s * (v0[0] + v1[0]),
+        nav.position[1] - before.position[1] - half_s * (v0[1] + v1[1]),
+    )
+
+
 class NeighbourTable:
     """
-    The filters of one vehicle. Fed with reports only, so that a recorded run can be estimated again without
-    the simulator.
+    The neighbours of one vehicle. Fed with what the vehicle itself is told and nothing else, so that a
+    recorded run can be estimated again without the simulator.
+
+    `outdated`: packets that were repetitions or too old to be used; `contacts_used`, `contacts_unknown`:
+    sonar contacts that were and were not those of a neighbour.
     """
 
     def __init__(self, config: NeighbourConfig) -> None:
         self._config = config
-        self._tracks: dict[int, _Track] = {}
+        self._filter = NeighbourFilter(config)
+        self._own = _OwnNavigation()
+        self._tracks: dict[int, Track] = {}
+        self._gate: float | None = None
         self.outdated = 0
+        self.contacts_used = 0
+        self.contacts_unknown = 0
 
     @property
     def heard(self) -> int:
@@ -200,22 +109,61 @@ class NeighbourTable:
         return len(self._tracks)
 
     def receive(self, report: Report) -> None:
-        """Use one report; reports come in the order of their arrival."""
+        """Use one report. They come in the order of their arrival, which need not be that of their tags."""
+        own_m2 = self._own.variance_m2(report.time_s)
+        stated = Stated(own_m2, report.position_sd_m * report.position_sd_m)
+        heard = HeardReport(report.time_s, report, stated)
         track = self._tracks.get(report.address)
         if track is None:
-            self._tracks[report.address] = _Track(report, self._config)
-        elif report.time_s <= track.report.time_s:
+            self._tracks[report.address] = Track(heard, self._config.acceleration_psd, self._filter)
+        elif not track.hear(heard):
             self.outdated += 1
-        else:
-            track.update(report)
 
     def observe(self, t_s: float, nav: VehicleState, contacts: Sequence[SonarContact]) -> None:
         """Use the sonar contacts of one tick, seen from the pose that the own navigation gives."""
+        self._follow(t_s, nav)
+        tracks = self._recent(t_s)
+        if not contacts:
+            return
+        config = self._config
+        sightings = [
+            sighting(t_s, nav, contact, config.sonar_range_std_m, config.sonar_angle_std_rad)
+            for contact in contacts
+        ]
+        pairs = []
+        if tracks:
+            if self._gate is None:
+                self._gate = chi_square_gate(config.gate_prob)
+            estimates = [track.estimate(t_s) for track in tracks]
+            pairs = associate(
+                np.array([seen.point for seen in sightings]),
+                np.array([seen.covariance for seen in sightings]),
+                np.array([estimate.position for estimate in estimates]),
+                np.array([estimate.covariance[:3, :3] for estimate in estimates]),
+                self._gate,
+            )
+        for contact, neighbour in pairs:
+            tracks[neighbour].see(sightings[contact])
+        self.contacts_used += len(pairs)
+        self.contacts_unknown += len(contacts) - len(pairs)
 
     def estimates(self, t_s: float, nav: VehicleState | None = None) -> list[NeighbourEstimate]:
-        """Return the neighbours heard within the time-out, carried to `t_s`, in the order of addresses."""
-        return [
-            track.estimate(t_s)
-            for _, track in sorted(self._tracks.items())
-            if t_s - track.report.time_s <= self._config.timeout_s
-        ]
+        """
+        Return the neighbours heard within the time-out, carried to `t_s`, in the order of addresses.
+
+        `nav` is the own navigation at that time, or None where it has no solution.
+        """
+        if nav is not None:
+            self._follow(t_s, nav)
+        return [track.estimate(t_s) for track in self._recent(t_s)]
+
+    def _recent(self, t_s: float) -> list[Track]:
+        timeout_s = self._config.timeout_s
+        return [track for _, track in sorted(self._tracks.items()) if t_s - track.report.time_s <= timeout_s]
+
+    def _follow(self, t_s: float, nav: VehicleState) -> None:
+        """Take note of the own navigation, and of a fix that it had."""
+        fix = self._own.note(t_s, nav)
+        if fix is not None:
+            for track in self._tracks.values():
+                track.move_frame(fix)

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from scipy import stats
 from scipy.linalg import expm
 
-from auv_flocking.neighbours import NeighbourConfig, NeighbourTable, process_noise, transition_matrix
+from auv_flocking.neighbour_motion import process_noise, transition_matrix
+from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
 from auv_flocking.report import Report
 
 CONFIG = NeighbourConfig(acceleration_psd=4e-3, position_std_m=0.05, velocity_std_mps=0.02, timeout_s=30.0)
@@ -142,11 +143,12 @@ def test_the_neighbours_centre_is_carried_by_its_rate_and_its_flock_velocity_kep
     assert estimate.flock_velocity == (0.01, 0.02, 0.03)
 
 
-def test_outdated_packets_are_counted_and_change_nothing():
+def test_repeated_packets_are_counted_and_change_nothing():
     table = NeighbourTable(CONFIG)
-    table.receive(_report(10.0, np.ones(6)))
+    for time_s in (9.0, 10.0):
+        table.receive(_report(time_s, np.ones(6)))
     before = _stacked(table.estimates(11.0)[0])
-    for time_s in (9.9, 10.0):
+    for time_s in (9.0, 10.0):
         table.receive(_report(time_s, 5.0 * np.ones(6)))
     assert table.outdated == 2
     np.testing.assert_array_equal(_stacked(table.estimates(11.0)[0]), before)

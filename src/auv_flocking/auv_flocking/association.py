@@ -1,0 +1,49 @@
+"""Which sonar contact is which neighbour: gated, and at most one of each for one of the other."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Matrix = NDArray[np.float64]
+
+_FORBIDDEN = 1e6
+
+
+def chi_square_gate(probability: float) -> float:
+    """Return the squared Mahalanobis distance that a true contact (three numbers) stays under so often."""
+    from scipy.stats import chi2
+
+    return float(chi2.ppf(probability, 3))
+
+
+def associate(
+    points: Matrix, noises: Matrix, predicted: Matrix, covariances: Matrix, gate: float
+) -> list[tuple[int, int]]:
+    """
+    Return pairs (contact, neighbour), by global nearest neighbour.
+
+    Among all ways to pair with as many pairs inside the gate as possible, the one with the smallest sum of
+    d^2 + ln det S, that is the most likely one.  What is not inside the gate of anything stays alone, which
+    costs nothing: a neighbour may be out of the sonar's reach or missed, and a contact may be a stranger.
+
+    Parameters
+    ----------
+    points, noises : (m, 3), (m, 3, 3) array
+        Contacts as points and their covariances (m, m^2; NED).
+    predicted, covariances : (n, 3), (n, 3, 3) array
+        Neighbours at the time of the contacts (m, m^2; NED).
+    gate : float
+        Largest squared Mahalanobis distance d^2.
+
+    """
+    if len(points) == 0 or len(predicted) == 0:
+        return []
+    from scipy.optimize import linear_sum_assignment
+
+    S = noises[:, None] + covariances[None]
+    off = points[:, None] - predicted[None]
+    squared = np.einsum("mni,mni->mn", off, np.linalg.solve(S, off[..., None])[..., 0])
+    cost = np.where(squared <= gate, squared + np.linalg.slogdet(S)[1], _FORBIDDEN)
+    rows, columns = linear_sum_assignment(cost)
+    return [(int(i), int(j)) for i, j in zip(rows, columns, strict=True) if squared[i, j] <= gate]

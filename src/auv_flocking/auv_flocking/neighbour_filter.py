@@ -1,0 +1,226 @@
+"""
+The extended Kalman filter of a neighbour, thesis Eqs. (5.29)-(5.35): one belief in, the next belief out.
+
+While both navigations state that they do not err, the state is position and velocity (m, m/s; NED); with the
+first one that does, the four states of `navigation_offset` are added.  filterpy predicts and updates (Joseph
+form).  Nothing is remembered here: a belief is never changed, so that a track can go back to an earlier one
+when a packet comes late.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_core.params import param
+from auv_flocking import navigation_offset as offset
+from auv_flocking.navigation_offset import OwnFix, Stated, Unaided
+from auv_flocking.neighbour_motion import process_noise, transition_matrix
+from auv_flocking.report import Report
+from auv_flocking.sonar_contact import Sighting
+
+Matrix = NDArray[np.float64]
+
+_FIX_RATIO = 0.95
+_SENSELESS = 60.0  # squared Mahalanobis distance that six numbers exceed once in 10^11
+
+
+@dataclass(frozen=True)
+class NeighbourConfig:
+    """Noise that the filter assumes, and how long silence is believed."""
+
+    acceleration_psd: float = param(
+        "spectral density of a neighbour's acceleration (m^2/s^3)", default=1e-3, above=0.0
+    )
+    position_std_m: float = param(
+        "standard deviation of a reported position, per axis, beside what its sender states (m)",
+        default=0.02,
+        above=0.0,
+    )
+    velocity_std_mps: float = param(
+        "standard deviation of a reported velocity, per axis (m/s)", default=0.01, above=0.0
+    )
+    timeout_s: float = param("silence after which a neighbour no longer counts (s)", default=30.0, above=0.0)
+    drift_rate_mps: float = param(
+        "constant velocity error, per horizontal axis, of a navigation that states an uncertainty (m/s)",
+        default=0.0075,
+        above=0.0,
+    )
+    sonar_range_std_m: float = param("standard deviation of a sonar range (m)", default=0.1, above=0.0)
+    sonar_angle_std_rad: float = param(
+        "standard deviation of a sonar bearing and elevation (rad)", default=0.0174533, above=0.0
+    )
+    gate_prob: float = param(
+        "probability that a contact of a neighbour is taken for one",
+        default=0.999,
+        minimum=0.5,
+        maximum=0.999999,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Belief:
+    """
+    What is believed of a neighbour at one time.
+
+    Attributes
+    ----------
+    time_s : float
+        That time (s).
+    x : (6,) or (10,) array
+        Position (m) and velocity (m/s), NED; then offset (m) and rate (m/s), north and east.
+    P : (6, 6) or (10, 10) array
+        Its covariance.
+    unaided : Unaided or None
+        What would be known of the offset without sonar; None where there is no offset.
+    innovation, precision : arrays
+        Of the measurement that led here, and the inverse of its covariance; None where there was none.
+
+    """
+
+    time_s: float
+    x: Matrix
+    P: Matrix
+    unaided: Unaided | None = None
+    innovation: Matrix | None = None
+    precision: Matrix | None = None
+
+    @property
+    def nis(self) -> float:
+        """Normalised innovation squared of the measurement that led here; 0 where there was none."""
+        if self.innovation is None or self.precision is None:
+            return 0.0
+        return float(self.innovation @ self.precision @ self.innovation)
+
+
+def kalman_filter(states: int = 6) -> Any:
+    """
+    Return an unset filter.
+
+    filterpy is imported here, since that takes longer than all else that an agent imports: who hears nobody
+    does not wait for it, and a node with neighbours calls this before its run begins.
+    """
+    from filterpy.kalman import ExtendedKalmanFilter
+
+    return ExtendedKalmanFilter(dim_x=states, dim_z=6)
+
+
+class NeighbourFilter:
+    """The filter of all neighbours of one vehicle; it keeps nothing between calls."""
+
+    def __init__(self, config: NeighbourConfig) -> None:
+        self._config = config
+        self._rate_psd = offset.rate_psd(config.drift_rate_mps)
+        self._noise = np.diag([config.position_std_m**2] * 3 + [config.velocity_std_mps**2] * 3)
+        self._engines: dict[int, Any] = {}
+
+    def first(self, report: Report, stated: Stated) -> Belief:
+        """Return the belief after the first packet: what it says."""
+        z = _numbers(report)
+        if stated.is_exact:
+            return Belief(report.time_s, z, self._noise.copy())
+        return Belief(report.time_s, *offset.first(z, self._noise, stated, self._config.drift_rate_mps))
+
+    def after_packet(self, belief: Belief, report: Report, stated: Stated) -> Belief:
+        """
+        Return the belief after a packet, at the packet's time tag.
+
+        With an offset, a packet that cannot be true of what was believed starts the belief anew: a contact of
+        another vehicle was taken for this one's, or a navigation erred more than it said.
+        """
+        if belief.unaided is None and stated.is_exact:
+            identity = np.eye(6)
+            ahead = self._predicted(belief, report.time_s)
+            return self._updated(ahead, _numbers(report), lambda _x: identity, lambda x: x, self._noise)
+        ahead = self._with_offset(belief, report.time_s, stated)
+        after = self._updated(
+            ahead,
+            _numbers(report),
+            lambda _x: offset.PACKET,
+            lambda x: offset.PACKET @ x,
+            self._noise,
+        )
+        return self.first(report, stated) if after.nis > _SENSELESS else after
+
+    def after_sighting(self, belief: Belief, sighting: Sighting) -> Belief:
+        """Return the belief after a sonar contact, at its time."""
+        ahead = self._predicted(belief, sighting.time_s)
+        H = np.zeros((3, len(ahead.x)))
+        H[:, :3] = sighting.jacobian
+        # z - h(x), linearised at the point of the contact.
+        return self._updated(
+            ahead,
+            np.zeros(3),
+            lambda _x: H,
+            lambda x: sighting.jacobian @ (x[:3] - sighting.point),
+            sighting.noise,
+        )
+
+    def after_own_fix(self, belief: Belief, fix: OwnFix) -> Belief:
+        """Return the belief after a fix of the own navigation, in the frame that it has from then on."""
+        ahead = self._predicted(belief, fix.time_s)
+        if ahead.unaided is None:
+            ahead = Belief(fix.time_s, *offset.widened(ahead.x, ahead.P))
+            stated = Stated(fix.before_m2, 0.0)
+            ahead = self._topped_up(ahead, stated)
+        assert ahead.unaided is not None
+        z, H, R = fix.tells(ahead.unaided.sender_m2)
+        after = self._updated(ahead, z, lambda _x: H, lambda x: H @ x, R)
+        x, unaided = fix.shifted(after.x, ahead.unaided)
+        return Belief(fix.time_s, x, after.P, unaided, after.innovation, after.precision)
+
+    def _with_offset(self, belief: Belief, t_s: float, stated: Stated) -> Belief:
+        """Return the belief carried to `t_s`, with an offset as uncertain as is stated there."""
+        ahead = self._predicted(belief, t_s)
+        x, P, unaided = ahead.x, ahead.P, ahead.unaided
+        if unaided is None:
+            x, P, unaided = offset.widened(x, P)
+        if stated.sender_m2 < _FIX_RATIO * _FIX_RATIO * unaided.sender_m2:
+            x, P, unaided = offset.after_sender_fix(x, P, unaided, stated.own_m2, stated.sender_m2)
+        return self._topped_up(Belief(t_s, x, P, unaided), stated)
+
+    def _topped_up(self, belief: Belief, stated: Stated) -> Belief:
+        assert belief.unaided is not None
+        P, unaided = offset.topped_up(belief.P, belief.unaided, stated, self._config.drift_rate_mps)
+        return Belief(belief.time_s, belief.x, P, unaided)
+
+    def _predicted(self, belief: Belief, t_s: float) -> Belief:
+        dt_s = t_s - belief.time_s
+        engine = self._engine(belief)
+        psd, unaided = self._config.acceleration_psd, belief.unaided
+        if unaided is None:
+            engine.F, engine.Q = transition_matrix(dt_s), process_noise(dt_s, psd)
+        else:
+            engine.F, engine.Q = offset.transition(dt_s), offset.noise(dt_s, psd, self._rate_psd)
+            unaided = unaided.after(dt_s, self._rate_psd)
+        engine.predict()
+        return Belief(t_s, engine.x, engine.P, unaided)
+
+    def _updated(
+        self,
+        belief: Belief,
+        z: Matrix,
+        jacobian: Callable[[Matrix], Matrix],
+        measurement: Callable[[Matrix], Matrix],
+        R: Matrix,
+    ) -> Belief:
+        engine = self._engine(belief)
+        engine.update(z, HJacobian=jacobian, Hx=measurement, R=R)
+        return Belief(belief.time_s, engine.x, engine.P, belief.unaided, engine.y, engine.SI)
+
+    def _engine(self, belief: Belief) -> Any:
+        """Return filterpy's filter, set to a belief."""
+        states = len(belief.x)
+        if states not in self._engines:
+            self._engines[states] = kalman_filter(states)
+        engine = self._engines[states]
+        engine.x, engine.P = belief.x, belief.P
+        return engine
+
+
+def _numbers(report: Report) -> Matrix:
+    return np.array((*report.position, *report.velocity))

@@ -1,0 +1,134 @@
+"""
+The measurement model of a sonar contact: range, bearing and elevation in the body frame (FRD).
+
+    h(r) = (|r|, atan2(y, x), atan2(-z, hypot(x, y))),  r = (x, y, z) the other hull in the own body frame.
+
+A contact is much sharper than a prediction that has waited for a packet, or whose navigation has drifted.
+The model is therefore linearised at the point that the contact itself gives, r* = h^-1(z), where an iterated
+extended Kalman filter ends up, and not at the prediction: then h(r) ~ z + H (r - r*), the residual is
+-H (r - r*) however far off the prediction was, and no angle has to be wrapped.
+
+Source: Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), sections
+10.4.3 (converted measurements) and 10.5.2 (iterated filter).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_core.geometry import Vec3, body_to_ned
+from auv_core.messages import SonarContact, VehicleState
+
+Matrix = NDArray[np.float64]
+
+_SMALLEST_LEVEL_RATIO = 0.02
+_SMALLEST_RANGE_M = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """
+    A contact in the frame of the own navigation, ready for a filter.
+
+    Attributes
+    ----------
+    time_s : float
+        Time of the tick (s).
+    point : (3,) array
+        Where the other hull is, by this contact alone (m; NED).
+    jacobian : (3, 3) array
+        H: derivative of (range, bearing, elevation) by that point.
+    noise : (3, 3) array
+        R: covariance of (range, bearing, elevation) (m^2, rad^2, rad^2).
+    covariance : (3, 3) array
+        The same noise as covariance of the point, H^-1 R H^-T (m^2; NED).
+
+    """
+
+    time_s: float
+    point: Matrix
+    jacobian: Matrix
+    noise: Matrix
+    covariance: Matrix
+
+
+def contact_of(relative: Vec3) -> SonarContact:
+    """Return h: the contact of a hull at `relative` (m; body FRD)."""
+    x, y, z = relative
+    level_m = math.hypot(x, y)
+    return SonarContact(math.hypot(level_m, z), math.atan2(y, x), math.atan2(-z, level_m))
+
+
+def relative_of(contact: SonarContact) -> Vec3:
+    """Return h^-1: where the hull of a contact is (m; body FRD)."""
+    level_m = contact.range_m * math.cos(contact.elevation_rad)
+    return (
+        level_m * math.cos(contact.bearing_rad),
+        level_m * math.sin(contact.bearing_rad),
+        -contact.range_m * math.sin(contact.elevation_rad),
+    )
+
+
+def contact_jacobian(relative: Vec3) -> Matrix:
+    """
+    Return the derivative (3, 3) of `contact_of` by `relative`.
+
+    Straight above or below there is no bearing, and no hull is at no distance: both distances are kept from
+    vanishing.
+    """
+    x, y, z = relative
+    range_m = max(math.sqrt(x * x + y * y + z * z), _SMALLEST_RANGE_M)
+    level_m = math.hypot(x, y)
+    if level_m < _SMALLEST_LEVEL_RATIO * range_m:
+        c, s = (x / level_m, y / level_m) if level_m > 0.0 else (1.0, 0.0)
+        level_m = _SMALLEST_LEVEL_RATIO * range_m
+        x, y = c * level_m, s * level_m
+    square_m2 = range_m * range_m
+    return np.array(
+        (
+            (x / range_m, y / range_m, z / range_m),
+            (-y / (level_m * level_m), x / (level_m * level_m), 0.0),
+            (z * x / (square_m2 * level_m), z * y / (square_m2 * level_m), -level_m / square_m2),
+        )
+    )
+
+
+def sighting(
+    t_s: float, nav: VehicleState, contact: SonarContact, range_sd_m: float, angle_sd_rad: float
+) -> Sighting:
+    """
+    Return a contact as seen from the own navigation's pose.
+
+    An error of the own heading turns what is seen about the vertical, which is an error of the bearing; its
+    variance is added to the sonar's.
+
+    Parameters
+    ----------
+    t_s : float
+        Time of the contact (s).
+    nav : VehicleState
+        The own navigation at that time.
+    contact : SonarContact
+        What the sonar saw.
+    range_sd_m, angle_sd_rad : float
+        The sonar's noise: range (m), bearing and elevation (rad).
+
+    """
+    relative = relative_of(contact)
+    q = nav.attitude
+    R_ned_body = np.array(
+        (body_to_ned(q, (1.0, 0.0, 0.0)), body_to_ned(q, (0.0, 1.0, 0.0)), body_to_ned(q, (0.0, 0.0, 1.0)))
+    ).T
+    H = contact_jacobian(relative) @ R_ned_body.T
+    angle_rad2 = angle_sd_rad * angle_sd_rad
+    noise = np.diag(
+        (range_sd_m * range_sd_m, angle_rad2 + nav.heading_sd_rad * nav.heading_sd_rad, angle_rad2)
+    )
+    back = np.linalg.inv(H)
+    return Sighting(
+        t_s, np.array(nav.position) + R_ned_body @ np.array(relative), H, noise, back @ noise @ back.T
+    )

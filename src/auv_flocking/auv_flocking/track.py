@@ -1,0 +1,196 @@
+"""
+One neighbour followed through time: what was measured of it, in the order in which it happened.
+
+A packet arrives seconds after its time tag, and by then the sonar may have seen its sender.  The measurements
+of the last `HISTORY_S` are therefore kept, each with the belief that it led to; a measurement that comes late
+is put where it belongs and the later ones are used again.  What comes in order costs one update and nothing
+else, and beliefs are kept by reference.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from operator import attrgetter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_core.geometry import Vec3
+from auv_flocking.navigation_offset import OwnFix, Stated
+from auv_flocking.neighbour_filter import Belief, NeighbourFilter
+from auv_flocking.neighbour_motion import Growth, covariance_growth, grown
+from auv_flocking.report import Report
+from auv_flocking.sonar_contact import Sighting
+
+Matrix = NDArray[np.float64]
+
+HISTORY_S = 20.0
+_LONGEST = 128
+
+
+@dataclass(frozen=True, slots=True)
+class NeighbourEstimate:
+    """
+    A neighbour as believed at one instant.
+
+    position (m), velocity (m/s), centre (m), flock_velocity (m/s): NED, in the frame of the own navigation;
+    covariance (6, 6) of position relative to the own vehicle, and of velocity; age_s: time since the time tag
+    `time_s` of its newest packet.  flock_stamp_s: when a leader made this flock velocity (-inf: never heard
+    of one); sonar_age_s: time since the own sonar saw it (inf: never); navigation_sd_m: what the neighbour
+    states of its own navigation, per axis (the covariance has it in it); shared: what its consensus filter
+    added to the packet.
+    """
+
+    address: int
+    position: Vec3
+    velocity: Vec3
+    covariance: Matrix
+    age_s: float
+    centre: Vec3
+    flock_velocity: Vec3
+    flock_stamp_s: float = -math.inf
+    sonar_age_s: float = math.inf
+    navigation_sd_m: float = 0.0
+    time_s: float = -math.inf
+    shared: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class HeardReport:
+    """A packet as a measurement: what it says at its time tag, and what was stated of both navigations."""
+
+    time_s: float
+    report: Report
+    stated: Stated
+
+
+Measurement = OwnFix | HeardReport | Sighting
+_ORDER = {OwnFix: 0, HeardReport: 1, Sighting: 2}
+_when = attrgetter("time_s")
+
+
+class Track:
+    """
+    The measurements of one neighbour and what they amount to.
+
+    After anything is taken in: `report` is the newest packet by its time tag, `seen_s` the time of the newest
+    contact (-inf: none), `belief` what is believed at the time of the newest measurement.
+    """
+
+    def __init__(self, heard: HeardReport, config_psd: float, neighbour_filter: NeighbourFilter) -> None:
+        self._filter = neighbour_filter
+        self._psd = config_psd
+        self._measurements: list[Measurement] = [heard]
+        self._beliefs = [neighbour_filter.first(heard.report, heard.stated)]
+        self._is_whole = True
+        self._growth: Growth | None = None
+        self._numbers: list[float] = []
+        self.report = heard.report
+        self.seen_s = -math.inf
+
+    @property
+    def belief(self) -> Belief:
+        """What is believed at the time of the newest measurement."""
+        return self._beliefs[-1]
+
+    def hear(self, heard: HeardReport) -> bool:
+        """
+        Use a packet, in its place; return whether it could be used.
+
+        It cannot when it is a repetition, or older than what is still remembered.
+        """
+        if heard.time_s == self.report.time_s:
+            return False
+        if heard.time_s < self.report.time_s and any(
+            isinstance(other, HeardReport) and other.time_s == heard.time_s for other in self._measurements
+        ):
+            return False
+        if not self._insert(heard):
+            return False
+        if heard.time_s > self.report.time_s:
+            self.report = heard.report
+        return True
+
+    def see(self, sighting: Sighting) -> None:
+        """Use a contact that was found to be this neighbour."""
+        if self._insert(sighting):
+            self.seen_s = max(self.seen_s, sighting.time_s)
+
+    def move_frame(self, fix: OwnFix) -> None:
+        """Follow the own navigation into the frame that it has after a fix."""
+        self._insert(fix)
+
+    def estimate(self, t_s: float) -> NeighbourEstimate:
+        """Return the neighbour as believed at `t_s`."""
+        report, belief = self.report, self._beliefs[-1]
+        if self._growth is None:
+            self._growth = covariance_growth(belief.P[:6, :6], self._psd)
+            self._numbers = belief.x.tolist()
+        x, dt_s, age_s = self._numbers, t_s - belief.time_s, t_s - report.time_s
+        centre = (
+            report.centre[0] + age_s * report.centre_rate[0],
+            report.centre[1] + age_s * report.centre_rate[1],
+            report.centre[2] + age_s * report.centre_rate[2],
+        )
+        if belief.unaided is not None:  # from the sender's frame to the own one
+            centre = (centre[0] - x[6] - dt_s * x[8], centre[1] - x[7] - dt_s * x[9], centre[2])
+        return NeighbourEstimate(
+            report.address,
+            (x[0] + dt_s * x[3], x[1] + dt_s * x[4], x[2] + dt_s * x[5]),
+            (x[3], x[4], x[5]),
+            grown(self._growth, dt_s),
+            age_s,
+            centre,
+            report.flock_velocity,
+            report.flock_stamp_s,
+            t_s - self.seen_s,
+            report.position_sd_m,
+            report.time_s,
+            report.shared,
+        )
+
+    def _insert(self, measurement: Measurement) -> bool:
+        """Put a measurement where it belongs and use it and all later ones; return whether it has a place."""
+        measurements, beliefs = self._measurements, self._beliefs
+        place = len(measurements)
+        key = (measurement.time_s, _ORDER[type(measurement)])
+        while place > 0 and _key(measurements[place - 1]) > key:
+            place -= 1
+        if place == 0 and not (self._is_whole and isinstance(measurement, HeardReport)):
+            return False
+        measurements.insert(place, measurement)
+        del beliefs[place:]
+        for later in measurements[place:]:
+            beliefs.append(self._next(beliefs[-1] if beliefs else None, later))
+        self._growth = None
+        self._forget()
+        return True
+
+    def _next(self, belief: Belief | None, measurement: Measurement) -> Belief:
+        if isinstance(measurement, HeardReport):
+            if belief is None:
+                return self._filter.first(measurement.report, measurement.stated)
+            return self._filter.after_packet(belief, measurement.report, measurement.stated)
+        if belief is None:
+            raise RuntimeError("a track begins with a packet")
+        if isinstance(measurement, Sighting):
+            return self._filter.after_sighting(belief, measurement)
+        return self._filter.after_own_fix(belief, measurement)
+
+    def _forget(self) -> None:
+        """Let go of what is older than the history, all but the newest."""
+        measurements = self._measurements
+        oldest_s = measurements[-1].time_s - HISTORY_S
+        n = 0
+        while n < len(measurements) - 1 and (
+            measurements[n].time_s < oldest_s or len(measurements) - n > _LONGEST
+        ):
+            n += 1
+        if n:
+            del measurements[:n], self._beliefs[:n]
+            self._is_whole = False
+
+
+def _key(measurement: Measurement) -> tuple[float, int]:
+    return measurement.time_s, _ORDER[type(measurement)]
