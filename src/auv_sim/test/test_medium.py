@@ -131,7 +131,7 @@ def test_counters_add_up(network):
     for (source, address), link in medium.links.items():
         assert link.sent == sent[source]
         assert link.delivered == delivered[source, address] + in_flight[source, address]
-        assert link.sent == link.delivered + link.lost_outage + link.lost_range
+        assert link.sent == link.delivered + link.lost
 
 
 def _listen(medium, first, count, positions):
@@ -155,11 +155,14 @@ def test_losses_lie_in_their_binomial_band(loss_prob):
     assert low <= lost <= high
 
 
-@pytest.mark.parametrize(("loss_prob", "share"), [(0.0, 0.0), (1.0, 1.0)])
-def test_certain_luck_and_certain_loss_are_certain(loss_prob, share):
+@pytest.mark.parametrize("loss_prob", [0.0, 1.0])
+def test_certain_luck_and_certain_loss_are_certain(loss_prob):
     medium = AcousticMedium(_config(outage={"kind": "bernoulli", "params": {"loss_prob": loss_prob}}))
     _chatter(medium, 200, lambda _tick: _line(4))
-    assert all(link.lost_outage == share * link.sent for link in medium.links.values())
+    _listen(medium, 200, 10, _line(4))
+    for link in medium.links.values():
+        assert link.lost_outage == loss_prob * link.sent
+        assert link.delivered == (1.0 - loss_prob) * link.sent
 
 
 def test_the_same_calls_give_the_same_deliveries():
@@ -179,7 +182,7 @@ def test_another_seed_loses_other_packets():
 
 def test_adding_a_vehicle_does_not_change_the_losses_of_the_others():
     def received(fleet_size):
-        medium = AcousticMedium(_config(fleet_size=fleet_size, mac={"kind": "unlimited"}))
+        medium = AcousticMedium(_ideal(fleet_size=fleet_size, outage={"kind": "bernoulli"}))
         _, receptions = _chatter(medium, 200, lambda _tick: _line(fleet_size, 20.0), talkers={1, 2, 3})
         return {
             _key(r.packet, address)
@@ -192,7 +195,7 @@ def test_adding_a_vehicle_does_not_change_the_losses_of_the_others():
 
 def test_one_links_losses_do_not_depend_on_who_else_talks():
     def received(talkers):
-        medium = AcousticMedium(_config(mac={"kind": "unlimited"}))
+        medium = AcousticMedium(_ideal(outage={"kind": "bernoulli"}))
         _, receptions = _chatter(medium, 200, lambda _tick: _line(4), talkers=talkers)
         return {_key(r.packet, address) for _, address, r in receptions if r.packet.source == 2}
 
@@ -200,7 +203,8 @@ def test_one_links_losses_do_not_depend_on_who_else_talks():
 
 
 def test_beyond_the_range_nothing_is_heard_and_within_it_everything():
-    medium = AcousticMedium(_config(outage={"kind": "none"}))
+    mac = {"kind": "tdma", "params": {"slot_s": 0.5}}
+    medium = AcousticMedium(_config(outage={"kind": "none"}, mac=mac))
     positions = [(0.0, 0.0, 5.0), (299.0, 0.0, 5.0), (-301.0, 0.0, 5.0), (0.0, 250.0, 5.0)]
     _, receptions = _chatter(medium, 100, lambda _tick: positions)
     pairs = {(reception.packet.source, address) for _, address, reception in receptions}

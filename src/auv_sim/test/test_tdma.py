@@ -17,7 +17,7 @@ FIRST_TICKS = st.integers(0, 100_000)
 
 def _opportunities(slot_s, fleet_size, period_s, ticks):
     """Return (start_s, address, tick) of all that may be sent, in the order of time."""
-    mac = Mac(Params(slot_s=slot_s), fleet_size)
+    mac = Mac(Params(slot_s=slot_s), fleet_size, 1)
     found = [
         (start_s, address, tick)
         for tick in ticks
@@ -66,7 +66,7 @@ def test_no_slot_is_left_out_while_a_cycle_is_no_shorter_than_a_period(fleet_siz
     ("slot_s", "period_s"), [(0.1, 0.1), (0.3, 0.1), (0.25, 0.05), (0.7, 0.1), (0.02, 0.02)]
 )
 def test_slots_that_begin_on_a_tick_belong_to_that_tick_at_every_hour(slot_s, period_s):
-    mac = Mac(Params(slot_s=slot_s), 4)
+    mac = Mac(Params(slot_s=slot_s), 4, 1)
     ratio = round(slot_s / period_s)
     for cycle in [*range(50), 10_000, 123_456]:
         for address in range(1, 5):
@@ -76,7 +76,7 @@ def test_slots_that_begin_on_a_tick_belong_to_that_tick_at_every_hour(slot_s, pe
 
 
 def test_a_transmission_must_be_shorter_than_the_slot():
-    mac = Mac(Params(slot_s=0.25), 4)
+    mac = Mac(Params(slot_s=0.25), 4, 1)
     mac.check(0.2499)
     with pytest.raises(ValueError, match=r"^slot_s: 0\.25 is not allowed; allowed: longer than .* 0\.250 s"):
         mac.check(0.25)

@@ -1,10 +1,10 @@
 """
 The acoustic medium: everything between the vehicles' modems.
 
-The medium is asked once per control period: what arrives now (`deliver`), who may transmit (`ready`), and
-what is handed over (`transmit`).  Inside the period it works on continuous time: a transmission starts at
+The medium is asked once per control period: `exchange` says what arrives now and who may transmit, `transmit`
+takes what the vehicles hand over.  Inside the period it works on continuous time: a transmission starts at
 its medium-access opportunity, ends after its airtime, and is heard range over sound speed later; it can be
-delivered from the next tick on.
+delivered from the next tick on.  What a receiver makes of what reaches it stands in `receiver`.
 """
 
 from __future__ import annotations
@@ -13,12 +13,15 @@ import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from auv_core.geometry import Vec3, distance
+from auv_core.geometry import Vec3
 from auv_core.messages import AcousticEvent, Inbox, Outcome, Packet, Reception, VehicleState
 from auv_core.params import Section, param
 from auv_core.plugins import find_plugin
+from auv_sim.acoustics.event_log import in_order
 from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
+from auv_sim.acoustics.receiver import TOUCH_S, Receiver, Signal, Transmission
 from auv_sim.acoustics.sonar import none
 
 __all__ = ["DELAY_EDGES_S", "AcousticMedium", "LinkCounters", "MediumConfig"]
@@ -38,22 +41,20 @@ class MediumConfig:
     fleet_size: int = param("number of modems; their addresses are 1 ... fleet_size", minimum=1, maximum=254)
     seed: int = param("seed of every random number", default=1, minimum=0)
     period_s: float = param("control period (s)", default=0.1, above=0.0)
-    propagation: Section = param("travel time", plugins=PROPAGATION)
-    modem: Section = param("airtime and reach", plugins=MODEM)
+    propagation: Section = param("travel time and loss", plugins=PROPAGATION)
+    modem: Section = param("airtime, reach and errors", plugins=MODEM)
     mac: Section = param("medium access", plugins=MAC)
     outage: Section = param("losses by no other cause", plugins=OUTAGE)
     sonar: Section = param("what the vehicles see of each other", default=NO_SONAR, plugins=SONAR)
 
 
-@dataclass(frozen=True)
-class _Flight:
-    """A transmission on its way to one receiver."""
+@dataclass(slots=True)
+class _Held:
+    """A packet that waits in its modem for a quiet moment; `attempts` times it was not quiet."""
 
     packet: Packet
-    destination: int
-    sent_s: float
-    end_s: float
-    origin: Vec3
+    at_s: float
+    attempts: int = 0
 
 
 class AcousticMedium:
@@ -62,19 +63,33 @@ class AcousticMedium:
 
     The same configuration and the same calls give the same deliveries: no clock, and every random number is
     fixed by (seed, purpose, source, destination, sequence).
+
+    Attributes
+    ----------
+    links : mapping of (source, destination) to LinkCounters
+        What became of the packets of each link so far.
+
     """
 
     def __init__(self, config: MediumConfig) -> None:
         self._period_s = config.period_s
         self._addresses = range(1, config.fleet_size + 1)
-        self._propagation = find_plugin(PROPAGATION, config.propagation.kind).Propagation(
+        propagation: Any = find_plugin(PROPAGATION, config.propagation.kind).Propagation(
             config.propagation.params
         )
-        self._modem = find_plugin(MODEM, config.modem.kind).Modem(config.modem.params)
-        self._mac = find_plugin(MAC, config.mac.kind).Mac(config.mac.params, config.fleet_size)
-        self._outage = find_plugin(OUTAGE, config.outage.kind).Outage(config.outage.params, config.seed)
-        self._sonar = find_plugin(SONAR, config.sonar.kind).Sonar(config.sonar.params, config.seed)
-        self._flights: list[_Flight] = []
+        self._modem: Any = find_plugin(MODEM, config.modem.kind).Modem(config.modem.params)
+        self._mac: Any = find_plugin(MAC, config.mac.kind).Mac(
+            config.mac.params, config.fleet_size, config.seed
+        )
+        outage: Any = find_plugin(OUTAGE, config.outage.kind).Outage(config.outage.params, config.seed)
+        self._sonar: Any = find_plugin(SONAR, config.sonar.kind).Sonar(config.sonar.params, config.seed)
+        self._receivers = [
+            Receiver(address, self._modem, propagation, outage, config.seed) for address in self._addresses
+        ]
+        self._tick = 0
+        self._states: Sequence[VehicleState] = ()
+        self._busy_until_s = [-math.inf] * config.fleet_size
+        self._held: dict[int, _Held] = {}
         self._events: list[AcousticEvent] = []
         self.links: defaultdict[tuple[int, int], LinkCounters] = defaultdict(LinkCounters)
 
@@ -105,32 +120,20 @@ class AcousticMedium:
         Parameters
         ----------
         tick : int
-            The control tick.
+            The control tick, never earlier than in the last call.
         states : sequence of VehicleState
             True states at the tick, in the order of addresses.
 
         """
-        t_s = tick * self._period_s
-        arrived: dict[int, list[Reception]] = {address: [] for address in self._addresses}
-        waiting = []
-        for flight in self._flights:
-            receiver = states[flight.destination - 1].position
-            arrival_s = flight.end_s + self._propagation.delay_s(flight.origin, receiver)
-            if arrival_s > t_s + 1e-9:
-                waiting.append(flight)
-            else:
-                arrived[flight.destination].append(
-                    Reception(flight.packet, flight.sent_s, arrival_s, math.nan)
-                )
-                self._end(Outcome.DELIVERED, flight, arrival_s)
-        self._flights = waiting
+        now_s = tick * self._period_s
+        if self._held:
+            self._send_held(now_s)
+        self._tick, self._states = tick, states
         return [
             Inbox(
                 tick,
-                self._mac.opportunity_s(address, tick, self._period_s) is not None,
-                tuple(
-                    sorted(arrived[address], key=lambda r: (r.arrival_s, r.packet.source, r.packet.sequence))
-                ),
+                self._asks(address, tick),
+                self._deliver(address, now_s, states[address - 1].position),
                 self._sonar.contacts(address, tick, self._period_s, states),
             )
             for address in self._addresses
@@ -138,7 +141,9 @@ class AcousticMedium:
 
     def transmit(self, packets: Mapping[int, Sequence[Packet]], states: Sequence[VehicleState]) -> None:
         """
-        Put on the air what the vehicles handed over in one tick.
+        Take what the vehicles hand over in one tick.
+
+        A packet that comes after the next tick has begun, as can be in real time, starts when it comes.
 
         Parameters
         ----------
@@ -153,60 +158,110 @@ class AcousticMedium:
             For a packet out of turn, a second packet, or a payload that the modem does not take.
 
         """
+        self._states = states
         for source in sorted(packets):
             if len(packets[source]) > 1:
                 raise ValueError(
                     f"modem {source} got {len(packets[source])} packets in one tick; it takes one at a time"
                 )
             for packet in packets[source]:
-                self._send(packet, states)
-
-    def _send(self, packet: Packet, states: Sequence[VehicleState]) -> None:
-        start_s = self._mac.opportunity_s(packet.source, packet.tick, self._period_s)
-        if start_s is None:
-            raise ValueError(
-                f"modem {packet.source} was handed a packet in tick {packet.tick}, where it may not transmit"
-            )
-        if len(packet.payload) > self._modem.max_payload_bytes:
-            raise ValueError(
-                f"modem {packet.source} was handed {len(packet.payload)} bytes; "
-                f"it takes {self._modem.max_payload_bytes}"
-            )
-        end_s = start_s + self._modem.airtime_s(len(packet.payload))
-        origin = states[packet.source - 1].position
-        self._events.append(
-            AcousticEvent(
-                Outcome.SENT, packet.source, packet.destination, packet.sequence,
-                start_s, end_s, math.nan, len(packet.payload),
-            )
-        )  # fmt: skip
-        for destination in self._addresses:
-            if destination == packet.source or packet.destination not in (0, destination):
-                continue
-            self.links[packet.source, destination].count_sent(len(packet.payload))
-            flight = _Flight(packet, destination, start_s, end_s, origin)
-            receiver = states[destination - 1].position
-            arrival_s = end_s + self._propagation.delay_s(origin, receiver)
-            if distance(origin, receiver) > self._modem.max_range_m:
-                self._end(Outcome.RANGE, flight, arrival_s)
-            elif self._outage.lost(packet.source, destination, packet.sequence):
-                self._end(Outcome.OUTAGE, flight, arrival_s)
-            else:
-                self._flights.append(flight)
-
-    def _end(self, outcome: Outcome, flight: _Flight, arrival_s: float) -> None:
-        packet = flight.packet
-        size_bytes = len(packet.payload)
-        start_s = arrival_s - (flight.end_s - flight.sent_s)
-        self.links[packet.source, flight.destination].count_end(outcome, arrival_s - flight.sent_s)
-        self._events.append(
-            AcousticEvent(
-                outcome, packet.source, flight.destination, packet.sequence,
-                start_s, arrival_s, math.nan, size_bytes,
-            )
-        )  # fmt: skip
+                start_s = self._start_s(packet)
+                if self._mac.senses:
+                    self._held[source] = _Held(packet, start_s)
+                else:
+                    self._send(packet, start_s)
 
     def take_events(self) -> list[AcousticEvent]:
-        """Return the acoustic log since the last call."""
+        """Return the acoustic log since the last call, in its order."""
         taken, self._events = self._events, []
-        return sorted(taken, key=lambda e: (e.end_s, e.source, e.sequence, e.destination))
+        return in_order(taken)
+
+    def _asks(self, address: int, tick: int) -> bool:
+        """Return whether a modem asks for data in a tick: it may transmit, is idle, and holds nothing."""
+        start_s = self._mac.opportunity_s(address, tick, self._period_s)
+        return (
+            start_s is not None
+            and start_s >= self._busy_until_s[address - 1] - TOUCH_S
+            and address not in self._held
+        )
+
+    def _start_s(self, packet: Packet) -> float:
+        """Return when the modem would begin to transmit a packet (s), or refuse it."""
+        source, size = packet.source, len(packet.payload)
+        start_s = self._mac.opportunity_s(source, packet.tick, self._period_s)
+        if start_s is None:
+            raise ValueError(
+                f"modem {source} was handed a packet in tick {packet.tick}, where it may not transmit"
+            )
+        if size > self._modem.max_payload_bytes:
+            raise ValueError(
+                f"modem {source} was handed {size} bytes; it takes {self._modem.max_payload_bytes}"
+            )
+        if packet.tick < self._tick:
+            start_s = max(start_s, self._tick * self._period_s)
+        if source in self._held or start_s < self._busy_until_s[source - 1] - TOUCH_S:
+            raise ValueError(
+                f"modem {source} was handed a packet in tick {packet.tick}, where it still has another one"
+            )
+        return float(start_s)
+
+    def _send_held(self, until_s: float) -> None:
+        """Let the modems that listen first do so, in the order of time, up to a moment."""
+        while self._held:
+            source, held = min(self._held.items(), key=lambda item: (item[1].at_s, item[0]))
+            if held.at_s >= until_s:
+                return
+            if self._receivers[source - 1].hears(held.at_s, self._states[source - 1].position):
+                held.attempts += 1
+                held.at_s += self._mac.backoff_s(source, held.packet.sequence, held.attempts)
+            else:
+                del self._held[source]
+                self._send(held.packet, held.at_s)
+
+    def _send(self, packet: Packet, start_s: float) -> None:
+        """Put a packet on the air."""
+        source, size = packet.source, len(packet.payload)
+        end_s = start_s + self._modem.airtime_s(size)
+        transmission = Transmission(packet, start_s, end_s, self._states[source - 1].position)
+        self._busy_until_s[source - 1] = end_s
+        self._events.append(
+            AcousticEvent(
+                Outcome.SENT, source, packet.destination, packet.sequence, start_s, end_s, math.nan, size
+            )
+        )
+        for address, receiver in zip(self._addresses, self._receivers, strict=True):
+            if address == source:
+                receiver.go_deaf(start_s, end_s)
+                continue
+            receiver.expect(transmission)
+            if packet.destination in (0, address):
+                self.links[source, address].count_sent(size)
+
+    def _deliver(self, address: int, now_s: float, position: Vec3) -> tuple[Reception, ...]:
+        """Return what has arrived for a modem since the last tick, in the order of arrival."""
+        signals = self._receivers[address - 1].listen(now_s, position)
+        if not signals:
+            return ()
+        receptions = []
+        for signal in signals:
+            packet = signal.transmission.packet
+            if packet.destination not in (0, address):
+                continue
+            self._note(address, signal)
+            if signal.outcome is Outcome.DELIVERED:
+                receptions.append(Reception(packet, signal.transmission.start_s, signal.end_s, signal.snr_db))
+        return tuple(sorted(receptions, key=lambda r: (r.arrival_s, r.packet.source, r.packet.sequence)))
+
+    def _note(self, address: int, signal: Signal) -> None:
+        """Count and log the end of a packet at a receiver."""
+        sent, outcome = signal.transmission, signal.outcome
+        if outcome is None:
+            raise RuntimeError("a signal that has not ended has no outcome")
+        packet = sent.packet
+        self.links[packet.source, address].count_end(outcome, signal.end_s - sent.start_s)
+        self._events.append(
+            AcousticEvent(
+                outcome, packet.source, address, packet.sequence,
+                signal.start_s, signal.end_s, signal.snr_db, len(packet.payload),
+            )
+        )  # fmt: skip

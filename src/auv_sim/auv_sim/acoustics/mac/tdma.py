@@ -16,9 +16,17 @@ class Params:
 
 
 class Mac:
-    """Modem a of n owns the slots m with m mod n = a - 1; slot m starts at m slot_s."""
+    """
+    Modem a of n owns the slots m with m mod n = a - 1; slot m starts at m slot_s.
 
-    def __init__(self, params: Params, fleet_size: int) -> None:
+    What is left of a slot after a transmission guards the next slot: no two packets meet at any receiver
+    while travel times differ by less than that.
+    """
+
+    senses = False
+
+    def __init__(self, params: Params, fleet_size: int, seed: int) -> None:
+        del seed
         self._slot_s = params.slot_s
         self._fleet_size = fleet_size
 

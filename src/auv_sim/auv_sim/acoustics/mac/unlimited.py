@@ -1,4 +1,4 @@
-"""Everybody transmits in every control period and nobody disturbs anybody: no medium access at all."""
+"""Everybody transmits in every control period: no medium access at all, for modems that take no time."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ class Params:
 
 
 class Mac:
-    """A transmission may start at every tick."""
+    """A transmission may start at every tick; with airtime above zero everybody drowns everybody."""
 
-    def __init__(self, params: Params, fleet_size: int) -> None:
-        del params, fleet_size
+    senses = False
+
+    def __init__(self, params: Params, fleet_size: int, seed: int) -> None:
+        del params, fleet_size, seed
 
     def opportunity_s(self, address: int, tick: int, period_s: float) -> float | None:
         """Return the time of the tick (s)."""

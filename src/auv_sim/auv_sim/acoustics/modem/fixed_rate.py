@@ -1,7 +1,13 @@
-"""A modem with one bit rate, and a range beyond which nothing is heard."""
+"""
+A modem with one bit rate, and a range beyond which nothing is heard.
+
+It knows no levels.  Within its range every packet is heard perfectly, unless two overlap at the receiver:
+then both are lost, or, with `capture`, the second one only.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from auv_core.params import param
@@ -15,16 +21,38 @@ class Params:
     preamble_s: float = param("time on the air before the first bit (s)", default=0.0, minimum=0.0)
     max_payload_bytes: int = param("largest payload (bytes)", default=128, minimum=1, maximum=65535)
     max_range_m: float = param("range beyond which a packet is lost (m)", default=1000.0, above=0.0)
+    capture: bool = param(
+        "whether a receiver keeps the packet that it is receiving when another one comes", default=False
+    )
 
 
 class Modem:
     """Airtime is the preamble plus the payload's bits over the rate."""
 
+    frequency_khz = None
+
     def __init__(self, params: Params) -> None:
         self._params = params
         self.max_range_m = params.max_range_m
         self.max_payload_bytes = params.max_payload_bytes
+        self.preamble_s = params.preamble_s
+        self.captures = params.capture
 
     def airtime_s(self, payload_bytes: int) -> float:
         """Return the time on the air (s) of a payload."""
         return self._params.preamble_s + 8.0 * payload_bytes / self._params.bit_rate_bps
+
+    def snr_ratio(self, loss_db: float) -> float:
+        """Return NaN: no levels are modelled."""
+        del loss_db
+        return math.nan
+
+    def acquires(self, snr_ratio: float) -> bool:
+        """Return True: within the range every packet is recognised."""
+        del snr_ratio
+        return True
+
+    def bit_error_prob(self, snr_ratio: float) -> float:
+        """Return 0: within the range there are no bit errors."""
+        del snr_ratio
+        return 0.0

@@ -12,10 +12,13 @@ class Params:
 
 
 class Modem:
-    """Everything fits and takes no time."""
+    """Everything fits and takes no time, so that nothing overlaps."""
 
     max_range_m = math.inf
     max_payload_bytes = 65535
+    preamble_s = 0.0
+    captures = True
+    frequency_khz = None
 
     def __init__(self, params: Params) -> None:
         del params
@@ -23,4 +26,19 @@ class Modem:
     def airtime_s(self, payload_bytes: int) -> float:
         """Return 0 s."""
         del payload_bytes
+        return 0.0
+
+    def snr_ratio(self, loss_db: float) -> float:
+        """Return NaN: no levels are modelled."""
+        del loss_db
+        return math.nan
+
+    def acquires(self, snr_ratio: float) -> bool:
+        """Return True."""
+        del snr_ratio
+        return True
+
+    def bit_error_prob(self, snr_ratio: float) -> float:
+        """Return 0."""
+        del snr_ratio
         return 0.0

@@ -1,6 +1,7 @@
 """
-Propagation: how long sound takes from one place to another.
+Propagation: how long sound takes from one place to another, and what is left of it.
 
 To add one, write one file with ``Params`` (see `auv_core.params.param`) and ``Propagation(params)`` with
-``delay_s(source, receiver) -> float`` (s) for two NED positions (m).
+``delay_s(source, receiver) -> float`` (s) and ``loss_db(source, receiver, frequency_khz) -> float``, the
+transmission loss (dB), for two NED positions (m).  The loss is asked for only by modems that know levels.
 """

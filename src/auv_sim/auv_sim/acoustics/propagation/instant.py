@@ -1,4 +1,4 @@
-"""No delay: the medium that the thesis assumes in ch. 5 without communication limits, and no water."""
+"""No delay and no loss: the medium that the thesis assumes in ch. 5 without communication limits."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Params:
 
 
 class Propagation:
-    """Sound arrives at once."""
+    """Sound arrives at once and as loud as it was."""
 
     def __init__(self, params: Params) -> None:
         del params
@@ -21,4 +21,9 @@ class Propagation:
     def delay_s(self, source: Vec3, receiver: Vec3) -> float:
         """Return 0 s."""
         del source, receiver
+        return 0.0
+
+    def loss_db(self, source: Vec3, receiver: Vec3, frequency_khz: float) -> float:
+        """Return 0 dB."""
+        del source, receiver, frequency_khz
         return 0.0

@@ -1,0 +1,245 @@
+"""
+One modem as a receiver: which signals reach it and when, which one it locks on to, and what it makes of them.
+
+A transmission reaches every modem but its own as a signal of its own: with its own delay, level and
+interferers.  Its start is fixed by where the receiver is when the start arrives, its end by where the
+receiver is when the end arrives; the transmitter's place is that of the moment of sending.
+
+1. A receiver locks on to a signal whose start it recognises above noise and whatever else arrives at that
+   moment, if it is neither transmitting nor locked on to another signal.  It keeps the first one (capture).
+2. While it transmits it hears nothing: a signal that overlaps with its own transmission is lost.
+3. What overlaps with the payload adds to the noise for as long as it overlaps.  The packet error probability
+   is that of all bits together, each at the ratio of its moment; one random number per packet and receiver
+   decides, and says whether noise alone would have been enough.
+4. A modem without capture loses everything that overlaps with anything that it could have locked on to.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from auv_core.geometry import Vec3, distance
+from auv_core.messages import Outcome, Packet
+from auv_sim.streams import Purpose, uniform
+
+# What touches, or overlaps by rounding only, does not overlap (s).
+TOUCH_S = 1e-8
+_SLACK_S = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Transmission:
+    """A packet on the air: first and last moment (s) at the transmitter, and where that was (m; NED)."""
+
+    packet: Packet
+    start_s: float
+    end_s: float
+    origin: Vec3
+
+
+@dataclass(slots=True, eq=False)
+class Signal:
+    """
+    A transmission as one receiver gets it.
+
+    `start_s` is NaN until its start has arrived, `end_s` the best knowledge of its end (s); `snr_ratio` is to
+    ambient noise, as a ratio of powers (NaN where the modem knows no levels).
+    """
+
+    transmission: Transmission
+    start_s: float = math.nan
+    end_s: float = math.nan
+    snr_ratio: float = math.nan
+    is_audible: bool = True
+    is_locked: bool = False
+    outcome: Outcome | None = None
+
+    @property
+    def snr_db(self) -> float:
+        """Signal to ambient noise (dB); NaN where the modem knows no levels."""
+        return 10.0 * math.log10(max(self.snr_ratio, 1e-300)) if self.snr_ratio >= 0.0 else math.nan
+
+    def overlaps(self, start_s: float, end_s: float) -> bool:
+        """Return whether this signal and an interval have more than a touch in common."""
+        return min(self.end_s, end_s) - max(self.start_s, start_s) > TOUCH_S
+
+
+class Receiver:
+    """The ear of the modem at one address."""
+
+    def __init__(self, address: int, modem: Any, propagation: Any, outage: Any, seed: int) -> None:
+        self._address = address
+        self._modem = modem
+        self._propagation = propagation
+        self._outage = outage
+        self._seed = seed
+        self._signals: list[Signal] = []
+        self._own: list[tuple[float, float]] = []
+        self._lock: Signal | None = None
+
+    def expect(self, transmission: Transmission) -> None:
+        """Take note of a transmission of another modem, whoever it is for."""
+        self._signals.append(Signal(transmission))
+
+    def go_deaf(self, start_s: float, end_s: float) -> None:
+        """Take note of a transmission of the own modem."""
+        self._own.append((start_s, end_s))
+
+    def hears(self, t_s: float, position: Vec3) -> bool:
+        """Return whether any signal that can be recognised is at `position` (m; NED) at `t_s`."""
+        for signal in self._signals:
+            sent = signal.transmission
+            if signal.outcome is not None or t_s < sent.start_s:
+                continue
+            delay_s = self._propagation.delay_s(sent.origin, position)
+            if sent.start_s + delay_s <= t_s < sent.end_s + delay_s:
+                is_audible, snr_ratio = self._level(sent.origin, position)
+                if is_audible and self._modem.acquires(snr_ratio):
+                    return True
+        return False
+
+    def listen(self, now_s: float, position: Vec3) -> Sequence[Signal]:
+        """
+        Return the signals that ended up to now and since the last call, each with its outcome.
+
+        Parameters
+        ----------
+        now_s : float
+            Time of the tick; never earlier than in the last call.
+        position : (3,) tuple
+            Where the receiver is (m; NED).
+
+        """
+        if not self._signals:
+            if self._own:
+                self._own = [own for own in self._own if own[1] > now_s]
+            return ()
+        begun, ended = self._advance(now_s, position)
+        for signal in begun:
+            self._try_lock(signal)
+        for signal in ended:
+            signal.outcome = self._outcome(signal)
+        if ended:
+            self._forget(now_s)
+        return ended
+
+    def _advance(self, now_s: float, position: Vec3) -> tuple[list[Signal], list[Signal]]:
+        """Move starts and ends to what is known now; return the signals that begun and that ended."""
+        begun, ended = [], []
+        for signal in self._signals:
+            sent = signal.transmission
+            if signal.outcome is not None or sent.start_s > now_s + _SLACK_S:
+                continue
+            delay_s = self._propagation.delay_s(sent.origin, position)
+            if math.isnan(signal.start_s):
+                if sent.start_s + delay_s > now_s + _SLACK_S:
+                    continue
+                signal.start_s = sent.start_s + delay_s
+                signal.is_audible, signal.snr_ratio = self._level(sent.origin, position)
+                begun.append(signal)
+            signal.end_s = max(sent.end_s + delay_s, signal.start_s)
+            if signal.end_s <= now_s + _SLACK_S:
+                ended.append(signal)
+        begun.sort(key=_order)
+        return begun, ended
+
+    def _level(self, origin: Vec3, position: Vec3) -> tuple[bool, float]:
+        """Return whether there is a signal at all, and its signal to noise as a ratio of powers."""
+        modem = self._modem
+        is_audible = modem.max_range_m == math.inf or distance(origin, position) <= modem.max_range_m
+        if modem.frequency_khz is None:
+            return is_audible, math.nan
+        loss_db = self._propagation.loss_db(origin, position, modem.frequency_khz)
+        return is_audible, modem.snr_ratio(loss_db)
+
+    def _try_lock(self, signal: Signal) -> None:
+        """Lock on to a signal at its start, if that can be."""
+        lock, start_s = self._lock, signal.start_s
+        if not signal.is_audible or self._transmits(start_s, start_s + 2.0 * TOUCH_S):
+            return
+        if lock is not None and lock.end_s - start_s > TOUCH_S and not self._transmits(lock.start_s, start_s):
+            return
+        interference = sum(
+            other.snr_ratio
+            for other in self._signals
+            if other is not signal and other.is_audible and other.overlaps(start_s, start_s + 2.0 * TOUCH_S)
+        )
+        if self._modem.acquires(signal.snr_ratio / (1.0 + interference)):
+            signal.is_locked = True
+            self._lock = signal
+
+    def _transmits(self, start_s: float, end_s: float) -> bool:
+        """Return whether the own modem is on the air within an interval, for more than a touch."""
+        return any(min(own[1], end_s) - max(own[0], start_s) > TOUCH_S for own in self._own)
+
+    def _outcome(self, signal: Signal) -> Outcome:
+        if not signal.is_audible:
+            return Outcome.RANGE
+        if self._transmits(signal.start_s, signal.end_s):
+            return Outcome.HALF_DUPLEX
+        if not self._modem.acquires(signal.snr_ratio):
+            return Outcome.NOISE
+        rivals = [
+            other
+            for other in self._signals
+            if other is not signal and other.is_audible and other.overlaps(signal.start_s, signal.end_s)
+        ]
+        if not signal.is_locked:
+            return Outcome.COLLISION
+        if not self._modem.captures and any(self._modem.acquires(rival.snr_ratio) for rival in rivals):
+            return Outcome.COLLISION
+        packet = signal.transmission.packet
+        event = (packet.source, self._address, packet.sequence)
+        if (cause := self._bit_errors(signal, rivals, event)) is not None:
+            return cause
+        return Outcome.OUTAGE if self._outage.lost(*event) else Outcome.DELIVERED
+
+    def _bit_errors(
+        self, signal: Signal, rivals: Sequence[Signal], event: tuple[int, int, int]
+    ) -> Outcome | None:
+        """Draw whether a bit of a packet falls over; return what made it, or None."""
+        quiet = self._packet_error_prob(signal, ())
+        error_prob = self._packet_error_prob(signal, rivals) if rivals else quiet
+        if error_prob <= 0.0:
+            return None
+        luck = uniform(self._seed, Purpose.NOISE, *event)
+        if luck < quiet:
+            return Outcome.NOISE
+        return Outcome.COLLISION if luck < error_prob else None
+
+    def _packet_error_prob(self, signal: Signal, rivals: Sequence[Signal]) -> float:
+        """Return the probability of at least one bit error, with rivals while they overlap."""
+        begin_s, end_s = signal.start_s + self._modem.preamble_s, signal.end_s
+        edges_s = {begin_s, end_s}
+        for rival in rivals:
+            edges_s.update(t_s for t_s in (rival.start_s, rival.end_s) if begin_s < t_s < end_s)
+        times_s = sorted(edges_s)
+        bits = 8.0 * len(signal.transmission.packet.payload)
+        log_success = 0.0
+        for from_s, to_s in pairwise(times_s):
+            middle_s = 0.5 * (from_s + to_s)
+            noise = 1.0 + sum(r.snr_ratio for r in rivals if r.start_s <= middle_s < r.end_s)
+            error_prob = self._modem.bit_error_prob(signal.snr_ratio / noise)
+            share = (to_s - from_s) / (end_s - begin_s)
+            log_success += bits * share * math.log1p(-error_prob)
+        return -math.expm1(log_success)
+
+    def _forget(self, now_s: float) -> None:
+        """Drop what can overlap with nothing any more."""
+        if self._lock is not None and self._lock.outcome is not None and self._lock.end_s <= now_s:
+            self._lock = None
+        open_s = min(
+            (s.start_s for s in self._signals if s.outcome is None and not math.isnan(s.start_s)),
+            default=now_s,
+        )
+        self._signals = [s for s in self._signals if s.outcome is None or s.end_s > open_s]
+        self._own = [own for own in self._own if own[1] > open_s]
+
+
+def _order(signal: Signal) -> tuple[float, int, int]:
+    packet = signal.transmission.packet
+    return (signal.start_s, packet.source, packet.sequence)
