@@ -209,29 +209,53 @@ def _use_sonar(module, params, inputs):
 
 def _use_propagation(module, params, inputs):
     propagation = module.Propagation(params)
-    delays = [propagation.delay_s(inputs.point(), inputs.point(1000.0)) for _ in range(10)]
+    places = [(inputs.point(), inputs.point(1000.0)) for _ in range(10)]
+    places.append((places[0][0], places[0][0]))
+    delays = [propagation.delay_s(*pair) for pair in places]
+    losses = [propagation.loss_db(*pair, khz) for pair in places for khz in (0.5, 25.0)]
     assert min(delays) >= 0.0
-    return delays
+    assert min(losses) >= 0.0
+    assert delays[-1] == 0.0
+    return delays + losses
 
 
 def _use_modem(module, params, _inputs):
     modem = module.Modem(params)
     airtimes = [modem.airtime_s(size) for size in (1, 32)]
-    assert 0.0 <= airtimes[0] <= airtimes[1]
+    assert 0.0 <= modem.preamble_s <= airtimes[0] <= airtimes[1]
     assert modem.max_range_m > 0.0
     assert modem.max_payload_bytes >= 32
-    return airtimes
+    assert isinstance(modem.captures, bool)
+    losses_db = (0.0, 60.0, 90.0, 120.0, 1000.0, 1e5)
+    snrs = [modem.snr_ratio(loss_db) for loss_db in losses_db]
+    errors = [modem.bit_error_prob(snr) for snr in snrs]
+    if modem.frequency_khz is None:
+        assert all(math.isnan(snr) for snr in snrs)
+        assert all(modem.acquires(snr) for snr in snrs)
+        snrs = []
+    else:
+        assert snrs == sorted(snrs, reverse=True)
+        heard = [modem.acquires(snr) for snr in snrs]
+        assert heard == sorted(heard, reverse=True)
+        assert heard[0]
+        assert not heard[-1]
+    assert errors == sorted(errors)
+    assert 0.0 <= errors[0] <= errors[-1] <= 0.5
+    return [*airtimes, *snrs, *errors]
 
 
 def _use_mac(module, params, _inputs):
-    mac = module.Mac(params, 4)
+    mac, other = module.Mac(params, 4, 7), module.Mac(params, 4, 7)
     mac.check(1e-3)
-    starts = [mac.opportunity_s(address, tick, PERIOD_S) for tick in range(100) for address in range(1, 5)]
-    for index, start_s in enumerate(starts):
-        tick = index // 4
+    asked = [(address, tick, PERIOD_S) for tick in range(300) for address in range(1, 5)]
+    starts = [mac.opportunity_s(*question) for question in asked]
+    assert [other.opportunity_s(*question) for question in reversed(asked)] == starts[::-1]
+    for (_, tick, _), start_s in zip(asked, starts, strict=True):
         assert start_s is None or tick * PERIOD_S - 1e-8 <= start_s < (tick + 1) * PERIOD_S
     assert all(any(start_s is not None for start_s in starts[address::4]) for address in range(4))
-    return [start_s for start_s in starts if start_s is not None]
+    waits = [mac.backoff_s(2, 5, attempt) for attempt in range(1, 9)] if mac.senses else []
+    assert all(wait_s > 0.0 for wait_s in waits)
+    return [start_s for start_s in starts if start_s is not None] + waits
 
 
 def _use_outage(module, params, _inputs):
