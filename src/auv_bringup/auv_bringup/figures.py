@@ -10,9 +10,9 @@ value of every pixel column: no extreme is lost.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,6 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
-from numpy.typing import NDArray
 
 from auv_bringup import metrics
 from auv_bringup.plotting import (
@@ -34,16 +33,13 @@ from auv_bringup.plotting import (
     log_scale,
     mark,
     marker,
-    plot_band,
     plot_obstacle,
     plot_plan_line,
     plot_sphere,
     plot_thinned,
     round_step,
     span_time,
-    two_sigma_handle,
     vehicle_style,
-    wilson_interval,
 )
 from auv_bringup.recording import FloatArray, Recording
 
@@ -53,9 +49,6 @@ if TYPE_CHECKING:
 DPI = 170
 WIDTH_IN = 6.5
 MAX_LINES = 10
-MAX_LABELLED_LINKS = 30
-ZOOM_S = 30.0
-
 
 _THESIS_FIGURES = {
     ("ch5_four_leaders", "plan"): "5.5 (b)",
@@ -80,7 +73,9 @@ class Figure:
 
 
 @dataclass(frozen=True)
-class _Drawing:
+class Drawing:
+    """A figure that is not on disk yet."""
+
     canvas: Canvas
     title: str
     caption: str
@@ -141,13 +136,19 @@ def draw_figures(
 
     """
     run = _Run(recording, scenario)
+    drawers = {name: partial(draw, run) for name, draw in _DRAWERS.items() if only is None or name in only}
+    return save_figures(drawers, scenario, out_dir)
+
+
+def save_figures(
+    drawers: Mapping[str, Callable[[], Drawing | None]], scenario: Scenario, out_dir: Path
+) -> list[Figure]:
+    """Draw, in the style of all figures, and write each drawing that comes of it as ``<name>.png``."""
     out_dir.mkdir(parents=True, exist_ok=True)
     figures = []
-    for name, draw in _DRAWERS.items():
-        if only is not None and name not in only:
-            continue
+    for name, draw in drawers.items():
         with matplotlib.rc_context(STYLE):
-            drawing = draw(run)
+            drawing = draw()
             if drawing is None:
                 continue
             path = out_dir / f"{name}.png"
@@ -161,7 +162,7 @@ def draw_figures(
 # --- tracks ----------------------------------------------------------------------------------------------
 
 
-def _draw_plan(run: _Run) -> _Drawing | None:
+def _draw_plan(run: _Run) -> Drawing | None:
     if not np.isfinite(run.recording.position_ned_m).any():
         return None
     canvas = Canvas(figsize=(WIDTH_IN, 6.2), layout="constrained")
@@ -196,10 +197,10 @@ def _draw_plan(run: _Run) -> _Drawing | None:
             " Crosses are obstacles, each with the distance at which its repulsion begins; a track that "
             "crosses such a circle may also pass above or below."
         )
-    return _Drawing(canvas, "Tracks in the plane", caption)
+    return Drawing(canvas, "Tracks in the plane", caption)
 
 
-def _draw_space(run: _Run) -> _Drawing | None:
+def _draw_space(run: _Run) -> Drawing | None:
     positions = run.recording.position_ned_m
     if not np.isfinite(positions).any():
         return None
@@ -229,13 +230,13 @@ def _draw_space(run: _Run) -> _Drawing | None:
     )
     if run.scenario.environment.obstacles:
         caption += " The spheres are the safety distances of the obstacles."
-    return _Drawing(canvas, "Tracks in space", caption)
+    return Drawing(canvas, "Tracks in space", caption)
 
 
 # --- distances and errors over time ----------------------------------------------------------------------
 
 
-def _draw_pair_distances(run: _Run) -> _Drawing | None:
+def _draw_pair_distances(run: _Run) -> Drawing | None:
     distances_m = metrics.pair_distances_m(run.recording)
     if not np.isfinite(distances_m).any():
         return None
@@ -267,10 +268,10 @@ def _draw_pair_distances(run: _Run) -> _Drawing | None:
     )
     if "d = " in "".join(labels):
         caption += " d is the distance below which the flocking law pushes vehicles apart."
-    return _Drawing(canvas, "Pair distances", caption)
+    return Drawing(canvas, "Pair distances", caption)
 
 
-def _draw_path_error(run: _Run) -> _Drawing | None:
+def _draw_path_error(run: _Run) -> Drawing | None:
     vehicle_m = np.linalg.norm(run.flock_ned_m - run.path_ned_m[:, np.newaxis], axis=-1)
     centroid_m = metrics.centroid_path_error_m(run.recording, run.scenario)
     if not np.isfinite(centroid_m).any():
@@ -284,10 +285,10 @@ def _draw_path_error(run: _Run) -> _Drawing | None:
         "Distance to the moving reference point on the path, logarithmic. The thick line, the mean of the "
         "vehicles, is what is to stay small; a single vehicle keeps its place in the flock, so a distance."
     )
-    return _Drawing(canvas, "Path error", caption)
+    return Drawing(canvas, "Path error", caption)
 
 
-def _draw_consensus_error(run: _Run) -> _Drawing | None:
+def _draw_consensus_error(run: _Run) -> Drawing | None:
     error_m = metrics.consensus_error_m(run.recording)
     if not np.isfinite(error_m).any():
         return None
@@ -301,49 +302,10 @@ def _draw_consensus_error(run: _Run) -> _Drawing | None:
         "positions, logarithmic. It does not go to zero: the consensus filter pulls every estimate a "
         "little towards its own vehicle."
     )
-    return _Drawing(canvas, "Consensus error", caption)
+    return Drawing(canvas, "Consensus error", caption)
 
 
-def _draw_estimate_error(run: _Run) -> _Drawing | None:
-    error_m = metrics.neighbour_error_ned_m(run.recording)
-    if not np.isfinite(error_m).any():
-        return None
-    sigma_m = metrics.neighbour_sigma_m(run.recording)
-    square_m2 = (error_m * error_m).sum(axis=-1)
-    i, j = _worst_pair(square_m2)
-    t_s = run.t_s[:-1]
-    window = _zoom_window(t_s)
-    canvas = Canvas(figsize=(WIDTH_IN, 6.6), layout="constrained")
-    grid = canvas.subplots(4, 2, width_ratios=(5, 3), sharex="col", sharey="row")
-    for row, component in enumerate(("north", "east", "down")):
-        for axes, shown in zip(grid[row], (slice(None), window), strict=True):
-            plot_band(axes, t_s[shown], 2.0 * sigma_m[shown, i, j, row])
-            plot_thinned(axes, t_s[shown], error_m[shown, i, j, row], color="black", linewidth=0.8)
-        grid[row, 0].set_ylabel(f"{component} error (m)")
-        limit_m = 1.08 * _largest_of_band(error_m[:, i, j, row], 2.0 * sigma_m[:, i, j, row], t_s)
-        grid[row, 0].set_ylim(-limit_m, limit_m)
-    rms_m = _rms_over_pairs(square_m2)
-    for axes, shown in zip(grid[3], (slice(None), window), strict=True):
-        plot_thinned(axes, t_s[shown], rms_m[shown], color="black", linewidth=0.9)
-        axes.set_xlabel("time (s)")
-        span_time(axes, t_s[shown])
-    log_scale(grid[3, 0], rms_m)
-    grid[3, 0].set_ylabel("rms, all pairs (m)")
-    ids = run.recording.vehicle_ids
-    grid[0, 0].set_title(f"{ids[i]} estimates {ids[j]}: the worst pair")
-    grid[0, 1].set_title(f"detail: {t_s[window][0]:.0f} to {t_s[window][-1]:.0f} s")
-    handles = [Line2D([], [], color="black", linewidth=0.9), two_sigma_handle()]
-    legend_below(canvas, handles, ["estimate minus truth", "two of the filter's own standard deviations"])
-    caption = (
-        f"What {ids[i]} believes of {ids[j]} between packets, minus the truth: the ordered pair with the "
-        "largest error. Grey is plus and minus two standard deviations as the filter itself states them; a "
-        "consistent filter stays inside about 95 % of the time. The band grows while no packet comes and "
-        "shrinks with each one. Below, the root mean square over all ordered pairs."
-    )
-    return _Drawing(canvas, "Neighbour estimates", caption)
-
-
-def _draw_speed(run: _Run) -> _Drawing | None:
+def _draw_speed(run: _Run) -> Drawing | None:
     asked_mps = np.linalg.norm(run.recording.reference_velocity_ned_mps, axis=-1)
     flown_mps = np.linalg.norm(run.recording.velocity_body[..., :3], axis=-1)
     if not np.isfinite(asked_mps).any() or not np.isfinite(flown_mps).any():
@@ -364,79 +326,7 @@ def _draw_speed(run: _Run) -> _Drawing | None:
         "Above, the speed that the flocking law asks for; below, the true speed over ground. "
         "Where the two differ the vehicle or its inner loop cannot follow."
     )
-    return _Drawing(canvas, "Speed asked for and flown", caption)
-
-
-# --- packets ---------------------------------------------------------------------------------------------
-
-
-def _draw_packet_delivery(run: _Run) -> _Drawing | None:
-    expected, delivered = metrics.link_counts(run.recording)
-    if expected.sum() == 0:
-        return None
-    overall = delivered.sum() / expected.sum()
-    links = [(i, j) for i, j in np.argwhere(expected > 0).tolist()]
-    is_few = len(links) <= MAX_LABELLED_LINKS
-    canvas = Canvas(figsize=(WIDTH_IN, 3.5 if len(links) <= 12 else 5.5), layout="constrained")
-    axes = canvas.subplots(1, 2 if is_few else 1, width_ratios=(4, 5) if is_few else None, squeeze=False)[0]
-    _plot_delivery_matrix(axes[0], run, expected, delivered, has_numbers=is_few)
-    if is_few:
-        _plot_delivery_bands(axes[1], run, links, expected, delivered, overall)
-    caption = (
-        "Share of packets that arrived, link by link (row sends, column receives; the darker, the more is "
-        f"lost): {overall:.3f} of {expected.sum()} over all."
-    )
-    if is_few:
-        caption += (
-            " Right, the same with the 95 % interval that so many independent trials allow (Wilson); "
-            "an interval that misses the line of the mean hints at a link unlike the others."
-        )
-    return _Drawing(canvas, "Packet delivery by link", caption)
-
-
-def _plot_delivery_matrix(
-    axes: Any, run: _Run, expected: NDArray[np.int64], delivered: NDArray[np.int64], *, has_numbers: bool
-) -> None:
-    ratio = np.where(expected > 0, delivered / np.maximum(expected, 1), np.nan)
-    image = axes.imshow(1.0 - ratio, cmap="Greys", vmin=0.0, vmax=1.0)
-    axes.grid(visible=False)
-    ids = run.recording.vehicle_ids
-    if len(ids) <= 16:
-        axes.set_xticks(range(len(ids)), ids, rotation=45, ha="right", rotation_mode="anchor")
-        axes.set_yticks(range(len(ids)), ids)
-    axes.set_xlabel("receiver")
-    axes.set_ylabel("sender")
-    if not has_numbers:
-        axes.figure.colorbar(image, ax=axes, label="share lost")
-        return
-    for i, j in np.argwhere(expected > 0).tolist():
-        colour = "white" if ratio[i, j] < 0.45 else "black"
-        text = f"{ratio[i, j]:.2f}\n{delivered[i, j]}/{expected[i, j]}"
-        axes.text(j, i, text, ha="center", va="center", color=colour, fontsize=7)
-
-
-def _plot_delivery_bands(
-    axes: Any,
-    run: _Run,
-    links: list[tuple[int, int]],
-    expected: NDArray[np.int64],
-    delivered: NDArray[np.int64],
-    overall: float,
-) -> None:
-    rows = np.arange(len(links))
-    counts = np.array([(delivered[link], expected[link]) for link in links])
-    ratio = counts[:, 0] / counts[:, 1]
-    low, high = wilson_interval(counts[:, 0], counts[:, 1])
-    widths = (np.maximum(ratio - low, 0.0), np.maximum(high - ratio, 0.0))
-    axes.errorbar(ratio, rows, xerr=widths, fmt="o", color="black", capsize=2.5, linewidth=0.9)
-    axes.axvline(overall, color="0.35", linewidth=1.0, linestyle="dashed")
-    axes.annotate(
-        f"all links {overall:.3f}", (overall, -0.6), xytext=(4, 0), textcoords="offset points", fontsize=8
-    )
-    ids = run.recording.vehicle_ids
-    axes.set_yticks(rows, [f"{ids[i]} → {ids[j]}" for i, j in links], fontsize=7)
-    axes.set_ylim(len(links) - 0.4, -1.0)
-    axes.set_xlabel("delivery ratio, 95 % interval")
+    return Drawing(canvas, "Speed asked for and flown", caption)
 
 
 # --- parts -----------------------------------------------------------------------------------------------
@@ -534,38 +424,6 @@ def _time_axes(ylabel: str) -> tuple[Canvas, Any]:
     return canvas, axes
 
 
-def _worst_pair(square_m2: FloatArray) -> tuple[int, int]:
-    """Return the ordered pair (i, j) with the largest mean square error in the later half of its data."""
-    late = square_m2[len(square_m2) // 2 :]
-    late = late if np.isfinite(late).any() else square_m2
-    total = np.where(np.isfinite(late), late, 0.0).sum(axis=0)
-    mean = total / np.maximum(np.isfinite(late).sum(axis=0), 1)
-    i, j = np.unravel_index(int(mean.argmax()), mean.shape)
-    return int(i), int(j)
-
-
-def _rms_over_pairs(square_m2: FloatArray) -> FloatArray:
-    flat = square_m2.reshape(len(square_m2), -1)
-    count = np.isfinite(flat).sum(axis=1)
-    mean = np.where(np.isfinite(flat), flat, 0.0).sum(axis=1) / np.maximum(count, 1)
-    rms: FloatArray = np.where(count > 0, np.sqrt(mean), np.nan)
-    return rms
-
-
-def _zoom_window(t_s: FloatArray) -> slice:
-    """Return ZOOM_S from the middle of the run on, or all of a short run."""
-    start_s = float(t_s[-1]) / 2.0
-    window = np.flatnonzero((t_s >= start_s) & (t_s <= start_s + ZOOM_S))
-    return slice(window[0], window[-1] + 1) if len(window) > 2 else slice(None)
-
-
-def _largest_of_band(error_m: FloatArray, two_sigma_m: FloatArray, t_s: FloatArray) -> float:
-    """Return the largest error of all, or of the band once the first tenth has passed (m)."""
-    late = two_sigma_m[t_s >= 0.1 * t_s[-1]]
-    largest = [float(np.nanmax(x)) for x in (np.abs(error_m), late) if np.isfinite(x).any()]
-    return max([*largest, 1e-9])
-
-
 def _path_handle() -> Line2D:
     return Line2D([], [], color="0.55", linewidth=3.0, alpha=0.55, label="path")
 
@@ -589,13 +447,11 @@ def _plan_legend(run: _Run) -> list[Line2D]:
     return [*handles, *_vehicle_handles(run)]
 
 
-_DRAWERS: dict[str, Callable[[_Run], _Drawing | None]] = {
+_DRAWERS: dict[str, Callable[[_Run], Drawing | None]] = {
     "plan": _draw_plan,
     "space": _draw_space,
     "pair_distances": _draw_pair_distances,
     "path_error": _draw_path_error,
     "consensus_error": _draw_consensus_error,
-    "estimate_error": _draw_estimate_error,
-    "packet_delivery": _draw_packet_delivery,
     "speed": _draw_speed,
 }

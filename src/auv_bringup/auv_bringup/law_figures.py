@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from auv_bringup.figures import Figure, draw_figures
+from auv_bringup.figures_acoustics import acoustics_figures
 from auv_bringup.figures_path import path_figures
 from auv_bringup.figures_region import region_figures
 from auv_bringup.recording import Recording
@@ -13,15 +14,14 @@ from auv_bringup.recording import Recording
 if TYPE_CHECKING:
     from auv_bringup.scenario import Scenario
 
-_OF_A_GROUP = ("packet_delivery", "estimate_error")
-
 
 def run_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> list[Figure]:
     """Draw the figures of a run as PNG files into `out_dir`, in the order in which a report shows them."""
     if scenario.follows == "velocity":
-        return draw_figures(recording, scenario, out_dir)
-    if scenario.follows == "region":
+        own = draw_figures(recording, scenario, out_dir)
+    elif scenario.follows == "region":
         own = region_figures(recording, scenario, out_dir)
-        return own + draw_figures(recording, scenario, out_dir, only=_OF_A_GROUP)
-    own = path_figures(recording, scenario, out_dir)
-    return own + draw_figures(recording, scenario, out_dir, only=("pair_distances", *_OF_A_GROUP))
+    else:
+        own = path_figures(recording, scenario, out_dir)
+        own += draw_figures(recording, scenario, out_dir, only=("pair_distances",))
+    return own + acoustics_figures(recording, scenario, out_dir)

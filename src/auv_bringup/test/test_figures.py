@@ -23,8 +23,6 @@ ALL = [
     "pair_distances",
     "path_error",
     "consensus_error",
-    "estimate_error",
-    "packet_delivery",
     "speed",
 ]
 STATE_ONLY = ["plan", "space", "pair_distances", "path_error"]
@@ -44,9 +42,9 @@ def make_scenario(name: str = "circling", *, with_obstacles: bool = True) -> Any
 
 
 def circling_flock(
-    duration_s: float = 200.0, period_s: float = 0.5, n: int = 4, *, talks: bool = True
+    duration_s: float = 200.0, period_s: float = 0.5, n: int = 4, *, thinks: bool = True
 ) -> Recording:
-    """Vehicles that converge on places around a point of the path, with noise, and talk once a second."""
+    """Vehicles that converge on places around a point of the path, with noise."""
     rng = np.random.default_rng(3)
     n_ticks = round(duration_s / period_s)
     recording = Recording.empty([f"auv_{i + 1}" for i in range(n)], period_s * np.arange(n_ticks + 1))
@@ -56,7 +54,7 @@ def circling_flock(
     place *= 1.2 / np.linalg.norm(place, axis=-1, keepdims=True)
     recording.position_ned_m[:] = path + place * (1.0 + 5.0 * np.exp(-t_s / 10.0))
     recording.attitude_quat_wxyz[:] = (1.0, 0.0, 0.0, 0.0)
-    if not talks:
+    if not thinks:
         return recording
     recording.velocity_body[:] = rng.normal(0.1, 0.01, recording.velocity_body.shape)
     recording.reference_velocity_ned_mps[:] = rng.normal(
@@ -64,15 +62,6 @@ def circling_flock(
     )
     truth = recording.position_ned_m[:-1]
     recording.centre_ned_m[:] = truth.mean(axis=1, keepdims=True) + rng.normal(0.0, 0.05, truth.shape)
-    noise = rng.normal(0.0, 0.1, recording.neighbour_position_ned_m.shape)
-    recording.neighbour_position_ned_m[:] = truth[:, np.newaxis] + noise
-    recording.neighbour_covariance[:] = 0.01 * np.eye(6)
-    recording.neighbour_age_s[:] = 0.5
-    ticks = np.arange(0, n_ticks, 2)
-    recording.sent = np.array([(k, i + 1, k) for k in ticks for i in range(n)])
-    received = [(k + 1, i, j + 1, k) for k, i, _ in recording.sent for j in range(n) if j + 1 != i]
-    recording.received = np.array(received)[rng.random(len(received)) < 0.8]
-    recording.delay_s = np.full(len(recording.received), 0.12)
     return recording
 
 
@@ -102,7 +91,7 @@ def test_every_figure_is_a_png_of_sane_size_with_words(tmp_path: Path) -> None:
 
 
 def test_a_figure_whose_data_do_not_exist_is_skipped(tmp_path: Path) -> None:
-    figures = draw_figures(circling_flock(talks=False), make_scenario(with_obstacles=False), tmp_path)
+    figures = draw_figures(circling_flock(thinks=False), make_scenario(with_obstacles=False), tmp_path)
     assert names(figures) == STATE_ONLY
     assert sorted(path.stem for path in tmp_path.iterdir()) == sorted(STATE_ONLY)
 
@@ -115,7 +104,6 @@ def test_a_recording_of_nothing_gives_no_figure(tmp_path: Path) -> None:
 def test_one_vehicle_alone(tmp_path: Path) -> None:
     figures = draw_figures(circling_flock(n=1), make_scenario(), tmp_path)
     assert "pair_distances" not in names(figures)
-    assert "packet_delivery" not in names(figures)
     assert "plan" in names(figures)
 
 
@@ -141,7 +129,7 @@ def test_twelve_vehicles_are_too_many_for_single_lines(tmp_path: Path) -> None:
 
 
 def test_the_thesis_figure_number_is_in_the_title(tmp_path: Path) -> None:
-    figures = draw_figures(circling_flock(20.0, talks=False), make_scenario("ch5_one_leader"), tmp_path)
+    figures = draw_figures(circling_flock(20.0, thinks=False), make_scenario("ch5_one_leader"), tmp_path)
     titles = {figure.path.stem: figure.title for figure in figures}
     assert titles["plan"].endswith("(thesis Fig. 5.7 (b))")
     assert titles["pair_distances"].endswith("(thesis Fig. 5.8)")
@@ -149,8 +137,8 @@ def test_the_thesis_figure_number_is_in_the_title(tmp_path: Path) -> None:
 
 
 def test_equal_runs_give_equal_files(tmp_path: Path) -> None:
-    first = draw_figures(circling_flock(20.0, talks=False), make_scenario(), tmp_path / "a")
-    second = draw_figures(circling_flock(20.0, talks=False), make_scenario(), tmp_path / "b")
+    first = draw_figures(circling_flock(20.0, thinks=False), make_scenario(), tmp_path / "a")
+    second = draw_figures(circling_flock(20.0, thinks=False), make_scenario(), tmp_path / "b")
     assert [f.path.read_bytes() for f in first] == [f.path.read_bytes() for f in second]
 
 
