@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_bringup.law_metrics import law_metrics
+from auv_bringup.metrics_acoustics import acoustics_metrics
 from auv_bringup.recording import FloatArray, Recording
 
 if TYPE_CHECKING:
@@ -130,6 +131,7 @@ def compute_metrics(
         "obstacle_clearance_min_m": _smallest(obstacle_distances_m(recording, scenario)),
         **_neighbour_metrics(recording),
         **_packet_metrics(recording),
+        **acoustics_metrics(recording, formed_at_s=formed_at_s),
         "safe_command_ratio": recording.holding.mean() if recording.holding.size else None,
         **law_metrics(recording, scenario),
     }
