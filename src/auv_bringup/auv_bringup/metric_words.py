@@ -25,6 +25,8 @@ MEANINGS = {
     "pair_distance_formed_max_m": Meaning("m", "largest pair distance once formed"),
     "pair_distance_settled_min_m": Meaning("m", "smallest pair distance after 100 s", 4),
     "pair_distance_settled_max_m": Meaning("m", "largest pair distance after 100 s", 4),
+    "pair_distance_min_after_150s_m": Meaning("m", "smallest pair distance after 150 s"),
+    "pair_distance_max_after_200s_m": Meaning("m", "largest pair distance after 200 s"),
     "approach_time_2pct_s": Meaning(
         "s", "after this every pair stays within 2 % of its own mean over t > 20 s", 1
     ),
