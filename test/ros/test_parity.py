@@ -11,12 +11,43 @@ import pytest
 
 from auv_bringup.bag_reader import compare_bags, read_recording
 from auv_bringup.experiment import run_in_process
+from auv_bringup.recording import acoustic_log
 from auv_bringup.scenario import list_scenarios, load_scenario
+from auv_core.messages import Outcome
+from auv_sim.acoustics.event_log import half_duplex_violations
 
 pytestmark = pytest.mark.ros
 
 TOLERANCE = 1e-9
-SHIPPED = [name for name, _ in list_scenarios() if name != "flock_acoustic"]
+# As others, which fly in every test run, but for a start, an obstacle or a limit.
+AS_OTHERS = {
+    "ch2_pfapd",
+    "ch2_pfapd_corrected",
+    "ch2_pfapd_obstacles",
+    "ch2_pfpd_corrected",
+    "ch2_pfpd_obstacles",
+    "ch3_circle_corrected",
+    "ch3_spiral",
+    "ch4_region_limited",
+    "ch5_communication",
+    "ch5_four_leaders",
+    "ch5_obstacles",
+    "ch6_four_leaders",
+    "ch6_one_leader",
+}
+SHIPPED = [
+    pytest.param(name, marks=pytest.mark.slow if name in AS_OTHERS else ())
+    for name, _ in list_scenarios()
+    if name != "flock_acoustic"
+]
+WATER = (
+    "agent.neighbours.timeout_s=60",
+    (
+        "acoustics={propagation: {kind: mackenzie}, modem: {kind: noise_limited}, mac: {kind: csma},"
+        " outage: {kind: gilbert_elliott}, sonar: {kind: active, params: {max_range_m: 30.0}}}"
+    ),
+    "environment.navigation={kind: dead_reckoning, params: {fix: lbl, fix_period_s: 3.0}}",
+)
 
 
 def fly(scenario, out_dir, duration_s, *options):
@@ -38,6 +69,8 @@ def assert_equals_in_process(results_dir):
         if field.name != "vehicle_ids":
             ours, theirs = getattr(recorded, field.name), getattr(expected, field.name)
             np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=TOLERANCE, err_msg=field.name)
+    assert half_duplex_violations(acoustic_log(recorded)) == []
+    return recorded
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +118,15 @@ def test_noise_and_failures_of_the_navigation_are_the_same_in_lockstep(tmp_path)
     assert_equals_in_process(results_dir)
     metrics = json.loads((results_dir / "metrics.json").read_text(encoding="utf-8"))
     assert 0.02 < metrics["safe_command_ratio"] < 0.3
+
+
+def test_sound_sonar_and_drift_are_the_same_in_lockstep(tmp_path):
+    settings = [word for override in WATER for word in ("--set", override)]
+    recorded = assert_equals_in_process(fly("flock_acoustic", tmp_path, 10, *settings))
+    outcomes = set(recorded.events[:, 1].tolist())
+    assert {Outcome.SENT, Outcome.DELIVERED, Outcome.OUTAGE} <= outcomes
+    assert len(recorded.contacts) > 0
+    assert np.ptp(recorded.nav_position_sd_m) > 0.0
 
 
 def test_another_seed_gives_another_bag(lossy_runs, tmp_path):

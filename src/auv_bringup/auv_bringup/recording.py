@@ -19,6 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from auv_core.messages import AcousticEvent, Outcome
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -197,6 +199,16 @@ class Recording:
                 raise
             raise RecordingError(f"{path}: not a recording ({error})") from error
         return cls(**values)
+
+
+def acoustic_log(recording: Recording) -> list[AcousticEvent]:
+    """Return the lines of the acoustic log."""
+    return [
+        AcousticEvent(Outcome(outcome), source, destination, sequence, start_s, end_s, snr_db, size_bytes)
+        for (_, outcome, source, destination, sequence, size_bytes), (start_s, end_s, snr_db) in zip(
+            recording.events.tolist(), recording.event_values.tolist(), strict=True
+        )
+    ]
 
 
 def law_states(
