@@ -1,5 +1,5 @@
 """
-Claim: what runs amount to does not change unnoticed.
+Claims: what runs amount to does not change unnoticed, and no modem hears while it talks.
 
 Each file of ``golden/`` is a run and the metrics that it gave, each with its tolerance and its origin.
 `python -m pytest test/test_golden.py --regen` writes today's values and shows what has changed; a new file
@@ -13,7 +13,9 @@ import pytest
 
 from auv_bringup.experiment import run_in_process
 from auv_bringup.metrics import compute_metrics
+from auv_bringup.recording import acoustic_log
 from auv_bringup.scenario import load_scenario
+from auv_sim.acoustics.event_log import half_duplex_violations
 
 GOLDEN = sorted((Path(__file__).parent / "golden").glob("*.json"))
 
@@ -23,7 +25,9 @@ def _measured(golden):
     scenario = load_scenario(
         run["scenario"], overrides=run["overrides"], seed=run["seed"], duration_s=run["duration_s"]
     )
-    return compute_metrics(run_in_process(scenario), scenario, mode="inprocess", real_time_factor=1.0)
+    recording = run_in_process(scenario)
+    assert half_duplex_violations(acoustic_log(recording)) == []
+    return compute_metrics(recording, scenario, mode="inprocess", real_time_factor=1.0)
 
 
 def _differences(golden, metrics):
