@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lossy_network import Network
 
 from auv_core.integrate import rk4_step
+from auv_flocking.consensus import Heard
 from auv_flocking.consensus.thesis import Consensus, Params
 
 MODERATE = settings(max_examples=50, deadline=None)
@@ -118,3 +120,40 @@ def test_following_the_flock_takes_the_lag_away():
 
     np.testing.assert_allclose(error(True), 0.0, atol=2e-3)
     np.testing.assert_allclose(error(False), [-v for v in velocity], atol=2e-3)
+
+
+@MODERATE
+@given(POINTS, st.lists(POINTS, max_size=4), POINTS, RATES, st.booleans())
+def test_centre_and_advance_are_derivative_and_step(own, others, flock, rate, follow):
+    """To the last bit, period after period; the estimate starts at the own position."""
+    law = Consensus(Params(rate_ps=rate, follow_flock=follow), 4)
+    heard = [Heard(2 + i, 0.0, 0.0, STILL, centre, STILL, ()) for i, centre in enumerate(others)]
+    centre = own
+    for tick in range(5):
+        moved = (own[0] + tick, own[1], own[2])
+        assert law.centre(moved, heard) == centre
+        assert law.advance(moved, heard, flock, 0.1) == law.derivative(moved, centre, others, flock)
+        centre = law.step(moved, centre, others, flock, 0.1)
+    assert law.shared() == law.shared_fields == ()
+
+
+POSITIONS = [(0.0, 0.0, 10.0), (8.0, -3.0, 12.0), (-6.0, 9.0, 9.0), (3.0, 2.0, 15.0)]
+
+
+def _late_network(late, **params):
+    """Return four vehicles that hear all of each other after `late` steps of 0.05 s."""
+    return Network(lambda: Consensus(Params(**params), 4), POSITIONS, step_s=0.05, late=late)
+
+
+def test_carried_on_with_its_rate_it_is_stable_only_with_fresh_news():
+    """k (n - 1) age is 0.15 to 0.75 at first, then 1.5 and more."""
+    bias = (np.array(POSITIONS) - np.mean(POSITIONS, axis=0)) / 5.0
+    np.testing.assert_allclose(_late_network(1).run(800)[-1], bias, atol=1e-3)
+    assert np.abs(_late_network(10).run(800)[-1]).max() > 100.0
+
+
+def test_carried_on_with_the_flocks_velocity_it_is_stable_with_news_of_any_age():
+    bias = (np.array(POSITIONS) - np.mean(POSITIONS, axis=0)) / 5.0
+    for late in (10, 100):
+        errors = _late_network(late, carried_by="flock").run(2000)
+        np.testing.assert_allclose(errors[-1], bias, atol=1e-3)

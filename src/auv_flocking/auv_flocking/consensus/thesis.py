@@ -7,6 +7,12 @@ For vehicles at rest c -> (L + I)^-1 eta: the mean of the estimates is exact, ea
 its own vehicle (on a complete graph of n by (eta_i - mean) / (n + 1)).  The proof (6.7)-(6.18) bounds the
 error, V_dot <= -|e|^2 + |e| n rho; it does not make it vanish, and neither does the filter.
 
+A packet is carried on to now with the rate that it states.  With c_dot as that rate and news of age tau a
+mode of the weights' eigenvalue a has s + k (n - a (1 + s tau) exp(-s tau)) = 0 on a complete graph: a neutral
+delay equation, whose fast modes grow without bound where k (n - 1) tau > 1: from 0.33 s on for four vehicles
+and k = 1.  `carried_by: flock` states the flock's velocity instead (zero without `follow_flock`); the filter
+is then a chain of weighted means and stable with news of any age.
+
 Deviation: `follow_flock` adds the flock's velocity to every c_i_dot, which takes away the lag of 1 / k
 behind a moving flock.
 """
@@ -29,6 +35,11 @@ class Params:
 
     rate_ps: float = param("rate k of the filter (1/s)", default=1.0, above=0.0)
     follow_flock: bool = param("add the flock's velocity to the estimate's rate", default=False)
+    carried_by: str = param(
+        "the rate that packets state, to carry the estimate on with: its own, or only the flock's velocity",
+        default="rate",
+        choices=("rate", "flock"),
+    )
 
     @property
     def uses_flock_velocity(self) -> bool:
@@ -45,6 +56,7 @@ class Consensus:
         del fleet_size
         self._rate_ps = params.rate_ps
         self._follow = 1.0 if params.follow_flock else 0.0
+        self._states_own_rate = params.carried_by == "rate"
         self._centre: Vec3 | None = None
 
     def centre(self, own: Vec3, heard: Sequence[Heard]) -> Vec3:
@@ -55,12 +67,15 @@ class Consensus:
         return self._centre
 
     def advance(self, own: Vec3, heard: Sequence[Heard], flock_velocity: Vec3, dt_s: float) -> Vec3:
-        """Return the rate of the estimate (m/s; NED) and move it on by `dt_s`."""
+        """Move the estimate on by `dt_s`; return the rate to carry it on with (m/s; NED)."""
         centre = self.centre(own, heard)
         centres = [neighbour.centre for neighbour in heard]
         rate = self.derivative(own, centre, centres, flock_velocity)
         self._centre = self.step(own, centre, centres, flock_velocity, dt_s)
-        return rate
+        if self._states_own_rate:
+            return rate
+        f = self._follow
+        return (f * flock_velocity[0], f * flock_velocity[1], f * flock_velocity[2])
 
     def shared(self) -> tuple[float, ...]:
         """Return nothing: a packet's centre is all that this filter needs."""
