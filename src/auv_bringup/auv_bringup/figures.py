@@ -51,15 +51,13 @@ WIDTH_IN = 6.5
 MAX_LINES = 10
 
 _THESIS_FIGURES = {
-    ("ch5_four_leaders", "plan"): "5.5 (b)",
-    ("ch5_four_leaders", "space"): "5.5 (a)",
-    ("ch5_four_leaders", "pair_distances"): "5.6",
-    ("ch5_one_leader", "plan"): "5.7 (b)",
-    ("ch5_one_leader", "space"): "5.7 (a)",
-    ("ch5_one_leader", "pair_distances"): "5.8",
-    ("ch5_obstacles", "plan"): "5.9 (b)",
-    ("ch5_obstacles", "space"): "5.9 (a)",
-    ("ch5_obstacles", "pair_distances"): "5.10",
+    (scenario, name): number
+    for scenario, tracks, pairs in (
+        ("ch5_four_leaders", "5.5", "5.6"),
+        ("ch5_one_leader", "5.7", "5.8"),
+        ("ch5_obstacles", "5.9", "5.10"),
+    )
+    for name, number in (("plan", f"{tracks} (b)"), ("space", f"{tracks} (a)"), ("pair_distances", pairs))
 }
 
 
@@ -159,9 +157,6 @@ def save_figures(
     return figures
 
 
-# --- tracks ----------------------------------------------------------------------------------------------
-
-
 def _draw_plan(run: _Run) -> Drawing | None:
     if not np.isfinite(run.recording.position_ned_m).any():
         return None
@@ -231,9 +226,6 @@ def _draw_space(run: _Run) -> Drawing | None:
     if run.scenario.environment.obstacles:
         caption += " The spheres are the safety distances of the obstacles."
     return Drawing(canvas, "Tracks in space", caption)
-
-
-# --- distances and errors over time ----------------------------------------------------------------------
 
 
 def _draw_pair_distances(run: _Run) -> Drawing | None:
@@ -327,9 +319,6 @@ def _draw_speed(run: _Run) -> Drawing | None:
         "Where the two differ the vehicle or its inner loop cannot follow."
     )
     return Drawing(canvas, "Speed asked for and flown", caption)
-
-
-# --- parts -----------------------------------------------------------------------------------------------
 
 
 def _only_lost(run: _Run, i: int) -> FloatArray:

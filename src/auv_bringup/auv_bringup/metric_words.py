@@ -42,12 +42,33 @@ MEANINGS = {
     "neighbour_within_2sigma_ratio": Meaning(
         "", "share of these errors inside the filter's own 2-sigma band (0.954 expected)"
     ),
+    "neighbour_nees_position_mean": Meaning(
+        "", "squared error of relative positions in units of the filter's covariance (3 expected)", 2
+    ),
+    "neighbour_nees_mean": Meaning("", "the same with velocities (6 expected)", 2),
+    "neighbour_nees_within_95_ratio": Meaning("", "share of the first below its 95 % point (0.95 expected)"),
     "neighbour_age_mean_s": Meaning("s", "mean age of what vehicles know of each other, after 100 s", 2),
+    "neighbour_age_95pct_s": Meaning("s", "95 % of these ages are below", 2),
     "neighbour_age_max_s": Meaning("s", "largest age of it", 2),
     "packets_sent": Meaning("", "acoustic packets sent"),
     "packet_delivery_ratio": Meaning("", "receptions / (packets sent x other vehicles)"),
+    "packets_lost": Meaning("", "packets that did not reach a receiver"),
+    "packet_loss_outage_ratio": Meaning("", "share of packets at their receivers lost to outage"),
+    "packet_loss_noise_ratio": Meaning("", "the same, to noise"),
+    "packet_loss_collision_ratio": Meaning("", "the same, to collisions"),
+    "packet_loss_half_duplex_ratio": Meaning("", "the same, since the receiver was sending"),
+    "packet_loss_range_ratio": Meaning("", "the same, since it was out of range"),
     "packet_delay_mean_s": Meaning("s", "from the start of transmission to the end of reception, mean"),
+    "packet_delay_95pct_s": Meaning("s", "the same, 95 % of packets below"),
     "packet_delay_max_s": Meaning("s", "the same, largest"),
+    "acoustic_bit_rate_bps": Meaning("bit/s", "payload on the air, all modems together", 0),
+    "acoustic_load_ratio": Meaning("", "time on the air, all modems together, per time of the run"),
+    "sonar_contacts": Meaning("", "hulls seen by sonar, all pings of all vehicles"),
+    "navigation_error_rms_m": Meaning("m", "error of what vehicles believe of their own position, rms"),
+    "navigation_error_final_m": Meaning("m", "the same at the end"),
+    "navigation_nees_mean": Meaning(
+        "", "squared horizontal error of it in units of the stated variance (2 expected)", 2
+    ),
     "safe_command_ratio": Meaning("", "share of control ticks with the safe command in place of a law's"),
     "collision": Meaning("", "two hulls touched"),
     "collision_at_s": Meaning("s", "when they first did", 1),
@@ -61,7 +82,7 @@ MEANINGS = {
 }
 
 
-_UNITS = {"_mps": "m/s", "_n2s": "N² s", "_m": "m", "_s": "s", "_n": "N", "_rad": "rad"}
+_UNITS = {"_bps": "bit/s", "_mps": "m/s", "_n2s": "N² s", "_m": "m", "_s": "s", "_n": "N", "_rad": "rad"}
 """Units by the ending of a name, the longer endings first."""
 
 

@@ -150,7 +150,7 @@ def write_report(
     metrics : dict
         What `compute_metrics` returned.
     figures : sequence of Figure
-        What `draw_figures` returned; their files are embedded.
+        What `run_figures` returned; their files are embedded.
 
     Returns
     -------
@@ -176,7 +176,7 @@ def write_report(
 
 
 def _flown(scenario: Scenario, metrics: dict[str, Any]) -> str:
-    """Say in two sentences what was flown."""
+    """Say in a few sentences what was flown."""
     n = len(scenario.vehicles)
     who = "all leaders" if len(scenario.leaders) == n else f"leaders: {', '.join(scenario.leaders) or 'none'}"
     if scenario.agent.flocking is None:
@@ -192,7 +192,23 @@ def _flown(scenario: Scenario, metrics: dict[str, Any]) -> str:
     return (
         f"{first} The water was stepped every {scenario.dt_s:g} s and {laws}; the vehicles talked over the "
         f"{medium.preset or 'given'} medium (access {medium.mac.kind}, losses {medium.outage.kind})."
+        f"{_known(scenario)}"
     )
+
+
+def _known(scenario: Scenario) -> str:
+    """Say how vehicles knew where they were and saw each other, where that is not exactly and not at all."""
+    navigation, sonar = scenario.environment.navigation, scenario.acoustics.sonar
+    parts = []
+    if navigation.kind != "exact":
+        fix = getattr(navigation.params, "fix", "none")
+        fixes = "" if fix == "none" else f" with {fix} fixes every {navigation.params.fix_period_s:g} s"
+        parts.append(f"knew their own position by {navigation.kind.replace('_', ' ')}{fixes}")
+    if sonar.kind != "none":
+        reach_m = getattr(sonar.params, "max_range_m", None)
+        reach = "" if reach_m is None else f" up to {reach_m:g} m"
+        parts.append(f"saw each other by sonar{reach}")
+    return f" They {' and '.join(parts)}." if parts else ""
 
 
 def _water(scenario: Scenario) -> str:

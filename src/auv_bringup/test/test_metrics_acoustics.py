@@ -18,6 +18,7 @@ from auv_bringup.metrics_acoustics import (
     neighbour_nees,
     relative_error_ned,
 )
+from auv_bringup.metrics_table import metrics_table
 from auv_bringup.recording import Recording
 from auv_core.messages import Outcome
 
@@ -190,3 +191,12 @@ def test_long_runs_are_judged_at_even_steps() -> None:
     assert len(ticks) * 256 <= 400_000
     assert set(np.diff(ticks)) == {3}
     assert len(judged_ticks(fleet(100), np.inf)) == 0
+
+
+def test_the_terminal_leaves_out_causes_to_which_nothing_was_lost() -> None:
+    shown = metrics_table(
+        {"packet_loss_noise_ratio": 0.0, "packet_loss_outage_ratio": 0.25, "packets_lost": 0}
+    )
+    assert "outage" in shown
+    assert "noise" not in shown
+    assert "packets that did not reach a receiver" in shown

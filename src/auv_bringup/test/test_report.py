@@ -69,10 +69,13 @@ def make_scenario(**changes: Any) -> Any:
         "follows": "velocity",
         "agent": kind(flocking=None, controller=kind(kind="pfpd")),
         "reference_position": lambda t_s: (0.0, 0.0, 10.0),
-        "acoustics": kind(preset="lossy", mac=kind(kind="tdma"), outage=kind(kind="bernoulli")),
+        "acoustics": kind(
+            preset="lossy", mac=kind(kind="tdma"), outage=kind(kind="bernoulli"), sonar=kind(kind="none")
+        ),
         "environment": kind(
             current_ned_mps=(0.03, 0.04, 0.0),
             obstacles=(kind(position_ned_m=(5.0, 0.0, 10.0), safety_distance_m=2.0),),
+            navigation=kind(kind="exact"),
         ),
     }
     return SimpleNamespace(**{**values, **changes})
@@ -82,6 +85,9 @@ def make_metrics(scenario: Any, *, apart_m: float = 2.0) -> dict[str, Any]:
     recording = Recording.empty([vehicle.id for vehicle in scenario.vehicles], np.arange(121.0))
     square = np.array([(0.0, 0.0, 10.0), (1.0, 0.0, 10.0), (1.0, 1.0, 10.0), (0.0, 1.0, 10.0)])
     recording.position_ned_m[:] = square * (apart_m, apart_m, 1.0)
+    recording.nav_position_ned_m[:] = recording.position_ned_m[:-1] + 0.1
+    recording.events = np.array([(0, 0, 1, 0, 1, 32)])  # sent, and not yet arrived
+    recording.event_values = np.array([(0.0, 0.5, np.nan)])
     return compute_metrics(recording, scenario, mode="lockstep", real_time_factor=12.0)
 
 
@@ -212,6 +218,20 @@ def test_it_says_whether_hulls_touched(tmp_path: Path, apart_m: float, answer: s
     metrics = make_metrics(scenario, apart_m=apart_m)
     page, _ = read(write_report(make_results(tmp_path), scenario, metrics, []))
     assert f'<li class="{kind}">Did hulls touch? {answer}' in page
+
+
+def test_it_says_how_vehicles_knew_where_they_were(tmp_path: Path) -> None:
+    scenario = make_scenario()
+    _, outline = read(write_report(make_results(tmp_path), scenario, make_metrics(scenario), []))
+    assert "They knew" not in outline.text
+    fixes = SimpleNamespace(fix="lbl", fix_period_s=60.0)
+    scenario.environment.navigation = SimpleNamespace(kind="dead_reckoning", params=fixes)
+    scenario.acoustics.sonar = SimpleNamespace(kind="active", params=SimpleNamespace(max_range_m=10.0))
+    _, outline = read(write_report(tmp_path / "by_hand-7-lockstep", scenario, make_metrics(scenario), []))
+    words = (
+        "They knew their own position by dead reckoning with lbl fixes every 60 s and saw each other by sonar"
+    )
+    assert f"{words} up to 10 m." in outline.text
 
 
 def test_the_thesis_stands_beside_its_own_scenarios(tmp_path: Path) -> None:
