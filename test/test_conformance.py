@@ -16,8 +16,11 @@ from auv_control.references import PathPoint
 from auv_core.messages import VehicleState, VelocityCommand, Wrench
 from auv_core.params import ConfigError, dump, load, load_section
 from auv_core.plugins import find_plugin, list_plugins
+from auv_flocking.codec import Field, Layout
+from auv_flocking.consensus import Heard
 from auv_flocking.flocking import NOTHING_HEARD, View
 from auv_flocking.neighbours import NeighbourEstimate
+from auv_flocking.report import Report, ReportError
 from auv_flocking.separation import mathematical
 
 PERIOD_S = 0.1
@@ -172,14 +175,52 @@ def _use_separation(module, params, inputs):
 
 
 def _use_consensus(module, params, inputs):
-    consensus = module.Consensus(params)
+    consensus = module.Consensus(params, 4)
+    layout = Layout(consensus.shared_fields)
+    outputs, held, own = [], (0.0,) * len(layout.fields), inputs.point()
+    for tick in range(20):
+        own = inputs.kept(tuple(x + 0.01 for x in own))
+        heard = inputs.kept([
+            Heard(address, 0.1 * (tick // 4), 0.1 * (tick % 4), own, own, (0.1, 0.0, 0.0), held)
+            for address in range(2, 2 + min(tick // 5, 3))
+        ])  # fmt: skip
+        centre = consensus.centre(own, heard)
+        rate = consensus.advance(own, heard, inputs.point(0.2), PERIOD_S)
+        outputs.append((centre, rate))
+        assert tick or centre == own, "it starts at the own position"
+        if tick % 4 == 0:
+            shared = consensus.shared()
+            held = tuple(layout.unpack(layout.pack(shared)))
+            assert len(shared) == len(layout.fields)
+            outputs.append(shared)
+    assert layout.saturated == 0
+    if hasattr(consensus, "derivative"):
+        arguments = (inputs.point(), inputs.point(), inputs.points(5), inputs.point(0.2))
+        outputs.append(consensus.derivative(*arguments))
+    return outputs
+
+
+def _use_format(module, params, inputs):
     outputs = []
-    for count in (0, 1, 5):
-        arguments = (inputs.point(), inputs.point(), inputs.points(count), inputs.point(0.2))
-        rate = consensus.derivative(*arguments)
-        outputs.append((rate, consensus.step(*arguments, PERIOD_S), consensus.step(*arguments, 100.0)))
-        tiny = consensus.step(*arguments, 1e-6)
-        np.testing.assert_allclose(np.subtract(tiny, arguments[1]) / 1e-6, rate, atol=1e-3)
+    for shared in ((), (Field("sum", -8.0, 8.0, 0.125, wraps=True), Field("weight", 0.0, 1.0, 0.125))):
+        form = module.Format(params, shared)
+        numbers = (0.5, 0.25)[: len(shared)]
+        for tick in range(1, 20):
+            velocities = [inputs.point(1.0) for _ in range(3)]
+            report = Report(
+                1 + tick, tick, 0.1 * tick, inputs.point(), velocities[0], inputs.point(), *velocities[1:],
+                0.1 * (tick // 2), 0.5, numbers,
+            )  # fmt: skip
+            payload = form.encode(inputs.kept(report))
+            assert len(payload) == form.payload_bytes
+            back = form.decode(inputs.kept(payload), 0.1 * tick + 3.0)
+            assert (back.address, back.sequence, back.shared) == (1 + tick, tick, numbers)
+            assert form.encode(back) == payload, "what was rounded is rounded no more"
+            outputs.append((back.time_s, back.position, back.velocity, back.centre, back.flock_stamp_s))
+            with pytest.raises(ReportError):
+                form.decode(payload[:-1], 0.0)
+        assert form.saturated == 0
+        outputs.append((float(form.position_resolution_m), float(form.velocity_resolution_mps)))
     return outputs
 
 
@@ -273,6 +314,7 @@ ROLES = {
     "auv_flocking.flocking": ("Flocking", _use_flocking),
     "auv_flocking.separation": ("Separation", _use_separation),
     "auv_flocking.consensus": ("Consensus", _use_consensus),
+    "auv_flocking.reports": ("Format", _use_format),
     "auv_sim.navigation": ("Navigation", _use_navigation),
     "auv_sim.acoustics.propagation": ("Propagation", _use_propagation),
     "auv_sim.acoustics.modem": ("Modem", _use_modem),
