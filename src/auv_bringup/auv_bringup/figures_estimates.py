@@ -66,8 +66,8 @@ def _draw_estimate_error(recording: Recording) -> Drawing | None:
     handles = [Line2D([], [], color="black", linewidth=0.9), two_sigma_handle()]
     legend_below(canvas, handles, ["estimate minus truth", "two of the filter's own standard deviations"])
     caption = (
-        f"What {ids[i]} believes of {ids[j]} between packets, minus the truth: the ordered pair with the "
-        "largest error. Grey is plus and minus two standard deviations as the filter itself states them; a "
+        f"What {ids[i]} believes of where {ids[j]} is relative to itself, minus the truth: the ordered pair with "
+        "the largest error. Grey is plus and minus two standard deviations as the filter itself states them; a "
         "consistent filter stays inside about 95 % of the time. The band grows while no packet comes and "
         "shrinks with each one. Below, the root mean square over all ordered pairs."
     )
@@ -116,8 +116,10 @@ def _draw_information_age(recording: Recording) -> Drawing | None:
         f"Time since the time tag of the newest packet from a neighbour: median {np.nanmedian(age_s):.2f} s, "
         f"95 % below {np.nanquantile(age_s, 0.95):.2f} s, at most {np.nanmax(age_s):.1f} s. It grows by one "
         "second per second and falls with each packet to that packet's delay; a lost packet is a tooth of "
-        "twice the height."
+        f"twice the height. Right, what {recording.vehicle_ids[0]} alone knows of the others."
     )
+    if np.isfinite(sonar_age_s).any():
+        caption += " Dashed: the time since the sonar last saw a neighbour, median over the pairs that did."
     return Drawing(canvas, "Age of information", caption)
 
 
