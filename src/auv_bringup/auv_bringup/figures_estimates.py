@@ -66,10 +66,10 @@ def _draw_estimate_error(recording: Recording) -> Drawing | None:
     handles = [Line2D([], [], color="black", linewidth=0.9), two_sigma_handle()]
     legend_below(canvas, handles, ["estimate minus truth", "two of the filter's own standard deviations"])
     caption = (
-        f"What {ids[i]} believes of where {ids[j]} is relative to itself, minus the truth: the ordered pair with "
-        "the largest error. Grey is plus and minus two standard deviations as the filter itself states them; a "
-        "consistent filter stays inside about 95 % of the time. The band grows while no packet comes and "
-        "shrinks with each one. Below, the root mean square over all ordered pairs."
+        f"What {ids[i]} believes of where {ids[j]} is relative to itself, minus the truth: the ordered pair "
+        "with the largest error. Grey is plus and minus two standard deviations as the filter itself states "
+        "them; a consistent filter stays inside about 95 % of the time. The band grows while no packet comes "
+        "and shrinks with each one. Below, the root mean square over all ordered pairs."
     )
     return Drawing(canvas, "Neighbour estimates", caption)
 
