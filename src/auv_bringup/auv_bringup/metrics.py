@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from auv_bringup.law_metrics import law_metrics
 from auv_bringup.metrics_acoustics import acoustics_metrics
+from auv_bringup.metrics_network import network_metrics
 from auv_bringup.recording import FloatArray, Recording
 
 if TYPE_CHECKING:
@@ -132,6 +133,7 @@ def compute_metrics(
         **_neighbour_metrics(recording),
         **_packet_metrics(recording),
         **acoustics_metrics(recording, formed_at_s=formed_at_s),
+        **network_metrics(recording, scenario),
         "safe_command_ratio": recording.holding.mean() if recording.holding.size else None,
         **law_metrics(recording, scenario),
     }
