@@ -39,8 +39,10 @@ class VehicleState:
 
 def is_usable(state: VehicleState) -> bool:
     """Return whether `state` is valid and all its numbers are finite and of this world."""
-    numbers = (*state.position, *state.attitude, *state.nu, state.position_sd_m, state.heading_sd_rad)
-    return state.is_valid and all(abs(number) <= _LARGEST for number in numbers)
+    for number in (*state.position, *state.attitude, *state.nu, state.position_sd_m, state.heading_sd_rad):
+        if not -_LARGEST <= number <= _LARGEST:
+            return False
+    return state.is_valid
 
 
 @dataclass(frozen=True, slots=True)

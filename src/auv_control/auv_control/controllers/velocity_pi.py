@@ -88,4 +88,4 @@ class Controller:
 
 
 def _clipped(value: float, limit: float) -> float:
-    return max(-limit, min(limit, value))
+    return limit if value > limit else max(value, -limit)
