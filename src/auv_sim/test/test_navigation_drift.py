@@ -111,10 +111,9 @@ def test_velocity_and_depth_have_the_noise_asked_for_and_depth_does_not_drift():
         {},
         {"start_sd_m": 0.5, "heading_bias_rad": math.radians(3.0)},
         {"fix": "lbl"},
-        {"fix": "lbl", "fix_sd_m": 1.0, "learns_biases": True},
         {"fix": "lbl", "fix_period_s": 20.0, "learns_biases": True, "heading_bias_rad": math.radians(3.0)},
     ],
-    ids=["alone", "uncertain start", "fixes", "fixes that teach", "many fixes that teach"],
+    ids=["alone", "uncertain start", "fixes", "many fixes that teach"],
 )
 def test_the_stated_uncertainty_is_that_of_the_errors(truth, changes):
     """
