@@ -15,8 +15,7 @@ def in_order(events: Iterable[AcousticEvent]) -> list[AcousticEvent]:
     """
     Return events in the order of (time, source, sequence, destination).
 
-    The time of a transmission is its start, that of a reception its end: what was noted in one tick comes
-    before what was noted in the next.
+    The time of a transmission is its start, that of a reception its end.
     """
     return sorted(events, key=_key)
 

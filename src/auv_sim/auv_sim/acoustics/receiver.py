@@ -77,6 +77,7 @@ class Receiver:
         self._propagation = propagation
         self._outage = outage
         self._seed = seed
+        self._has_levels = modem.frequency_khz is not None
         self._signals: list[Signal] = []
         self._own: list[tuple[float, float]] = []
         self._lock: Signal | None = None
@@ -87,7 +88,8 @@ class Receiver:
 
     def go_deaf(self, start_s: float, end_s: float) -> None:
         """Take note of a transmission of the own modem."""
-        self._own.append((start_s, end_s))
+        if end_s - start_s > TOUCH_S:
+            self._own.append((start_s, end_s))
 
     def hears(self, t_s: float, position: Vec3) -> bool:
         """Return whether any signal that can be recognised is at `position` (m; NED) at `t_s`."""
@@ -98,7 +100,7 @@ class Receiver:
             delay_s = self._propagation.delay_s(sent.origin, position)
             if sent.start_s + delay_s <= t_s < sent.end_s + delay_s:
                 is_audible, snr_ratio = self._level(sent.origin, position)
-                if is_audible and self._modem.acquires(snr_ratio):
+                if is_audible and self._recognises(snr_ratio):
                     return True
         return False
 
@@ -151,10 +153,13 @@ class Receiver:
         """Return whether there is a signal at all, and its signal to noise as a ratio of powers."""
         modem = self._modem
         is_audible = modem.max_range_m == math.inf or distance(origin, position) <= modem.max_range_m
-        if modem.frequency_khz is None:
+        if not self._has_levels:
             return is_audible, math.nan
         loss_db = self._propagation.loss_db(origin, position, modem.frequency_khz)
         return is_audible, modem.snr_ratio(loss_db)
+
+    def _recognises(self, snr_ratio: float) -> bool:
+        return not self._has_levels or bool(self._modem.acquires(snr_ratio))
 
     def _try_lock(self, signal: Signal) -> None:
         """Lock on to a signal at its start, if that can be."""
@@ -163,17 +168,28 @@ class Receiver:
             return
         if lock is not None and lock.end_s - start_s > TOUCH_S and not self._transmits(lock.start_s, start_s):
             return
-        interference = sum(
-            other.snr_ratio
+        if self._has_levels:
+            rivals = self._rivals(signal, start_s, start_s + 2.0 * TOUCH_S)
+            interference = sum(rival.snr_ratio for rival in rivals)
+            if not self._modem.acquires(signal.snr_ratio / (1.0 + interference)):
+                return
+        signal.is_locked = True
+        self._lock = signal
+
+    def _rivals(self, signal: Signal, start_s: float, end_s: float) -> list[Signal]:
+        """Return the other signals that are there within an interval, for more than a touch."""
+        if len(self._signals) == 1 or end_s - start_s <= TOUCH_S:
+            return []
+        return [
+            other
             for other in self._signals
-            if other is not signal and other.is_audible and other.overlaps(start_s, start_s + 2.0 * TOUCH_S)
-        )
-        if self._modem.acquires(signal.snr_ratio / (1.0 + interference)):
-            signal.is_locked = True
-            self._lock = signal
+            if other is not signal and other.is_audible and other.overlaps(start_s, end_s)
+        ]
 
     def _transmits(self, start_s: float, end_s: float) -> bool:
         """Return whether the own modem is on the air within an interval, for more than a touch."""
+        if not self._own:
+            return False
         return any(min(own[1], end_s) - max(own[0], start_s) > TOUCH_S for own in self._own)
 
     def _outcome(self, signal: Signal) -> Outcome:
@@ -181,16 +197,12 @@ class Receiver:
             return Outcome.RANGE
         if self._transmits(signal.start_s, signal.end_s):
             return Outcome.HALF_DUPLEX
-        if not self._modem.acquires(signal.snr_ratio):
+        if not self._recognises(signal.snr_ratio):
             return Outcome.NOISE
-        rivals = [
-            other
-            for other in self._signals
-            if other is not signal and other.is_audible and other.overlaps(signal.start_s, signal.end_s)
-        ]
         if not signal.is_locked:
             return Outcome.COLLISION
-        if not self._modem.captures and any(self._modem.acquires(rival.snr_ratio) for rival in rivals):
+        rivals = self._rivals(signal, signal.start_s, signal.end_s)
+        if not self._modem.captures and any(self._recognises(rival.snr_ratio) for rival in rivals):
             return Outcome.COLLISION
         packet = signal.transmission.packet
         event = (packet.source, self._address, packet.sequence)
@@ -202,6 +214,8 @@ class Receiver:
         self, signal: Signal, rivals: Sequence[Signal], event: tuple[int, int, int]
     ) -> Outcome | None:
         """Draw whether a bit of a packet falls over; return what made it, or None."""
+        if not self._has_levels:
+            return None
         quiet = self._packet_error_prob(signal, ())
         error_prob = self._packet_error_prob(signal, rivals) if rivals else quiet
         if error_prob <= 0.0:

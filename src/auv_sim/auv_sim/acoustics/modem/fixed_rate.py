@@ -7,7 +7,6 @@ then both are lost, or, with `capture`, the second one only.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from auv_core.params import param
@@ -41,18 +40,3 @@ class Modem:
     def airtime_s(self, payload_bytes: int) -> float:
         """Return the time on the air (s) of a payload."""
         return self._params.preamble_s + 8.0 * payload_bytes / self._params.bit_rate_bps
-
-    def snr_ratio(self, loss_db: float) -> float:
-        """Return NaN: no levels are modelled."""
-        del loss_db
-        return math.nan
-
-    def acquires(self, snr_ratio: float) -> bool:
-        """Return True: within the range every packet is recognised."""
-        del snr_ratio
-        return True
-
-    def bit_error_prob(self, snr_ratio: float) -> float:
-        """Return 0: within the range there are no bit errors."""
-        del snr_ratio
-        return 0.0

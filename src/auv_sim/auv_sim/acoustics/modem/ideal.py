@@ -27,18 +27,3 @@ class Modem:
         """Return 0 s."""
         del payload_bytes
         return 0.0
-
-    def snr_ratio(self, loss_db: float) -> float:
-        """Return NaN: no levels are modelled."""
-        del loss_db
-        return math.nan
-
-    def acquires(self, snr_ratio: float) -> bool:
-        """Return True."""
-        del snr_ratio
-        return True
-
-    def bit_error_prob(self, snr_ratio: float) -> float:
-        """Return 0."""
-        del snr_ratio
-        return 0.0

@@ -1,0 +1,62 @@
+"""Modems without vehicles: everybody who is asked for data hands over the next packet."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
+
+from auv_core.geometry import Vec3
+from auv_core.messages import AcousticEvent, Packet, VehicleState
+from auv_sim.acoustics.medium import AcousticMedium
+
+PositionsAt = Callable[[int], Sequence[Vec3]]
+
+
+def talk(
+    medium: AcousticMedium,
+    ticks: range,
+    positions_at: PositionsAt,
+    *,
+    payload_bytes: int = 32,
+    talkers: Collection[int] | None = None,
+    sequences: Counter[int] | None = None,
+) -> list[AcousticEvent]:
+    """
+    Let modems talk for some ticks, and return the acoustic log.
+
+    Parameters
+    ----------
+    medium : AcousticMedium
+        Taken as it is: what is in the water goes on.
+    ticks : range
+        The ticks to go through.
+    positions_at : callable of int
+        Positions of all modems (m; NED) at a tick, in the order of addresses.
+    payload_bytes : int
+        Size of every packet; they are all for everybody.
+    talkers : collection of int, optional
+        Addresses of those who answer when asked; everybody if left out.
+    sequences : Counter, optional
+        Last sequence number of each address, kept up to date; starts anew if left out.
+
+    """
+    sequences = Counter() if sequences is None else sequences
+    payload = bytes(payload_bytes)
+    events: list[AcousticEvent] = []
+    for tick in ticks:
+        states = at_rest(tick, positions_at(tick))
+        handed_over = {}
+        for address, inbox in enumerate(medium.exchange(tick, states), start=1):
+            if inbox.transmit_ready and (talkers is None or address in talkers):
+                sequences[address] += 1
+                handed_over[address] = [Packet(tick, address, 0, sequences[address], payload)]
+        if handed_over:
+            medium.transmit(handed_over, states)
+        events += medium.take_events()
+    return events
+
+
+def at_rest(tick: int, positions: Sequence[Vec3]) -> list[VehicleState]:
+    """Return the states of vehicles that rest, level and heading north, at positions (m; NED)."""
+    nu = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return [VehicleState(tick, position, (1.0, 0.0, 0.0, 0.0), nu) for position in positions]
