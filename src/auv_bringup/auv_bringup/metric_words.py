@@ -63,6 +63,18 @@ MEANINGS = {
     "packet_delay_max_s": Meaning("s", "the same, largest"),
     "acoustic_bit_rate_bps": Meaning("bit/s", "payload on the air, all modems together", 0),
     "acoustic_load_ratio": Meaning("", "time on the air, all modems together, per time of the run"),
+    "graph_strongly_connected_ratio": Meaning("", "share of time in which news from all could reach all"),
+    "graph_connected_at_s": Meaning("s", "first time at which it could", 0),
+    "graph_disconnected_at_s": Meaning("s", "first time after that at which it could not", 0),
+    "graph_parts_max": Meaning("", "largest number of groups that news can go round in"),
+    "graph_algebraic_connectivity_mean": Meaning(
+        "", "algebraic connectivity, mean; N if all hear each other", 2
+    ),
+    "graph_algebraic_connectivity_min": Meaning("", "the same, smallest", 2),
+    "graph_degree_mean": Meaning("", "neighbours that a vehicle hears, mean", 2),
+    "graph_in_degree_min": Meaning("", "fewest neighbours that any vehicle heard", 0),
+    "graph_out_degree_min": Meaning("", "fewest neighbours that heard any vehicle", 0),
+    "graph_window_s": Meaning("s", "age up to which a packet counts as heard", 0),
     "sonar_contacts": Meaning("", "hulls seen by sonar, all pings of all vehicles"),
     "navigation_error_rms_m": Meaning("m", "error of what vehicles believe of their own position, rms"),
     "navigation_error_final_m": Meaning("m", "the same at the end"),
