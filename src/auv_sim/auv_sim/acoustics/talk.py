@@ -19,7 +19,7 @@ def talk(
     *,
     payload_bytes: int = 32,
     talkers: Collection[int] | None = None,
-    sequences: Counter[int] | None = None,
+    made: dict[tuple[int, int], int] | None = None,
 ) -> list[AcousticEvent]:
     """
     Let modems talk for some ticks, and return the acoustic log.
@@ -36,11 +36,12 @@ def talk(
         Size of every packet; they are all for everybody.
     talkers : collection of int, optional
         Addresses of those who answer when asked; everybody if left out.
-    sequences : Counter, optional
-        Last sequence number of each address, kept up to date; starts anew if left out.
+    made : dict, optional
+        Filled with the tick in which each packet was made, by (source, sequence).
 
     """
-    sequences = Counter() if sequences is None else sequences
+    sequences: Counter[int] = Counter()
+    made = {} if made is None else made
     payload = bytes(payload_bytes)
     events: list[AcousticEvent] = []
     for tick in ticks:
@@ -49,6 +50,7 @@ def talk(
         for address, inbox in enumerate(medium.exchange(tick, states), start=1):
             if inbox.transmit_ready and (talkers is None or address in talkers):
                 sequences[address] += 1
+                made[address, sequences[address]] = tick
                 handed_over[address] = [Packet(tick, address, 0, sequences[address], payload)]
         if handed_over:
             medium.transmit(handed_over, states)
