@@ -179,9 +179,10 @@ def centroid_ned_m(recording: Recording) -> FloatArray:
 
 def path_ned_m(recording: Recording, scenario: Scenario) -> FloatArray:
     """Return the (K + 1, 3) positions eta_d of the flock's path (m, map_ned), NaN where there is none."""
-    nowhere = (math.nan, math.nan, math.nan)
-    points = [scenario.reference_position(t) or nowhere for t in recording.t_s.tolist()]
-    return np.array(points, dtype=np.float64).reshape(-1, 3)
+    path = scenario.reference_of()
+    if path is None:
+        return np.full((len(recording.t_s), 3), math.nan)
+    return np.array([path.at(t_s).position for t_s in recording.t_s.tolist()], dtype=np.float64)
 
 
 def centroid_path_error_m(recording: Recording, scenario: Scenario) -> FloatArray:

@@ -229,11 +229,6 @@ class Scenario:
         section = self.reference if section is None else section
         return None if section is None else find_plugin(REFERENCES, section.kind).Reference(section.params)
 
-    def reference_position(self, t_s: float) -> Vec3 | None:
-        """Return the point of the flock's path at `t_s` (m; NED), or None where there is no path."""
-        path = self.reference_of()
-        return None if path is None else path.at(t_s).position
-
     @property
     def follows(self) -> str:
         """What the vehicles' controllers follow: velocity (of a flocking law), path or region."""

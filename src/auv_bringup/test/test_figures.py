@@ -16,6 +16,7 @@ from hypothesis.extra import numpy as hnp
 from auv_bringup.figures import Figure, draw_figures
 from auv_bringup.plotting import round_step, thin_indices, wilson_interval
 from auv_bringup.recording import Recording
+from auv_control.references import circle
 
 ALL = [
     "plan",
@@ -35,7 +36,7 @@ def make_scenario(name: str = "circling", *, with_obstacles: bool = True) -> Any
         leaders=("auv_1",),
         hull_radius_m=0.3,
         follows="velocity",
-        reference_position=lambda t_s: (10.0 * np.sin(0.01 * t_s), 10.0 * np.cos(0.01 * t_s), 10.0),
+        reference_of=lambda: circle.Reference(circle.Params()),
         environment=SimpleNamespace(obstacles=(obstacle,) if with_obstacles else ()),
         agent=SimpleNamespace(flocking=SimpleNamespace(params=SimpleNamespace(spacing_m=2.0))),
     )

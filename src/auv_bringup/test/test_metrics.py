@@ -47,11 +47,12 @@ def make_scenario(obstacles: tuple[tuple[float, float, float], ...] = ()) -> Any
     """A scenario whose path rests at (0, 0, 10) m."""
     return SimpleNamespace(
         name="by_hand",
+        sampling="sampled",
         seed=7,
         hull_radius_m=0.3,
         follows="velocity",
         agent=SimpleNamespace(flocking=None),
-        reference_position=lambda t_s: (0.0, 0.0, 10.0),
+        reference_of=lambda: SimpleNamespace(at=lambda t_s: SimpleNamespace(position=(0.0, 0.0, 10.0))),
         environment=SimpleNamespace(
             obstacles=tuple(SimpleNamespace(position_ned_m=p, safety_distance_m=2.0) for p in obstacles)
         ),

@@ -68,7 +68,7 @@ def make_scenario(**changes: Any) -> Any:
         "reference": kind(kind="circle"),
         "follows": "velocity",
         "agent": kind(flocking=None, controller=kind(kind="pfpd")),
-        "reference_position": lambda t_s: (0.0, 0.0, 10.0),
+        "reference_of": lambda: kind(at=lambda t_s: kind(position=(0.0, 0.0, 10.0))),
         "acoustics": kind(
             preset="lossy", mac=kind(kind="tdma"), outage=kind(kind="bernoulli"), sonar=kind(kind="none")
         ),

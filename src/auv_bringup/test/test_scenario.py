@@ -87,7 +87,7 @@ REFUSED_VALUES = [
     ("on_vehicle_loss=cry", ".on_vehicle_loss: 'cry' is not allowed; allowed: stop, continue"),
     ("name=../elsewhere", ".name: '../elsewhere' is not allowed; allowed: a lower-case letter"),
     ('title="two\\nlines"', ".title: 'two\\nlines' is not allowed; allowed: one line of text"),
-    ("agent.flocking.kind=swarm", ".agent.flocking.kind: 'swarm' is not allowed; allowed: potential"),
+    ("agent.flocking.kind=swarm", ".agent.flocking.kind: 'swarm' is not allowed; allowed: communication_aware, potential"),
     ("agent.controller.kind=velocity_direct", ".agent.controller.kind: 'velocity_direct' is not allowed"),
     (
         "vehicles.0.model.preset=boat",
@@ -243,7 +243,7 @@ def test_random_starts_keep_apart_below_the_surface_and_near_the_start_of_the_pa
     starts = [vehicle.position_ned_m for vehicle in scenario.vehicles]
     assert all(distance(a, b) >= 3.0 for a, b in combinations(starts, 2))
     assert all(start[2] >= 1.0 for start in starts)
-    assert all(math.dist(start, scenario.reference_position(0.0)) <= 10.0 for start in starts)
+    assert all(math.dist(start, scenario.reference_of().at(0.0).position) <= 10.0 for start in starts)
 
 
 def test_random_starts_lie_no_shallower_than_asked():
