@@ -1,0 +1,46 @@
+"""
+A velocity that must keep to one side of several planes, brought there with little change.
+
+A half-space is a pair (n, b) of a unit vector and a bound (m/s): velocities v with n . v >= b are allowed.
+That is what a barrier function asks for: with h = distance - smallest distance, h_dot >= -rate h is one
+half-space for each neighbour (Ames et al. 2019, Control Barrier Functions: Theory and Applications).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from auv_core.geometry import Vec3
+
+HalfSpace = tuple[Vec3, float]
+
+_PASSES = 8
+
+
+def into_half_spaces(velocity: Vec3, half_spaces: Sequence[HalfSpace]) -> Vec3:
+    """
+    Return a velocity near `velocity` that lies in all half-spaces (m/s; same frame).
+
+    The planes are projected on in turn, over and over (Kaczmarz; projections onto convex sets), no more than
+    `_PASSES` times each: a velocity that is allowed comes back as it is, one plane is met exactly, several
+    as nearly as the passes allow, and bounds that contradict each other end in a compromise.
+
+    Parameters
+    ----------
+    velocity : (3,) tuple
+        What is wanted (m/s).
+    half_spaces : sequence of (n, b)
+        Unit normals, and least velocities along them (m/s).
+
+    """
+    x, y, z = velocity
+    for _ in range(_PASSES):
+        is_inside = True
+        for (nx, ny, nz), bound_mps in half_spaces:
+            short_mps = bound_mps - (nx * x + ny * y + nz * z)
+            if short_mps > 1e-12:
+                x, y, z = x + short_mps * nx, y + short_mps * ny, z + short_mps * nz
+                is_inside = False
+        if is_inside:
+            break
+    return (x, y, z)

@@ -1,0 +1,232 @@
+"""Claims about the flocking law for a modem: no faster than its information, never closer than it may."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from auv_control.references import PathPoint
+from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View, potential
+from auv_flocking.flocking.communication_aware import Flocking, Params
+from auv_flocking.neighbours import NeighbourEstimate
+from auv_flocking.separation import mathematical
+
+MODERATE = settings(max_examples=60, deadline=None)
+SEPARATION = mathematical.Separation(mathematical.Params())
+PERIOD_S = 0.1
+W = (0.1, 0.0, 0.0)
+PATH = PathPoint((0.0, 1.0, 10.0), (0.1, 0.0, 0.0))
+ORIGIN = (0.0, 0.0, 0.0)
+DISTANT = 1e9
+
+POINTS = st.tuples(*[st.floats(-8.0, 8.0)] * 3)
+SPEEDS = st.tuples(*[st.floats(-0.3, 0.3)] * 3)
+AGES = st.floats(0.0, 60.0)
+
+
+def _estimate(position, *, age_s=0.0, velocity=W, sigma_m=0.0, sonar_age_s=math.inf, heard=None, address=2):
+    velocity_ned, stamp_s = heard or (W, -1.0)
+    covariance = np.diag([sigma_m**2] * 3 + [1e-4] * 3)
+    return NeighbourEstimate(
+        address,
+        position,
+        velocity,
+        covariance,
+        age_s,
+        ORIGIN,
+        velocity_ned,
+        stamp_s,
+        sonar_age_s,
+        time_s=-age_s,
+    )
+
+
+def _view(own, estimates, *, centre=None, obstacles=(), flock=W):
+    positions = tuple(estimate.position for estimate in estimates)
+    everybody = np.mean([own, *positions], axis=0)
+    centre = tuple(everybody.tolist()) if centre is None else centre
+    return View(own, centre, flock, positions, obstacles, PATH, tuple(estimates))
+
+
+def _law(estimates=(), *, is_leader=False, **numbers):
+    law = Flocking(Params(**numbers), SEPARATION, is_leader)
+    law.hear(tuple(estimates), PERIOD_S)
+    return law
+
+
+def _correction(law, view):
+    return np.subtract(law.velocity(view), view.flock_velocity)
+
+
+ESTIMATES = st.lists(
+    st.builds(
+        lambda position, age_s, velocity, sigma_m: _estimate(
+            position, age_s=age_s, velocity=velocity, sigma_m=sigma_m
+        ),
+        POINTS,
+        AGES,
+        SPEEDS,
+        st.floats(0.0, 2.0),
+    ),
+    min_size=1,
+    max_size=4,
+).map(lambda found: [replace(estimate, address=2 + k) for k, estimate in enumerate(found)])
+
+
+@MODERATE
+@given(own=POINTS, others=st.lists(POINTS, min_size=1, max_size=4))
+def test_with_fresh_information_it_is_the_potential_law_in_the_flocks_frame(own, others):
+    estimates = [_estimate(other, address=2 + k) for k, other in enumerate(others)]
+    law = _law(estimates, barrier=False, correction_limit_mps=DISTANT, reach_m=DISTANT)
+    thesis = potential.Flocking(
+        potential.Params(followers="blind", feedforward="flock"), SEPARATION, is_leader=False
+    )
+    view = _view(own, estimates)
+    np.testing.assert_allclose(law.velocity(view), thesis.velocity(view), rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("age_s", [1.0, 4.0, 20.0])
+def test_gain_times_age_is_the_lag_budget(age_s):
+    far = [_estimate((10.0, 0.0, 0.0), age_s=age_s)]
+    law = _law(far, lag_budget_rad=0.3, age_memory_s=1e-9, correction_limit_mps=DISTANT, reach_m=DISTANT)
+    assert law.age_s == pytest.approx(age_s)
+    asked = _correction(law, _view(ORIGIN, far, centre=(4.0, 0.0, 0.0)))
+    np.testing.assert_allclose(asked, [4.0 * 0.3 / age_s, 0.0, 0.0], rtol=1e-9)
+
+
+def test_age_is_measured_and_remembered():
+    law = Flocking(Params(age_memory_s=40.0), SEPARATION, False)
+    for _ in range(100):
+        law.hear((), PERIOD_S)
+    assert law.age_s == pytest.approx(10.0)  # nothing heard for as long as it runs
+    law.hear((_estimate(ORIGIN, age_s=0.5),), PERIOD_S)
+    assert 9.9 < law.age_s <= 10.0  # one packet after ten seconds does not make a fast link
+    for _ in range(4000):
+        law.hear((_estimate(ORIGIN, age_s=2.0),), PERIOD_S)
+    assert law.age_s == pytest.approx(2.0, abs=1e-3)
+    law.hear((_estimate(ORIGIN, age_s=30.0),), PERIOD_S)
+    assert law.age_s == 30.0  # a silence counts at once
+
+
+@MODERATE
+@given(own=POINTS, estimates=ESTIMATES)
+def test_correction_is_bounded(own, estimates):
+    law = _law(estimates)
+    assert np.linalg.norm(_correction(law, _view(own, estimates))) <= Params().correction_limit_mps + 1e-9
+
+
+@MODERATE
+@given(own=POINTS, estimate=ESTIMATES.map(lambda found: found[0]), centre=POINTS)
+def test_barrier_bounds_the_approach_to_a_neighbour(own, estimate, centre):
+    p = Params()
+    distance_m = math.dist(own, estimate.position)
+    if distance_m < 1e-6:
+        return
+    normal = np.subtract(own, estimate.position) / distance_m
+    sigma_m = math.sqrt(
+        estimate.covariance[0, 0] + (p.closing_ratio * estimate.age_s * math.dist(estimate.velocity, W)) ** 2
+    )
+    left_m = distance_m - p.barrier_distance_m - min(p.barrier_sigmas * sigma_m, p.widening_limit_m)
+    limit_mps = min(p.correction_limit_mps, p.reach_m / max(estimate.age_s, 1e-3))
+    rate_ps = 0.5 * min(p.barrier_rate_ps, 1.0 / max(estimate.age_s, 1e-3))
+    apart_mps = normal @ _correction(_law([estimate]), _view(own, [estimate], centre=centre))
+    bound_mps = min(-rate_ps * left_m, limit_mps)
+    # Inside the distance both move apart; what they do across may take up to 0.3 of that.
+    assert apart_mps >= (bound_mps if bound_mps <= 0.0 else bound_mps / math.sqrt(2.0)) - 1e-9
+
+
+@MODERATE
+@given(own=POINTS, other=POINTS, age_s=AGES, sigma_m=st.floats(0.0, 2.0))
+def test_two_that_know_the_same_of_each_other_do_the_opposite(own, other, age_s, sigma_m):
+    if math.dist(own, other) < 1e-6:
+        return
+    there = [_estimate(other, age_s=age_s, sigma_m=sigma_m)]
+    back = [_estimate(own, age_s=age_s, sigma_m=sigma_m, address=1)]
+    mine = _correction(_law(there), _view(own, there))
+    others = _correction(_law(back), _view(other, back))
+    np.testing.assert_allclose(mine, -others, atol=1e-9)
+
+
+def test_what_is_uncertain_is_kept_at_a_greater_distance():
+    near = (2.2, 0.0, 0.0)
+    still = {"barrier": False, "cohesion_gain_ps": 0.0}
+    sure, unsure = ([_estimate(near, sigma_m=sigma_m)] for sigma_m in (0.0, 0.5))
+    assert not _correction(_law(sure, **still), _view(ORIGIN, sure)).any()
+    assert _correction(_law(unsure, **still), _view(ORIGIN, unsure))[0] < 0.0
+    assert not _correction(_law(unsure, **still, spacing_sigmas=0.0), _view(ORIGIN, unsure)).any()
+
+
+def test_what_moves_in_the_flock_grows_uncertain_with_its_age():
+    near, still = (2.2, 0.0, 0.0), {"barrier": False, "cohesion_gain_ps": 0.0}
+    with_flock, across = ([_estimate(near, age_s=10.0, velocity=v)] for v in (W, (0.0, 0.1, 0.0)))
+    assert not _correction(_law(with_flock, **still), _view(ORIGIN, with_flock)).any()
+    assert _correction(_law(across, **still), _view(ORIGIN, across))[0] < 0.0
+
+
+def test_sonar_makes_a_neighbour_as_fresh_as_its_contact():
+    numbers = {"barrier": False, "cohesion_gain_ps": 0.0, "correction_limit_mps": DISTANT, "reach_m": DISTANT}
+    heard, seen = ([_estimate((1.5, 0.0, 0.0), age_s=20.0, sonar_age_s=age_s)] for age_s in (math.inf, 0.5))
+    slow = _correction(_law(heard, **numbers), _view(ORIGIN, heard))
+    fast = _correction(_law(seen, **numbers), _view(ORIGIN, seen))
+    np.testing.assert_allclose(fast * 0.5, slow * 20.0, rtol=1e-9)
+
+
+def test_followers_pass_on_the_newest_flock_velocity():
+    estimates = [
+        _estimate(ORIGIN, heard=((0.1, 0.2, 0.0), 4.0)),
+        _estimate(ORIGIN, heard=((0.3, 0.0, 0.0), 7.0), address=3),
+        _estimate(ORIGIN, heard=(ORIGIN, -math.inf), address=4),
+    ]
+    law = _law(estimates)
+    heard = law.flock_velocity(9.0, PATH, ORIGIN, NOTHING_HEARD, estimates)
+    assert heard == FlockVelocity((0.3, 0.0, 0.0), 7.0)
+    own = FlockVelocity((0.0, 0.1, 0.0), 8.0)
+    assert law.flock_velocity(9.0, PATH, ORIGIN, own, estimates) == own
+    assert law.flock_velocity(9.0, PATH, ORIGIN, NOTHING_HEARD, []) == NOTHING_HEARD
+    mean = _law(estimates, relay="mean").flock_velocity(9.0, PATH, ORIGIN, NOTHING_HEARD, estimates)
+    assert mean.velocity == pytest.approx((0.1, 0.05, 0.0))
+    assert mean.stamp_s == 7.0
+
+
+def test_leader_steers_the_centre_no_faster_than_it_knows_it():
+    estimates = [_estimate(ORIGIN, age_s=10.0)]
+    law = _law(estimates, is_leader=True, age_memory_s=1e-9)
+    centre = (0.0, 1.0, 9.0)
+    belief = law.flock_velocity(3.0, PATH, centre, NOTHING_HEARD, estimates)
+    assert belief.stamp_s == 3.0
+    assert belief.velocity == pytest.approx((0.1, 0.0, 1.5 * 0.3 / 10.0))
+    far = law.flock_velocity(3.0, PATH, (0.0, 1.0, -90.0), belief, estimates)
+    assert far.velocity == pytest.approx((0.1, 0.0, Params().steering_limit_mps))
+
+
+def test_flock_that_is_carried_towards_an_obstacle_stops_before_it():
+    obstacles = (((1.3, 0.0, 0.0), 2.0),)
+    asked = _law().velocity(_view(ORIGIN, [], obstacles=obstacles, centre=(0.5, 0.0, 0.0)))
+    assert asked[0] <= 1e-9
+    past = _law().velocity(_view(ORIGIN, [], obstacles=(((0.0, 9.0, 0.0), 2.0),), centre=ORIGIN))
+    assert past == pytest.approx(W)
+
+
+def test_same_place_gives_a_finite_answer():
+    estimates = [_estimate(ORIGIN, age_s=3.0)]
+    assert np.isfinite(_correction(_law(estimates), _view(ORIGIN, estimates))).all()
+
+
+def test_separation_law_with_a_memory_learns():
+    class Learner(mathematical.Separation):
+        learned = None
+
+        def adapt(self, distances_m, spacing_m, dt_s):
+            self.learned = (distances_m, spacing_m, dt_s)
+
+    learner = Learner(mathematical.Params())
+    Flocking(Params(), learner, False).adapt(_view(ORIGIN, [_estimate((3.0, 0.0, 4.0))]), PERIOD_S)
+    assert learner.learned == ([5.0], 2.0, PERIOD_S)
+
+
+def test_barrier_outside_the_spacing_is_refused():
+    with pytest.raises(ValueError, match=r"barrier_distance_m: 2.0 is not allowed; allowed: less than spa"):
+        Params(barrier_distance_m=2.0)
