@@ -177,15 +177,15 @@ class Layout:
 
 
 def field_table(fields: Sequence[Field]) -> list[str]:
-    """Return the lines of a Markdown table of fields: bits, bounds, resolution, largest error."""
+    """Return the lines of a Markdown table of fields: bits, bounds, resolution, largest error inside."""
     lines = [
-        "| field | bits | smallest | largest | resolution | error inside the bounds |",
+        "| field | bits | smallest | largest | resolution | error inside |",
         "|---|---|---|---|---|---|",
     ]
     for item in fields:
-        largest = "wraps at" if item.wraps else ""
+        largest = f"wraps at {item.maximum:g}" if item.wraps else f"{item.maximum:g}"
+        error = "whole numbers" if isinstance(item.resolution, int) else f"{0.5 * item.resolution:g}"
         lines.append(
-            f"| `{item.name}` | {item.bits} | {item.minimum:g} | {largest} {item.maximum:g} | "
-            f"{item.resolution:g} | {0.5 * item.resolution:g} |".replace("|  ", "| ")
+            f"| `{item.name}` | {item.bits} | {item.minimum:g} | {largest} | {item.resolution:g} | {error} |"
         )
     return lines

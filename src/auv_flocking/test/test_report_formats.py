@@ -5,6 +5,7 @@ import random
 import struct
 from dataclasses import astuple, replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_core.plugins import find_plugin, list_plugins
-from auv_flocking.codec import Field
+from auv_flocking.codec import Field, field_table
+from auv_flocking.consensus import pi, push_sum
 from auv_flocking.report import NEVER, Report, ReportError
 from auv_flocking.reports import compact, exact
 
@@ -318,3 +320,16 @@ def test_nobodys_address_is_refused():
 
 def test_exact_versions_and_lengths_differ_from_those_before():
     assert (exact.VERSION, _format("exact").payload_bytes) == (2, 86)
+
+
+def test_the_page_on_packets_shows_the_fields_as_they_are():
+    page = (Path(__file__).parents[3] / "docs" / "packets.md").read_text(encoding="utf-8")
+    layouts = [compact.Format(compact.Params(), ()).fields]
+    layouts += [module.Consensus(module.Params(), 4).shared_fields for module in (pi, push_sum)]
+    for layout in layouts:
+        assert "\n".join(field_table(layout)) in page
+    for module, sizes in ((compact, "32, with `pi` 38, with `push_sum` 53"), (exact, "86, with `pi` 110")):
+        filters = (pi.Consensus(pi.Params(), 4), push_sum.Consensus(push_sum.Params(), 4))
+        found = [module.Format(module.Params(), item.shared_fields).payload_bytes for item in filters]
+        assert sizes in page
+        assert found == {compact: [38, 53], exact: [110, 142]}[module]
