@@ -24,11 +24,14 @@ from typing import Any
 
 from auv_core.geometry import Vec3, distance
 from auv_core.messages import Outcome, Packet
+from auv_sim.acoustics.water import packet_error_prob
 from auv_sim.streams import Purpose, uniform
 
 # What touches, or overlaps by rounding only, does not overlap (s).
 TOUCH_S = 1e-8
 _SLACK_S = 1e-9
+# No number of `uniform` but zero is smaller.
+_NO_CHANCE = 1e-16
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,7 +221,7 @@ class Receiver:
             return None
         quiet = self._packet_error_prob(signal, ())
         error_prob = self._packet_error_prob(signal, rivals) if rivals else quiet
-        if error_prob <= 0.0:
+        if error_prob < _NO_CHANCE:
             return None
         luck = uniform(self._seed, Purpose.NOISE, *event)
         if luck < quiet:
@@ -227,12 +230,14 @@ class Receiver:
 
     def _packet_error_prob(self, signal: Signal, rivals: Sequence[Signal]) -> float:
         """Return the probability of at least one bit error, with rivals while they overlap."""
+        bits = 8.0 * len(signal.transmission.packet.payload)
+        if not rivals:
+            return packet_error_prob(self._modem.bit_error_prob(signal.snr_ratio), bits)
         begin_s, end_s = signal.start_s + self._modem.preamble_s, signal.end_s
         edges_s = {begin_s, end_s}
         for rival in rivals:
             edges_s.update(t_s for t_s in (rival.start_s, rival.end_s) if begin_s < t_s < end_s)
         times_s = sorted(edges_s)
-        bits = 8.0 * len(signal.transmission.packet.payload)
         log_success = 0.0
         for from_s, to_s in pairwise(times_s):
             middle_s = 0.5 * (from_s + to_s)
