@@ -21,6 +21,7 @@ rho times the error before it plus something new, rho = (variance after)/(varian
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,15 @@ PACKET = np.eye(6, STATES)
 PACKET[0, 6] = PACKET[1, 7] = PACKET[3, 8] = PACKET[4, 9] = 1.0
 
 _LEVEL = np.eye(2)
+_POSITION_DRIFT = np.zeros((STATES, STATES))
+_VELOCITY_DRIFT = np.zeros((STATES, STATES))
+for _axis in (0, 1):
+    for _drift, _value, _offset in (
+        (_POSITION_DRIFT, _axis, 6 + _axis),
+        (_VELOCITY_DRIFT, 3 + _axis, 8 + _axis),
+    ):
+        _drift[_value, _value] = _drift[_offset, _offset] = 1.0
+        _drift[_value, _offset] = _drift[_offset, _value] = -1.0
 _RATE_MEMORY_S = 2000.0
 _OUTGROWN_RATIO = 1.3
 
@@ -86,22 +96,26 @@ def rate_psd(drift_rate_mps: float) -> float:
     return 2.0 * drift_rate_mps * drift_rate_mps / _RATE_MEMORY_S
 
 
+@lru_cache(maxsize=64)
 def transition(dt_s: float) -> Matrix:
-    """Return F (10, 10) over an interval."""
+    """Return F (10, 10) over an interval; not to be changed, since few intervals come again and again."""
     F = np.eye(STATES)
     F[:6, :6] = transition_matrix(dt_s)
     F[6, 8] = F[7, 9] = dt_s
+    F.flags.writeable = False
     return F
 
 
+@lru_cache(maxsize=64)
 def noise(dt_s: float, acceleration_psd: float, psd: float) -> Matrix:
-    """Return Q (10, 10) over an interval, exact, for white acceleration and a rate that wanders."""
+    """Return Q (10, 10), exact, for white acceleration and a rate that wanders; not to be changed either."""
     Q = np.zeros((STATES, STATES))
     Q[:6, :6] = process_noise(dt_s, acceleration_psd)
     q = psd * dt_s
     Q[B, B] = (q * dt_s * dt_s / 3.0) * _LEVEL
     Q[B, C] = Q[C, B] = (0.5 * q * dt_s) * _LEVEL
     Q[C, C] = q * _LEVEL
+    Q.flags.writeable = False
     return Q
 
 
@@ -130,15 +144,15 @@ def topped_up(P: Matrix, unaided: Unaided, stated: Stated, drift_rate_mps: float
     Return P and what would be known without sonar, grown where the navigations state more than that.
 
     What they state is a floor: a vehicle that drifts faster than `drift_rate_mps` says so, and is believed.
+    What an offset gains the position loses, for packets say their sum: an own drift moves the frame that the
+    position is in, and a sender that drifts tells a velocity by which the position was carried on wrongly.
     """
     more_m2 = stated.offset_m2 - unaided.offset_m2
     if stated.offset_m2 <= _OUTGROWN_RATIO * unaided.offset_m2:
         more_m2 = 0.0
     more_rate = max(stated.rate(drift_rate_mps) - unaided.rate, 0.0)
     if more_m2 > 0.0 or more_rate > 0.0:
-        P = P.copy()
-        P[B, B] += more_m2 * _LEVEL
-        P[C, C] += more_rate * _LEVEL
+        P = P + more_m2 * _POSITION_DRIFT + more_rate * _VELOCITY_DRIFT
     return P, replace(
         unaided,
         offset_m2=unaided.offset_m2 + more_m2,

@@ -3,19 +3,22 @@ The extended Kalman filter of a neighbour, thesis Eqs. (5.29)-(5.35): one belief
 
 While both navigations state that they do not err, the state is position and velocity (m, m/s; NED); with the
 first one that does, the four states of `navigation_offset` are added.  filterpy predicts and updates (Joseph
-form).  Nothing is remembered here: a belief is never changed, so that a track can go back to an earlier one
-when a packet comes late.
+form).  The spectral density of the acceleration is fixed, or follows what the neighbour's own packets show:
+the mean square change of the reported velocity per second, with a fading memory.  Nothing is remembered here:
+a belief is never changed, so that a track can go back to an earlier one when a packet comes late.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking import navigation_offset as offset
 from auv_flocking.navigation_offset import OwnFix, Stated, Unaided
@@ -26,6 +29,7 @@ from auv_flocking.sonar_contact import Sighting
 Matrix = NDArray[np.float64]
 
 _FIX_RATIO = 0.95
+_PRIOR_S = 20.0
 _SENSELESS = 60.0  # squared Mahalanobis distance that six numbers exceed once in 10^11
 
 
@@ -35,6 +39,11 @@ class NeighbourConfig:
 
     acceleration_psd: float = param(
         "spectral density of a neighbour's acceleration (m^2/s^3)", default=1e-3, above=0.0
+    )
+    acceleration_memory_s: float = param(
+        "time over which that density follows a neighbour's changes of velocity, 0 for a fixed one (s)",
+        default=0.0,
+        minimum=0.0,
     )
     position_std_m: float = param(
         "standard deviation of a reported position, per axis, beside what its sender states (m)",
@@ -63,6 +72,31 @@ class NeighbourConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class Unrest:
+    """
+    How much a neighbour has changed its velocity, by its packets: the newest one's time tag (s) and velocity
+    (m/s; NED), and the fading sums of squared changes per axis (m^2/s^2) and of the times that they took (s).
+    """
+
+    time_s: float
+    velocity: Vec3
+    squares: float
+    duration_s: float
+
+    @property
+    def psd(self) -> float:
+        """Spectral density of an acceleration that changes the velocity so much (m^2/s^3)."""
+        return self.squares / self.duration_s
+
+    def after(self, report: Report, memory_s: float) -> Unrest:
+        """Return the same after one more packet."""
+        gap_s = report.time_s - self.time_s
+        kept = math.exp(-gap_s / memory_s)
+        squares = kept * self.squares + math.dist(report.velocity, self.velocity) ** 2 / 3.0
+        return Unrest(report.time_s, report.velocity, squares, kept * self.duration_s + gap_s)
+
+
+@dataclass(frozen=True, slots=True)
 class Belief:
     """
     What is believed of a neighbour at one time.
@@ -75,8 +109,12 @@ class Belief:
         Position (m) and velocity (m/s), NED; then offset (m) and rate (m/s), north and east.
     P : (6, 6) or (10, 10) array
         Its covariance.
+    psd : float
+        Spectral density of its acceleration (m^2/s^3).
     unaided : Unaided or None
         What would be known of the offset without sonar; None where there is no offset.
+    unrest : Unrest or None
+        Where the density comes from; None where it is fixed.
     innovation, precision : arrays
         Of the measurement that led here, and the inverse of its covariance; None where there was none.
 
@@ -85,7 +123,9 @@ class Belief:
     time_s: float
     x: Matrix
     P: Matrix
+    psd: float
     unaided: Unaided | None = None
+    unrest: Unrest | None = None
     innovation: Matrix | None = None
     precision: Matrix | None = None
 
@@ -120,10 +160,13 @@ class NeighbourFilter:
 
     def first(self, report: Report, stated: Stated) -> Belief:
         """Return the belief after the first packet: what it says."""
-        z = _numbers(report)
+        z, psd, unrest = _numbers(report), self._config.acceleration_psd, None
+        if self._config.acceleration_memory_s > 0.0:
+            unrest = Unrest(report.time_s, report.velocity, psd * _PRIOR_S, _PRIOR_S)
         if stated.is_exact:
-            return Belief(report.time_s, z, self._noise.copy())
-        return Belief(report.time_s, *offset.first(z, self._noise, stated, self._config.drift_rate_mps))
+            return Belief(report.time_s, z, self._noise.copy(), psd, None, unrest)
+        x, P, unaided = offset.first(z, self._noise, stated, self._config.drift_rate_mps)
+        return Belief(report.time_s, x, P, psd, unaided, unrest)
 
     def after_packet(self, belief: Belief, report: Report, stated: Stated) -> Belief:
         """
@@ -132,19 +175,24 @@ class NeighbourFilter:
         With an offset, a packet that cannot be true of what was believed starts the belief anew: a contact of
         another vehicle was taken for this one's, or a navigation erred more than it said.
         """
-        if belief.unaided is None and stated.is_exact:
+        moved = self._moved(belief, report)
+        ahead = self._predicted(moved, report.time_s)
+        if ahead.unaided is None and stated.is_exact:
             identity = np.eye(6)
-            ahead = self._predicted(belief, report.time_s)
-            return self._updated(ahead, _numbers(report), lambda _x: identity, lambda x: x, self._noise)
-        ahead = self._with_offset(belief, report.time_s, stated)
-        after = self._updated(
-            ahead,
-            _numbers(report),
-            lambda _x: offset.PACKET,
-            lambda x: offset.PACKET @ x,
-            self._noise,
-        )
-        return self.first(report, stated) if after.nis > _SENSELESS else after
+            after = self._updated(ahead, _numbers(report), lambda _x: identity, lambda x: x, self._noise)
+        else:
+            after = self._updated(
+                self._with_offset(ahead, stated),
+                _numbers(report),
+                lambda _x: offset.PACKET,
+                lambda x: offset.PACKET @ x,
+                self._noise,
+            )
+            if after.nis > _SENSELESS:
+                return self.first(report, stated)
+        if after.unrest is not None:
+            return replace(after, psd=self._bounded(after.unrest.psd))
+        return after
 
     def after_sighting(self, belief: Belief, sighting: Sighting) -> Belief:
         """Return the belief after a sonar contact, at its time."""
@@ -164,41 +212,50 @@ class NeighbourFilter:
         """Return the belief after a fix of the own navigation, in the frame that it has from then on."""
         ahead = self._predicted(belief, fix.time_s)
         if ahead.unaided is None:
-            ahead = Belief(fix.time_s, *offset.widened(ahead.x, ahead.P))
-            stated = Stated(fix.before_m2, 0.0)
-            ahead = self._topped_up(ahead, stated)
+            ahead = self._with_offset(ahead, Stated(fix.before_m2, 0.0))
         assert ahead.unaided is not None
         z, H, R = fix.tells(ahead.unaided.sender_m2)
         after = self._updated(ahead, z, lambda _x: H, lambda x: H @ x, R)
         x, unaided = fix.shifted(after.x, ahead.unaided)
-        return Belief(fix.time_s, x, after.P, unaided, after.innovation, after.precision)
+        return replace(after, x=x, unaided=unaided)
 
-    def _with_offset(self, belief: Belief, t_s: float, stated: Stated) -> Belief:
-        """Return the belief carried to `t_s`, with an offset as uncertain as is stated there."""
-        ahead = self._predicted(belief, t_s)
-        x, P, unaided = ahead.x, ahead.P, ahead.unaided
+    def _moved(self, belief: Belief, report: Report) -> Belief:
+        """
+        Return the belief with the unrest that a new packet shows.
+
+        The way to the packet is carried with the larger of the densities before it and after it.
+        """
+        if belief.unrest is None:
+            return belief
+        unrest = belief.unrest.after(report, self._config.acceleration_memory_s)
+        return replace(belief, unrest=unrest, psd=max(belief.psd, self._bounded(unrest.psd)))
+
+    def _bounded(self, psd: float) -> float:
+        """Return a density within two decades below and one above the configured one (m^2/s^3)."""
+        usual = self._config.acceleration_psd
+        return min(max(psd, 0.01 * usual), 10.0 * usual)
+
+    def _with_offset(self, belief: Belief, stated: Stated) -> Belief:
+        """Return the belief with an offset as uncertain as is stated at its time."""
+        x, P, unaided = belief.x, belief.P, belief.unaided
         if unaided is None:
             x, P, unaided = offset.widened(x, P)
         if stated.sender_m2 < _FIX_RATIO * _FIX_RATIO * unaided.sender_m2:
             x, P, unaided = offset.after_sender_fix(x, P, unaided, stated.own_m2, stated.sender_m2)
-        return self._topped_up(Belief(t_s, x, P, unaided), stated)
-
-    def _topped_up(self, belief: Belief, stated: Stated) -> Belief:
-        assert belief.unaided is not None
-        P, unaided = offset.topped_up(belief.P, belief.unaided, stated, self._config.drift_rate_mps)
-        return Belief(belief.time_s, belief.x, P, unaided)
+        P, unaided = offset.topped_up(P, unaided, stated, self._config.drift_rate_mps)
+        return Belief(belief.time_s, x, P, belief.psd, unaided, belief.unrest)
 
     def _predicted(self, belief: Belief, t_s: float) -> Belief:
         dt_s = t_s - belief.time_s
         engine = self._engine(belief)
-        psd, unaided = self._config.acceleration_psd, belief.unaided
+        unaided = belief.unaided
         if unaided is None:
-            engine.F, engine.Q = transition_matrix(dt_s), process_noise(dt_s, psd)
+            engine.F, engine.Q = transition_matrix(dt_s), process_noise(dt_s, belief.psd)
         else:
-            engine.F, engine.Q = offset.transition(dt_s), offset.noise(dt_s, psd, self._rate_psd)
+            engine.F, engine.Q = offset.transition(dt_s), offset.noise(dt_s, belief.psd, self._rate_psd)
             unaided = unaided.after(dt_s, self._rate_psd)
         engine.predict()
-        return Belief(t_s, engine.x, engine.P, unaided)
+        return Belief(t_s, engine.x, engine.P, belief.psd, unaided, belief.unrest)
 
     def _updated(
         self,
@@ -210,7 +267,16 @@ class NeighbourFilter:
     ) -> Belief:
         engine = self._engine(belief)
         engine.update(z, HJacobian=jacobian, Hx=measurement, R=R)
-        return Belief(belief.time_s, engine.x, engine.P, belief.unaided, engine.y, engine.SI)
+        return Belief(
+            belief.time_s,
+            engine.x,
+            engine.P,
+            belief.psd,
+            belief.unaided,
+            belief.unrest,
+            engine.y,
+            engine.SI,
+        )
 
     def _engine(self, belief: Belief) -> Any:
         """Return filterpy's filter, set to a belief."""

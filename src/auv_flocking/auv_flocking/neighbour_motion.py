@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Matrix = NDArray[np.float64]
-Growth = tuple[Matrix, Matrix, Matrix, Matrix]
 
 
 def _on_every_axis(block: list[list[float]]) -> Matrix:
@@ -40,21 +39,23 @@ def process_noise(dt_s: float, acceleration_psd: float) -> Matrix:
     return (q * dt_s * dt_s / 3.0) * _POSITION + (0.5 * q * dt_s) * _COUPLING + q * _VELOCITY
 
 
-def covariance_growth(covariance: Matrix, acceleration_psd: float) -> Growth:
+def covariance_growth(covariance: Matrix, acceleration_psd: float) -> Matrix:
     """
-    Return the coefficients of F P F^T + Q (6, 6) as a cubic in the interval, constant first: at every tick
+    Return the coefficients (4, 36) of F P F^T + Q as a cubic in the interval, constant first: at every tick
     that is cheaper than the product.
     """
     drifted = _DRIFT @ covariance
-    return (
+    coefficients = (
         covariance,
         drifted + drifted.T + acceleration_psd * _VELOCITY,
         drifted @ _DRIFT.T + (0.5 * acceleration_psd) * _COUPLING,
         (acceleration_psd / 3.0) * _POSITION,
     )
+    return np.array(coefficients).reshape(4, 36)
 
 
-def grown(growth: Growth, dt_s: float) -> Matrix:
+def grown(growth: Matrix, dt_s: float) -> Matrix:
     """Return the covariance (6, 6) after `dt_s`; the caller may keep and change it."""
-    constant, linear, square, cube = growth
-    return constant + dt_s * (linear + dt_s * (square + dt_s * cube))
+    square_s2 = dt_s * dt_s
+    covariance: Matrix = np.dot((1.0, dt_s, square_s2, square_s2 * dt_s), growth).reshape(6, 6)
+    return covariance

@@ -115,7 +115,7 @@ class NeighbourTable:
         heard = HeardReport(report.time_s, report, stated)
         track = self._tracks.get(report.address)
         if track is None:
-            self._tracks[report.address] = Track(heard, self._config.acceleration_psd, self._filter)
+            self._tracks[report.address] = Track(heard, self._filter)
         elif not track.hear(heard):
             self.outdated += 1
 

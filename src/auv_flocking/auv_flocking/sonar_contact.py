@@ -80,13 +80,7 @@ def contact_jacobian(relative: Vec3) -> Matrix:
     Straight above or below there is no bearing, and no hull is at no distance: both distances are kept from
     vanishing.
     """
-    x, y, z = relative
-    range_m = max(math.sqrt(x * x + y * y + z * z), _SMALLEST_RANGE_M)
-    level_m = math.hypot(x, y)
-    if level_m < _SMALLEST_LEVEL_RATIO * range_m:
-        c, s = (x / level_m, y / level_m) if level_m > 0.0 else (1.0, 0.0)
-        level_m = _SMALLEST_LEVEL_RATIO * range_m
-        x, y = c * level_m, s * level_m
+    x, y, z, level_m, range_m = _kept_apart(relative)
     square_m2 = range_m * range_m
     return np.array(
         (
@@ -95,6 +89,30 @@ def contact_jacobian(relative: Vec3) -> Matrix:
             (z * x / (square_m2 * level_m), z * y / (square_m2 * level_m), -level_m / square_m2),
         )
     )
+
+
+def point_jacobian(relative: Vec3) -> Matrix:
+    """Return the derivative (3, 3) of `relative_of` by the contact, the inverse of `contact_jacobian`."""
+    x, y, z, level_m, range_m = _kept_apart(relative)
+    return np.array(
+        (
+            (x / range_m, -y, z * x / level_m),
+            (y / range_m, x, z * y / level_m),
+            (z / range_m, 0.0, -level_m),
+        )
+    )
+
+
+def _kept_apart(relative: Vec3) -> tuple[float, float, float, float, float]:
+    """Return x, y, z, level distance and range of a point near `relative` (m) where angles have a meaning."""
+    x, y, z = relative
+    level_m, range_m = math.hypot(x, y), math.sqrt(x * x + y * y + z * z)
+    least_m = _SMALLEST_LEVEL_RATIO * max(range_m, _SMALLEST_RANGE_M)
+    if level_m < least_m:
+        x, y = (x * least_m / level_m, y * least_m / level_m) if level_m > 0.0 else (least_m, 0.0)
+        level_m = least_m
+        range_m = math.hypot(level_m, z)
+    return x, y, z, level_m, range_m
 
 
 def sighting(
@@ -124,11 +142,11 @@ def sighting(
         (body_to_ned(q, (1.0, 0.0, 0.0)), body_to_ned(q, (0.0, 1.0, 0.0)), body_to_ned(q, (0.0, 0.0, 1.0)))
     ).T
     H = contact_jacobian(relative) @ R_ned_body.T
+    back = R_ned_body @ point_jacobian(relative)
     angle_rad2 = angle_sd_rad * angle_sd_rad
     noise = np.diag(
         (range_sd_m * range_sd_m, angle_rad2 + nav.heading_sd_rad * nav.heading_sd_rad, angle_rad2)
     )
-    back = np.linalg.inv(H)
     return Sighting(
         t_s, np.array(nav.position) + R_ned_body @ np.array(relative), H, noise, back @ noise @ back.T
     )

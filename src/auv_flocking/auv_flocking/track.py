@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from auv_core.geometry import Vec3
 from auv_flocking.navigation_offset import OwnFix, Stated
 from auv_flocking.neighbour_filter import Belief, NeighbourFilter
-from auv_flocking.neighbour_motion import Growth, covariance_growth, grown
+from auv_flocking.neighbour_motion import covariance_growth, grown
 from auv_flocking.report import Report
 from auv_flocking.sonar_contact import Sighting
 
@@ -78,13 +78,12 @@ class Track:
     contact (-inf: none), `belief` what is believed at the time of the newest measurement.
     """
 
-    def __init__(self, heard: HeardReport, config_psd: float, neighbour_filter: NeighbourFilter) -> None:
+    def __init__(self, heard: HeardReport, neighbour_filter: NeighbourFilter) -> None:
         self._filter = neighbour_filter
-        self._psd = config_psd
         self._measurements: list[Measurement] = [heard]
         self._beliefs = [neighbour_filter.first(heard.report, heard.stated)]
         self._is_whole = True
-        self._growth: Growth | None = None
+        self._growth: Matrix | None = None
         self._numbers: list[float] = []
         self.report = heard.report
         self.seen_s = -math.inf
@@ -125,7 +124,7 @@ class Track:
         """Return the neighbour as believed at `t_s`."""
         report, belief = self.report, self._beliefs[-1]
         if self._growth is None:
-            self._growth = covariance_growth(belief.P[:6, :6], self._psd)
+            self._growth = covariance_growth(belief.P[:6, :6], belief.psd)
             self._numbers = belief.x.tolist()
         x, dt_s, age_s = self._numbers, t_s - belief.time_s, t_s - report.time_s
         centre = (

@@ -62,8 +62,9 @@ class Navigation:
 
 def fly(setting, config, seed, duration_s, start=(4.0, 3.0, 1.0, 0.0, 0.0, 0.0)):
     """
-    Yield per tick: time (s), own navigation, packets that arrive, contacts, and the neighbour's true state (6,)
-    in the frame of the own navigation.
+    Yield per tick: time (s), own navigation, packets that arrive, contacts, and the neighbour's true state.
+
+    The true state (6,) is in the frame of the own navigation.
     """
     rng = np.random.default_rng(seed)
     state, own_position, own_velocity = np.array(start), np.zeros(3), np.array([0.05, -0.03, 0.0])
@@ -108,7 +109,5 @@ def _contacts(setting, rng, tick, relative):
     contact = contact_of(tuple(relative.tolist()))
     off = rng.standard_normal(3) * (setting.range_sd_m, setting.angle_sd_rad, setting.angle_sd_rad)
     return (
-        type(contact)(
-            contact.range_m + off[0], contact.bearing_rad + off[1], contact.elevation_rad + off[2]
-        ),
+        type(contact)(contact.range_m + off[0], contact.bearing_rad + off[1], contact.elevation_rad + off[2]),
     )
