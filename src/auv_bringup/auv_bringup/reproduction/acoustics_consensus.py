@@ -29,6 +29,7 @@ from auv_bringup.reproduction import (
 from auv_bringup.reproduction.acoustics_consensus_runs import (
     DURATION_S,
     FILTERS,
+    FLYING,
     HELD,
     LAG,
     LONG,
@@ -125,6 +126,19 @@ def _lag_rows(runs: list[Run]) -> list[Row]:
     return rows
 
 
+def _flying_rows(runs: list[Run]) -> list[Row]:
+    rows = []
+    for name, run in zip(FLYING, runs, strict=True):
+        m = run.metrics
+        ours = (
+            f"smallest distance {m['pair_distance_min_m']:.2f} m, path "
+            f"{m['centroid_path_rms_after_200s_m']:.2f} m (rms, t > 200 s), worst estimate of the centre "
+            f"{_m(m['consensus_error_max_m'])} (t > 100 s)"
+        )
+        rows.append(Row(name, "not given", ours, NO_NUMBER, "collision" if m["collision"] else ""))
+    return rows
+
+
 def _draw(canvas: Canvas, runs: list[Run]) -> None:
     canvas.set_size_inches(6.5, 5.0)
     panels = canvas.subplots(2, 2, sharex=True, sharey=True)
@@ -213,6 +227,12 @@ TABLES = (
     ),
     Table(
         "A.24", "What velocity consensus takes from the lag of a blind flock", tuple(LAG.values()), _lag_rows
+    ),
+    Table(
+        "A.25",
+        "Flocks that fly by each filter, slots of 2 s, 60 % loss",
+        tuple(FLYING.values()),
+        _flying_rows,
     ),
 )
 

@@ -126,6 +126,10 @@ LAG = {
         "ch5_one_leader_blind", (*_WITH_VELOCITY, "agent.flocking.params.leader_steers=centre"), 300.0
     ),
 }
+FLYING = {
+    name: RunSpec("flock_modem", (f"agent.consensus={consensus}", _water(2.0, 0.6), f"seed={SEEDS[0]}"))
+    for name, consensus in FILTERS.items()
+}
 
 
 @dataclass(frozen=True)
@@ -135,9 +139,9 @@ class Numbers:
 
     bias_m: largest |mean of the estimates - mean of the positions|; disagreement_m: largest distance of an
     estimate from the mean of the estimates; error_rms_m: root mean square of |estimate - mean of the
-    positions|; settled_s: first time after which every error stays within 5 % of the largest one at the start,
-    None if that is never; rate_ps: rate of an exponential that comes as near to where the estimates settle,
-    right or wrong, in the same time, None if they do not.
+    positions|; settled_s: first time after which every error stays within 5 % of the largest one at the
+    start, None if that is never; rate_ps: rate of an exponential that comes as near to where the estimates
+    settle, right or wrong, in the same time, None if they do not.
     """
 
     bias_m: float
