@@ -17,7 +17,9 @@ another of its chapter is counted once.
 2. The functions get the finished runs in the order of `runs`. They fly nothing and keep nothing.
 3. Every number, word of evidence and verdict comes from the runs; only what the thesis prints is typed in.
 4. `draw` gets an empty Matplotlib figure, in the style of `auv_bringup.plotting`; axes are the thesis's.
-5. Numbers ("2.6") are unique among figures, among tables and, with their text, among claims. What the thesis
+5. Studies of many seeds (`RunSpec.nth`) get the runs of as many seeds as were asked for, none for what comes
+   later; their functions look at `run.spec`.
+6. Numbers ("2.6") are unique among figures, among tables and, with their text, among claims. What the thesis
    does not have takes a letter: "3.A".
 
 docs/reproduction.md says how the page is made.
@@ -29,7 +31,7 @@ import importlib
 import re
 import shlex
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -70,11 +72,15 @@ class RunSpec:
     A run in one process: a scenario, `--set` overrides ("path=value") and perhaps another duration (s).
 
     Hashable; equal ones are flown once. The scenario's own seed and sampling hold unless overridden.
+    A study flies one thing with many seeds: its runs have a `nth` and are flown only where more than `nth`
+    seeds are asked for, and keep metrics only where `keep_recording` is false (a recording has megabytes).
     """
 
     scenario: str
     overrides: tuple[str, ...] = ()
     duration_s: float | None = None
+    keep_recording: bool = True
+    nth: int = 0
 
     def __str__(self) -> str:
         """Return the run as the arguments of `./scripts/run`."""
@@ -227,6 +233,25 @@ def choose(found: Sequence[Chapter], keys: Sequence[str]) -> tuple[Chapter, ...]
         if key not in known:
             raise ChapterError(f"{key!r} is not allowed; allowed: {', '.join(known) or 'nothing yet'}")
     return tuple(chapter for chapter in found if not keys or chapter.key in keys)
+
+
+def with_seeds(found: Sequence[Chapter], n_seeds: int) -> tuple[Chapter, ...]:
+    """Return the chapters without the runs of their studies that come after the first `n_seeds`."""
+
+    def fewer(items: tuple[Any, ...]) -> tuple[Any, ...]:
+        return tuple(
+            replace(item, runs=tuple(spec for spec in item.runs if spec.nth < n_seeds)) for item in items
+        )
+
+    return tuple(
+        replace(
+            chapter,
+            figures=fewer(chapter.figures),
+            tables=fewer(chapter.tables),
+            claims=fewer(chapter.claims),
+        )
+        for chapter in found
+    )
 
 
 def chapter_key(module_name: str) -> str:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from auv_bringup.interrupts import make_signals_interrupt
 from auv_bringup.one_line_parser import OneLineParser, fail, refusal
-from auv_bringup.reproduction import Chapter, ChapterError, chapters, choose
+from auv_bringup.reproduction import Chapter, ChapterError, chapters, choose, with_seeds
 from auv_core.params import ConfigError
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 MOST_WORKERS = 256
+MOST_SEEDS = 100
+FEW_SEEDS = 2
 RUNS = "runs"
 FAILURES_FILE = "failures.txt"
 
@@ -58,6 +60,7 @@ examples:
   ./scripts/reproduce --list             what there is
   ./scripts/reproduce --only ch3         one chapter
   ./scripts/reproduce --only ch2,ch4 --out /tmp/two_chapters
+  ./scripts/reproduce --only acoustics --seeds 100   the studies with all their seeds
   ./scripts/reproduce --docs             write docs/equations.md and docs/figures.md again
 """
 
@@ -70,7 +73,7 @@ def main(arguments: Sequence[str] | None = None, found: Sequence[Chapter] | None
         known = chapters() if found is None else tuple(found)
         if options.docs:
             return _write_documents(known)
-        chosen = _chosen(known, options.only)
+        chosen = with_seeds(_chosen(known, options.only), options.seeds)
         if options.list:
             return _list(chosen)
         return _reproduce(chosen, options, list(sys.argv[1:] if arguments is None else arguments))
@@ -113,6 +116,13 @@ def _parser() -> argparse.ArgumentParser:
         metavar="N",
         help="number of processes (default: one per processor, %(default)s)",
     )
+    parser.add_argument(
+        "--seeds",
+        type=_seeds,
+        default=FEW_SEEDS,
+        metavar="N",
+        help=f"how many seeds the studies fly, up to {MOST_SEEDS} (default: %(default)s, a look at them)",
+    )
     parser.add_argument("--fresh", action="store_true", help="fly everything again, also what is kept")
     parser.add_argument(
         "--out",
@@ -132,12 +142,20 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _workers(text: str) -> int:
-    allowed = f"a whole number from 1 to {MOST_WORKERS}"
+    return _count(text, MOST_WORKERS)
+
+
+def _seeds(text: str) -> int:
+    return _count(text, MOST_SEEDS)
+
+
+def _count(text: str, most: int) -> int:
+    allowed = f"a whole number from 1 to {most}"
     try:
         value = int(text)
     except ValueError:
         raise refusal(text, allowed) from None
-    if not 1 <= value <= MOST_WORKERS:
+    if not 1 <= value <= most:
         raise refusal(text, allowed)
     return value
 

@@ -62,7 +62,7 @@ def fly_all(
     """
     flown = Flown()
     _plan(dict.fromkeys(specs), flown, tally)
-    by_key = {run.key: run for run in flown.planned.values()}
+    by_key = _by_key(flown)
     flown.kept = set() if is_fresh else {key for key, run in by_key.items() if store.has(run)}
     missing = sorted((run for key, run in by_key.items() if key not in flown.kept), key=_longest_first)
     kept = f", and {len(flown.kept)} kept from an earlier call" if flown.kept else ""
@@ -83,6 +83,15 @@ def fly_all(
         if (times_s := store.times_s(key)) is not None:
             flown.times_s[key] = times_s
     return flown
+
+
+def _by_key(flown: Flown) -> dict[str, PlannedRun]:
+    """Return each run once; where two specs name one run, the one that wants its recording."""
+    by_key: dict[str, PlannedRun] = {}
+    for run in flown.planned.values():
+        if run.key not in by_key or run.spec.keep_recording:
+            by_key[run.key] = run
+    return by_key
 
 
 def _plan(specs: Iterable[RunSpec], flown: Flown, tally: Tally) -> None:

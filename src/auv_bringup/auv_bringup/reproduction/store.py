@@ -1,9 +1,9 @@
 """
 Runs on disk, each under a name that stands for everything it follows from.
 
-``runs/<hash>/`` holds scenario.yaml (resolved), recording.npz, metrics.json and run.json. The hash is taken
-over the resolved scenario, the source that runs depend on, and the versions of Python and its numerical
-packages: what is found under it is what a new run would give.
+``runs/<hash>/`` holds scenario.yaml (resolved), recording.npz (where it is wanted), metrics.json and
+run.json. The hash is taken over the resolved scenario, the source that runs depend on, and the versions of
+Python and its numerical packages: what is found under it is what a new run would give.
 """
 
 from __future__ import annotations
@@ -70,19 +70,24 @@ class Store:
         self.folder = folder
 
     def has(self, run: PlannedRun) -> bool:
-        """Tell whether the run is there, complete."""
-        return (self.folder / run.key / _RUN_FILE).is_file()
+        """Tell whether the run is there, complete, with its recording if that is wanted."""
+        folder = self.folder / run.key
+        has_recording = not run.spec.keep_recording or (folder / results.RECORDING_FILE).is_file()
+        return (folder / _RUN_FILE).is_file() and has_recording
 
     def put(
         self, run: PlannedRun, recording: Recording, metrics_json: str, *, wall_s: float, cpu_s: float
     ) -> None:
-        """Keep a finished run, and the wall and processor time that it took: all of it or nothing."""
+        """
+        Keep what is wanted of a finished run, and the wall and processor time that it took: all or nothing.
+        """
         unfinished = self.folder / f"{run.key}.{os.getpid()}{_SUFFIX}"
         shutil.rmtree(unfinished, ignore_errors=True)
         unfinished.mkdir(parents=True)
         (unfinished / results.SCENARIO_FILE).write_text(scenario_to_yaml(run.scenario), encoding="utf-8")
         (unfinished / results.METRICS_FILE).write_text(metrics_json, encoding="utf-8")
-        recording.save(unfinished / results.RECORDING_FILE)
+        if run.spec.keep_recording:
+            recording.save(unfinished / results.RECORDING_FILE)
         known = {"run": str(run.spec), "wall_s": wall_s, "cpu_s": cpu_s, "source": source_version()}
         results.write_json(unfinished / _RUN_FILE, known)
         shutil.rmtree(self.folder / run.key, ignore_errors=True)
