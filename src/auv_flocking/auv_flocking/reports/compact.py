@@ -158,13 +158,12 @@ class Format:
             stand for nothing; never anything else.
 
         """
+        if payload and payload[0] >> 4 != VERSION:
+            raise ReportError(f"version {payload[0] >> 4}; this format reads version {VERSION}")
         v = self._layout.unpack(payload)
-        version, address = int(v[0]), int(v[1])
-        if version != VERSION or address == 0:
-            raise ReportError(
-                f"version {version}, address {address}; "
-                f"this format reads version {VERSION} and addresses from 1"
-            )
+        address = int(v[1])
+        if address == 0:
+            raise ReportError("address 0 is nobody's")
         step = round(v[3] / _TIME_RESOLUTION_S)
         turns = round((now_s / _TIME_RESOLUTION_S - step) / _TIME_LEVELS)
         step += turns * _TIME_LEVELS
