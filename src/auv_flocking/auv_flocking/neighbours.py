@@ -108,6 +108,11 @@ class NeighbourTable:
         """Number of neighbours heard at least once."""
         return len(self._tracks)
 
+    @property
+    def tracks(self) -> list[Track]:
+        """The neighbours heard at least once, in the order of addresses."""
+        return [track for _, track in sorted(self._tracks.items())]
+
     def receive(self, report: Report) -> None:
         """Use one report. They come in the order of their arrival, which need not be that of their tags."""
         own_m2 = self._own.variance_m2(report.time_s)
@@ -159,7 +164,7 @@ class NeighbourTable:
 
     def _recent(self, t_s: float) -> list[Track]:
         timeout_s = self._config.timeout_s
-        return [track for _, track in sorted(self._tracks.items()) if t_s - track.report.time_s <= timeout_s]
+        return [track for track in self.tracks if t_s - track.report.time_s <= timeout_s]
 
     def _follow(self, t_s: float, nav: VehicleState) -> None:
         """Take note of the own navigation, and of a fix that it had."""

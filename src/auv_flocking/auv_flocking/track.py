@@ -93,6 +93,21 @@ class Track:
         """What is believed at the time of the newest measurement."""
         return self._beliefs[-1]
 
+    def nis(self, time_s: float, numbers: int) -> float:
+        """
+        Return the normalised innovation squared of the measurement of that time that has so many numbers.
+
+        NaN where none is remembered, and for the first packet, which nothing predicts.
+        """
+        for belief in self._beliefs:
+            if (
+                belief.time_s == time_s
+                and belief.innovation is not None
+                and len(belief.innovation) == numbers
+            ):
+                return belief.nis
+        return math.nan
+
     def hear(self, heard: HeardReport) -> bool:
         """
         Use a packet, in its place; return whether it could be used.

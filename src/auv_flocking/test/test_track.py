@@ -7,7 +7,6 @@ import pytest
 from filterpy.kalman import KalmanFilter
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from neighbour_truth import Setting, fly
 from scipy.linalg import expm
 
 from auv_core.messages import VehicleState
@@ -18,6 +17,7 @@ from auv_flocking.neighbour_motion import covariance_growth, grown, process_nois
 from auv_flocking.neighbours import NeighbourTable
 from auv_flocking.report import Report
 from auv_flocking.sonar_contact import contact_of, sighting
+from auv_flocking.synthetic_neighbour import Setting, fly
 from auv_flocking.track import HISTORY_S, HeardReport, Track
 
 CONFIG = NeighbourConfig()
@@ -318,8 +318,8 @@ def test_exact_navigations_need_no_offset_and_stated_errors_switch_to_it():
         (Setting(sender_rate_mps=RATE), 10),
     ):
         table = NeighbourTable(CONFIG)
-        for _t_s, nav, arrived, _contacts, _truth in fly(setting, CONFIG, 1, 10.0):
-            for report in arrived:
+        for now in fly(setting, CONFIG, np.random.default_rng(1), 10.0):
+            for report in now.reports:
                 table.receive(report)
-            table.estimates(_t_s, nav)
-        assert len(table._tracks[2].belief.x) == states
+            table.estimates(now.t_s, now.nav)
+        assert len(table.tracks[0].belief.x) == states
