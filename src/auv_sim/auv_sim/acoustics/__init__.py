@@ -1,7 +1,10 @@
 """
 The water as a network: what happens to a packet between two modems.
 
-Four plugin folders, one file per kind, named in a scenario as ``acoustics: {propagation: {kind, params},
-modem: ..., mac: ..., outage: ...}``; ``acoustics.preset`` names a file of ``presets/`` that fills in the
-sections left out.
+Five plugin folders, one file per kind, named in a scenario as ``acoustics: {propagation: {kind, params},
+modem: ..., mac: ..., outage: ..., sonar: ...}``; ``acoustics.preset`` names a file of ``presets/`` that fills
+in the sections left out.
+
+`medium` is the whole, `receiver` one modem's ear, `water` the formulas, `links` the counters, `event_log` the
+order of the acoustic log and what may not stand in it, `talk` modems without vehicles.
 """
