@@ -166,12 +166,25 @@ def test_what_moves_in_the_flock_grows_uncertain_with_its_age():
     assert _correction(_law(across, **still), _view(ORIGIN, across))[0] < 0.0
 
 
-def test_sonar_makes_a_neighbour_as_fresh_as_its_contact():
+@pytest.mark.parametrize(("contact_s", "counts_as_s"), [(0.5, 1.0), (3.0, 3.0)])
+def test_sonar_makes_a_neighbour_as_fresh_as_its_contact_and_no_fresher_than_the_hull(contact_s, counts_as_s):
     numbers = {"barrier": False, "cohesion_gain_ps": 0.0, "correction_limit_mps": DISTANT, "reach_m": DISTANT}
-    heard, seen = ([_estimate((1.5, 0.0, 0.0), age_s=20.0, sonar_age_s=age_s)] for age_s in (math.inf, 0.5))
+    heard, seen = ([_estimate((1.5, 0.0, 0.0), age_s=20.0, sonar_age_s=age_s)] for age_s in (math.inf, contact_s))
     slow = _correction(_law(heard, **numbers), _view(ORIGIN, heard))
     fast = _correction(_law(seen, **numbers), _view(ORIGIN, seen))
-    np.testing.assert_allclose(fast * 0.5, slow * 20.0, rtol=1e-9)
+    np.testing.assert_allclose(fast * counts_as_s, slow * 20.0, rtol=1e-9)
+
+
+def test_over_a_cycle_of_packets_the_gain_changes_by_a_factor_of_two_and_not_by_that_of_the_age():
+    numbers = {"barrier": False, "cohesion_gain_ps": 0.0, "correction_limit_mps": DISTANT, "reach_m": DISTANT}
+    law = Flocking(Params(**numbers), SEPARATION, is_leader=False)
+    pushes = []
+    for tick in range(4000):
+        estimates = [_estimate((1.5, 0.0, 0.0), age_s=0.1 * (1 + tick % 20))]
+        law.hear(estimates, 0.1)
+        pushes.append(law.velocity(_view(ORIGIN, estimates))[0] - W[0])
+    settled = np.abs(pushes[-400:])
+    assert settled.max() < 2.1 * settled.min()
 
 
 def test_followers_pass_on_the_newest_flock_velocity():

@@ -1,5 +1,8 @@
 """
-Every separation law in one flock: the main job's vehicles, modem and flocking law, under disturbances.
+Every separation law in one flock: the main job's vehicles and modem, under disturbances.
+
+The flocking law is `potential` with gains that suit the modem, so that nothing but the separation law keeps
+distances: the main job's own law would widen them by what it does not know, and bound the approach.
 
 What chapter 6 compares on single integrators that see each other, and the adaptive law of its future work,
 with hulls of 125 kg, a modem and one report a second.  Obstacles are left out, so that what is left of a
@@ -38,6 +41,14 @@ DURATION_S = 200.0
 JUDGED_AFTER_S = 100.0
 _N_VEHICLES = 4
 _FREE = "environment.obstacles=[]"
+_POTENTIAL = (
+    "agent.hold_s=10.0",
+    "agent.flocking={kind: potential, params: {path_gain_ps: 0.1, bandwidth_ratio: 0.2, followers: blind}}",
+    "agent.flocking.params.leader_steers=centre",
+    "agent.flocking.params.feedforward=flock",
+    "agent.flocking.params.correction_limit_mps=0.2",
+    "agent.consensus={kind: thesis, params: {rate_ps: 1.0, follow_flock: true}}",
+)
 _KIND, _PARAMS = "agent.separation.kind", "agent.separation.params"
 
 LAWS = {
@@ -90,7 +101,7 @@ CONDITIONS: dict[str, tuple[str, ...]] = {
 
 
 def _spec(law: tuple[str, ...], condition: tuple[str, ...]) -> RunSpec:
-    return RunSpec("flock_acoustic", (_FREE, *law, *condition), DURATION_S)
+    return RunSpec("flock_acoustic", (_FREE, *_POTENTIAL, *law, *condition), DURATION_S)
 
 
 RUNS = {

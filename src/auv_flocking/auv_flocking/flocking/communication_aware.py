@@ -3,21 +3,23 @@ Flocking that is no faster than its information: the thesis's law on a real mode
 
     u   = w + barrier( limited( g k_c (c - eta) + sum_j g_j F(eta - eta_j, d_j),  min(u_max, l / A) ) )
     w   = eta_d_dot + limited( g k_l (eta_d - c),  w_max )          leader; followers: the newest they heard
-    g   = min(1, phi / A),        g_j = min(1, phi / a_j)
+    g   = min(1, phi / A),        g_j = min(1, phi / A_j)
     d_j = d + min(k_s sigma_j, m),   sigma_j^2 = n_j . P_j n_j + (k_v a_j |v_j - w|)^2
     barrier:  n_j . (u - w) >= -1/2 min(alpha, 1 / a_j) (r_j - D - min(k_b sigma_j, m))     for every j
 
 eta, eta_j: own position and the neighbour's as believed, r_j their distance, n_j the direction from the
 neighbour; c: own estimate of the flock's centre; F: the separation law; P_j: covariance of the relative
 position; v_j: the neighbour's velocity as believed; a_j: age of what is known of it, since its newest packet
-or since the own sonar saw it; A: mean age of the packets, or what it has been of late if that is more.
+or since the own sonar saw it; A_j: age of its newest packet, or what that has been of late if it is more,
+and the hull's lag where the sonar sees it; A: mean of the packets' A_j over the neighbours.
 
 1. A feedback of gain g on information of age A turns by g A (rad) at its crossover; phi bounds that, so the
    loop stays as well damped at 20 s as at 1 s.  The ages are measured, packet by packet, never configured:
    a slot length, a loss rate or a collision in the water need not be known.
 2. A neighbour whose place is uncertain is kept at a greater distance: by its filter's covariance, which has
    both navigations in it, and by what its velocity in the flock could carry it since it was heard.
-3. A neighbour that the sonar sees is as old as the contact, and so is repelled with a fast gain.
+3. A neighbour that the sonar sees is as old as the contact, and so is repelled with a fast gain.  Gains go by
+   what ages usually are: with the age of the moment the force would jump with every packet.
 4. w carries the flock; all else is a correction in the frame that moves with it.  A leader brings the
    centre to the path (thesis: "the average centre of the group will follow the desired trajectory"); w goes
    from vehicle to vehicle with the leader's time stamp, so that the newest wins and who does not hear the
@@ -203,7 +205,7 @@ class Flocking:
             normal, distance_m = _direction(own, other)
             sigma_m = self._sigma_m(estimate, normal, age_s, flock)
             spacing_m = p.spacing_m + min(p.spacing_sigmas * sigma_m, p.widening_limit_m)
-            factor = self._matched(age_s)
+            factor = self._matched(self._gain_age_s(estimate))
             dx, dy, dz = self._separation.velocity(own, other, spacing_m)
             x, y, z = x + factor * dx, y + factor * dy, z + factor * dz
             if p.barrier:
@@ -226,6 +228,17 @@ class Flocking:
         if self._learn is not None:
             distances_m = [math.dist(view.position, other) for other in view.neighbours]
             self._learn(distances_m, self._params.spacing_m, dt_s)
+
+    def _gain_age_s(self, estimate: NeighbourEstimate) -> float:
+        """
+        Return the age that the repulsion from a neighbour goes by (s).
+
+        It is what the age usually is, or is now if that is more: with the age of the moment the gain, and so
+        the vehicle, would jump with every packet.  What the sonar sees is as old as the hull's own lag.
+        """
+        if estimate.sonar_age_s < estimate.age_s:
+            return max(estimate.sonar_age_s, self._params.response_s)
+        return max(estimate.age_s, self._usual_age_s.get(estimate.address, 0.0))
 
     def _matched(self, age_s: float) -> float:
         """Return the factor that brings a gain down to what information of this age allows."""
