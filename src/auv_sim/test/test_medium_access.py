@@ -17,7 +17,7 @@ from auv_sim.acoustics.mac._poisson import PoissonTimes
 from auv_sim.acoustics.medium import MAC, AcousticMedium, MediumConfig
 from auv_sim.acoustics.talk import at_rest, talk
 
-MODERATE = settings(max_examples=25, deadline=None)
+MODERATE = settings(max_examples=15, deadline=None)
 FIXED = {"kind": "fixed_rate", "params": {"bit_rate_bps": 2000.0, "max_range_m": 1e5}}
 NOISY = {"kind": "noise_limited", "params": {"bit_rate_bps": 2000.0, "source_level_db": 165.0}}
 CASUAL = [
@@ -201,7 +201,7 @@ def test_tdma_collides_where_the_guard_is_too_short():
 )
 def test_the_throughput_of_slotted_aloha_is_the_textbooks(sources, load):
     """One listener, no capture, travel times inside the slot: S = G (1 - G / N)^(N - 1)."""
-    slots, slot_s = 12000, 0.2
+    slots, slot_s = 8000, 0.2
     mac = {"kind": "slotted_aloha", "params": {"slot_s": slot_s, "transmit_prob": load / sources}}
     medium = _medium(fleet_size=sources + 1, mac=mac, period_s=slot_s, seed=3)
     places = [(5.0 * i, 0.0, 5.0) for i in range(sources + 1)]
@@ -212,25 +212,27 @@ def test_the_throughput_of_slotted_aloha_is_the_textbooks(sources, load):
 
 
 def test_unslotted_aloha_collides_over_twice_the_airtime():
-    """A packet survives when nobody else begins within one airtime before or after: exp(-2 G)."""
-    sources, load, airtime_s = 12, 0.4, 0.128
-    interval_s = sources * airtime_s / load
+    """A packet survives when each other source is silent at its start, and for one airtime from then on."""
+    sources, interval_s, airtime_s = 12, 3.84, 0.128
     mac = {"kind": "aloha", "params": {"mean_interval_s": interval_s}}
     medium = _medium(fleet_size=sources + 1, mac=mac, propagation={"kind": "instant"})
-    talk(medium, range(8000), lambda _tick: [(0.0, 0.0, 5.0)] * (sources + 1), talkers=range(1, sources + 1))
+    talk(medium, range(6000), lambda _tick: [(0.0, 0.0, 5.0)] * (sources + 1), talkers=range(1, sources + 1))
     links = [medium.links[source, sources + 1] for source in range(1, sources + 1)]
     share = sum(link.delivered for link in links) / sum(link.sent for link in links)
-    # Eleven others, each a Poisson process that does not restart while it is on the air.
-    assert share == pytest.approx(math.exp(-2.0 * load * (sources - 1) / sources), rel=0.05)
+    # A source that is on the air does not wish: its times are airtime and interval apart on average.
+    is_silent = 1.0 - airtime_s / (interval_s + airtime_s)
+    expected = (is_silent * math.exp(-airtime_s / interval_s)) ** (sources - 1)
+    # Collisions come in pairs: about 1800 packets are as good as 900, of which this is three deviations.
+    assert share == pytest.approx(expected, abs=0.05)
 
 
 def test_a_modem_that_listens_does_not_begin_while_it_hears():
     mac = {"kind": "csma", "params": {"mean_interval_s": 0.5}}
     medium = _medium(fleet_size=5, mac=mac)
     places = _places(2, 5, 150.0)
-    events = talk(medium, range(3000), lambda _tick: places)
+    events = talk(medium, range(2000), lambda _tick: places)
     begun = _of(events, Outcome.SENT)
-    assert len(begun) > 500
+    assert len(begun) > 300
     heard = defaultdict(list)
     for event in events:
         if event.outcome is not Outcome.SENT:
