@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from auv_core.messages import Outcome, Packet
-from auv_core.params import load_section
+from auv_core.params import load, load_section
 from auv_sim.acoustics.medium import MODEM, OUTAGE, PROPAGATION
 from auv_sim.acoustics.modem import fixed_rate, noise_limited
 from auv_sim.acoustics.outage import none
@@ -245,6 +245,36 @@ def test_nothing_is_remembered_longer_than_needed():
         receiver.listen(0.1 * tick, HERE)
     assert len(receiver._signals) < 20
     assert len(receiver._own) < 20
+
+
+@MODERATE
+@given(
+    st.fixed_dictionaries(
+        {
+            "source_level_db": st.none() | st.floats(0.0, 250.0),
+            "power_w": st.floats(1e-300, 1e6),
+            "directivity_db": st.floats(-60.0, 60.0),
+            "carrier_hz": st.floats(10.0, 1e6),
+            "bandwidth_hz": st.floats(1.0, 1e6),
+            "modulation": st.sampled_from(["bpsk", "fsk"]),
+            "bit_rate_bps": st.floats(1e-3, 1e9),
+            "preamble_s": st.floats(0.0, 10.0),
+            "wind_mps": st.floats(0.0, 100.0),
+            "capture": st.booleans(),
+        }
+    ),
+    st.lists(st.tuples(st.floats(0.0, 3.0), st.floats(0.0, 1e6), st.integers(0, 300)), max_size=5),
+    st.floats(0.0, 4.0),
+)
+def test_no_number_is_too_large_or_too_small(params, sendings, exponent):
+    modem = noise_limited.Modem(load(noise_limited.Params, params, "params"))
+    receiver = _receiver(modem, spreading_exponent=exponent)
+    for source, (start_s, range_m, size) in enumerate(sendings, start=1):
+        _send(receiver, modem, source, start_s, range_m, size=size)
+    for now_s in (0.0, 1.0, 2.0, 10.0, 1e9):
+        for signal in receiver.listen(now_s, HERE):
+            assert signal.outcome in set(Outcome) - {Outcome.SENT, Outcome.RANGE, Outcome.OUTAGE}
+            assert math.isfinite(signal.snr_db)
 
 
 @pytest.mark.parametrize("folder", [PROPAGATION, MODEM, OUTAGE])

@@ -13,7 +13,7 @@ from auv_sim.streams import Purpose, uniform
 class Params:
     """Length of a slot, and how often a modem uses one."""
 
-    slot_s: float = param("length of a slot (s), airtime and guard together", default=0.25, above=0.0)
+    slot_s: float = param("length of a slot (s), airtime and guard together", default=0.25, minimum=1e-3)
     transmit_prob: float = param(
         "probability that a modem transmits in a slot; 1 / fleet size carries most",
         default=0.25, minimum=0.0, maximum=1.0,

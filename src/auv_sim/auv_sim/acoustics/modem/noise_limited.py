@@ -30,10 +30,14 @@ class Params:
         "source level (dB re 1 uPa at 1 m); null: from power_w and directivity_db",
         default=None, minimum=0.0, maximum=250.0,
     )  # fmt: skip
-    power_w: float = param("acoustic power (W), used where source_level_db is null", default=5.0, above=0.0)
-    directivity_db: float = param("directivity index of the transmitter (dB), likewise", default=0.0)
-    carrier_hz: float = param("centre of the band (Hz)", default=25000.0, above=0.0, maximum=1e6)
-    bandwidth_hz: float = param("width of the band (Hz)", default=5000.0, above=0.0, maximum=1e6)
+    power_w: float = param(
+        "acoustic power (W), used where source_level_db is null", default=5.0, above=0.0, maximum=1e6
+    )
+    directivity_db: float = param(
+        "directivity index of the transmitter (dB), likewise", default=0.0, minimum=-60.0, maximum=60.0
+    )
+    carrier_hz: float = param("centre of the band (Hz)", default=25000.0, minimum=10.0, maximum=1e6)
+    bandwidth_hz: float = param("width of the band (Hz)", default=5000.0, minimum=1.0, maximum=1e6)
     modulation: str = param(
         "bpsk (coherent) or fsk (non-coherent), both binary", default="bpsk", choices=tuple(_BIT_ERRORS)
     )

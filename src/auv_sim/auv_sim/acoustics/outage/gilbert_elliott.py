@@ -14,10 +14,10 @@ class Params:
     """Transitions per packet, and the loss in each state."""
 
     p_gb: float = param(
-        "probability that a good link is bad at the next packet", default=0.05, above=0.0, maximum=1.0
+        "probability that a good link is bad at the next packet", default=0.05, minimum=1e-4, maximum=1.0
     )
     p_bg: float = param(
-        "probability that a bad link is good at the next packet", default=0.25, above=0.0, maximum=1.0
+        "probability that a bad link is good at the next packet", default=0.25, minimum=1e-4, maximum=1.0
     )
     loss_good_prob: float = param(
         "probability of a loss in the good state", default=0.02, minimum=0.0, maximum=1.0
