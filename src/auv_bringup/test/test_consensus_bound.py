@@ -101,6 +101,8 @@ def test_obstacles_raise_the_potential():
 def test_what_is_not_the_thesiss_law_has_no_such_potential_and_lost_vehicles_no_bound():
     recording, scenario = _run("flock_acoustic", 5.0)
     assert potential_series(recording, scenario) == {}
+    assert flock_metrics(recording, scenario)["consensus_rho_mps"] is None
+    recording, scenario = _run("flock_acoustic", 5.0, "agent.consensus={kind: thesis}")
     metrics = flock_metrics(recording, scenario)
     assert metrics["flock_lyapunov_thesis_falls"] is None
     assert metrics["consensus_rho_mps"] > 0.0

@@ -140,7 +140,10 @@ def test_the_main_job_stays_below_the_surface_and_within_its_actuators(main_job)
 
 
 def test_the_main_job_tracks_its_velocity_reference_over_ground(main_job):
-    """The inner loop is faster than the flock: the rms error is a few cm/s in spite of the current."""
+    """
+    The inner loop is faster than the flock: the rms error is a few cm/s in spite of the current and of packets,
+    each of which changes what is asked.
+    """
     _, recording = main_job
     errors = [
         np.subtract(
@@ -150,7 +153,7 @@ def test_the_main_job_tracks_its_velocity_reference_over_ground(main_job):
         for k in range(300, recording.n_ticks, 5)
         for i in range(recording.n_vehicles)
     ]
-    assert np.sqrt(np.mean(np.sum(np.square(errors), axis=1))) < 0.06
+    assert np.sqrt(np.mean(np.sum(np.square(errors), axis=1))) < 0.08
 
 
 def test_the_main_jobs_neighbour_errors_are_no_larger_than_the_filters_believe(main_job):

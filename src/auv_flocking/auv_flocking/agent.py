@@ -169,6 +169,7 @@ class Agent:
         self._table = NeighbourTable(config.neighbours)
         self._sequence = 0
         self.rejected = 0
+        self.unsent = 0
         self.holding = ""
         self.neighbours: list[NeighbourEstimate] = []
 
@@ -263,7 +264,7 @@ class Agent:
             self.holding = NO_MEASUREMENT
             return self._safe_command(), []
         command = self._act_safely(t_s, nav)
-        return command, [self._packet(inbox.tick, t_s, nav)] if inbox.transmit_ready else []
+        return command, self._packets(inbox.tick, t_s, nav) if inbox.transmit_ready else []
 
     def _act_safely(self, t_s: float, nav: VehicleState) -> Command:
         self.holding = ""
@@ -307,7 +308,8 @@ class Agent:
             else:
                 self.rejected += 1
 
-    def _packet(self, tick: int, t_s: float, nav: VehicleState) -> Packet:
+    def _packets(self, tick: int, t_s: float, nav: VehicleState) -> list[Packet]:
+        """Return the packet that the modem asks for, or none where its numbers cannot be sent."""
         self._sequence += 1
         velocity = body_to_ned(nav.attitude, (nav.nu[0], nav.nu[1], nav.nu[2]))
         report = Report(
@@ -323,4 +325,9 @@ class Agent:
             nav.position_sd_m,
             self.task.shared(),
         )
-        return Packet(tick, self._config.address, 0, self._sequence, self._format.encode(report))
+        try:
+            payload = self._format.encode(report)
+        except ReportError:
+            self.unsent += 1
+            return []
+        return [Packet(tick, self._config.address, 0, self._sequence, payload)]

@@ -103,3 +103,14 @@ def test_parts_that_do_not_fit_together_are_refused(changes, said):
     with pytest.raises(ConfigError) as refusal:
         agent(changes)
     assert str(refusal.value).startswith(said)
+
+
+@pytest.mark.parametrize("report", ["exact", "compact"])
+def test_a_belief_that_is_no_number_is_not_sent_and_is_counted(report, monkeypatch):
+    one = agent(FLOCK, report={"kind": report})
+    assert len(one.step(0.0, nav(), inbox())[1]) == 1
+    monkeypatch.setattr(Agent, "centre", (math.nan, 0.0, 0.0))
+    command, packets = one.step(0.1, nav(1), inbox(1))
+    assert packets == []
+    assert one.unsent == 1
+    assert math.isfinite(sum(command_numbers(command)))

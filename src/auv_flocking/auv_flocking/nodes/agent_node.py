@@ -205,6 +205,7 @@ class AgentNode(Node):
                 KeyValue(key="packets_rejected", value=str(agent.rejected)),
                 KeyValue(key="packets_outdated", value=str(agent.outdated)),
                 KeyValue(key="values_saturated", value=str(agent.saturated)),
+                KeyValue(key="reports_unsent", value=str(agent.unsent)),
             ],
         )
         law = DiagnosticStatus(
