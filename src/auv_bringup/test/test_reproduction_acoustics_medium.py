@@ -44,13 +44,12 @@ def _heard(source, destination, sequence, end_s):
 
 
 def test_the_age_of_information_is_a_saw_tooth():
-    period = round(1.0 / access.PERIOD_S)
-    count = round(access.DURATION_S)
-    made = {(source, second): second * period for source in (1, 2) for second in range(1, count)}
-    log = [_heard(s, 3 - s, second, second + 0.5) for (s, second) in made]
+    made_s = {(source, second): float(second) for source in (1, 2) for second in range(1, 100)}
+    events = [_heard(source, 3 - source, second, second + 0.5) for source, second in made_s]
     # Every second a report half a second old: from 0.5 s to 1.5 s, for all but the last half second.
-    assert access.mean_age_s(log, made, 2) == pytest.approx(1.0, abs=0.01)
-    assert access.mean_age_s(log[: count - 1], made, 2) == math.inf, "one link heard nothing"
+    assert access.mean_age_s(access.Log(events, made_s, 2, 100.0)) == pytest.approx(1.0, abs=0.01)
+    deaf = access.Log(events[:99], made_s, 2, 100.0)
+    assert access.mean_age_s(deaf) == math.inf, "one link heard nothing"
 
 
 def test_schemes_offer_what_the_study_says():

@@ -1,6 +1,8 @@
 """
 Medium access compared: one modem, 2 to 16 vehicles at rest within half a kilometre, four ways to take turns.
 
+Modems alone, many fleets; and eight vehicles with agents, as a scenario.
+
 The modem is the preset `evologics_s2c` (32 bytes: 0.164 s on the air); slots of 0.5 s guard 504 m, the
 vehicles lie within 433 m of each other.  Everybody always has a fresh report; the schemes differ in when
 they ask for it.  Slotted ALOHA transmits with probability 1/N per slot, ALOHA offers half a packet per
@@ -11,16 +13,18 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterable
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import yaml
 from matplotlib.figure import Figure as Canvas
 
 from auv_bringup.plotting import marker, vehicle_style
+from auv_bringup.recording import acoustic_log
 from auv_bringup.reproduction import (
     AGREES,
     DIFFERS,
@@ -32,6 +36,7 @@ from auv_bringup.reproduction import (
     Figure,
     Row,
     Run,
+    RunSpec,
     Table,
     Verdict,
 )
@@ -76,6 +81,16 @@ class Cell:
     violations: int
 
 
+@dataclass(frozen=True)
+class Log:
+    """The acoustic log of a run; when each packet was made (s), by (source, sequence)."""
+
+    events: Sequence[AcousticEvent]
+    made_s: Mapping[tuple[int, int], float]
+    fleet: int
+    duration_s: float
+
+
 def scheme_section(scheme: str, fleet: int) -> dict[str, Any]:
     """Return the medium access of a scheme for a fleet."""
     params: dict[str, float] = {
@@ -93,64 +108,74 @@ def places(fleet: int, seed: int) -> list[tuple[float, float, float]]:
     return [(x, y, z) for x, y, z in drawn.tolist()]
 
 
-def mean_age_s(log: Iterable[AcousticEvent], made: dict[tuple[int, int], int], fleet: int) -> float:
+def mean_age_s(log: Log) -> float:
     """Return the age of the newest report of a neighbour (s), averaged over pairs and time from its first."""
     heard: defaultdict[tuple[int, int], list[tuple[float, float]]] = defaultdict(list)
-    for event in log:
+    for event in log.events:
         if event.outcome is Outcome.DELIVERED:
-            born_s = made[event.source, event.sequence] * PERIOD_S
+            born_s = log.made_s[event.source, event.sequence]
             heard[event.source, event.destination].append((event.end_s, born_s))
     area = time_s = 0.0
     for arrivals in heard.values():
-        ordered = [*sorted(arrivals), (DURATION_S, math.inf)]
+        ordered = [*sorted(arrivals), (log.duration_s, math.inf)]
         newest_s = -math.inf
         for (from_s, born_s), (to_s, _) in pairwise(ordered):
             newest_s = max(newest_s, born_s)
             area += 0.5 * ((from_s - newest_s) + (to_s - newest_s)) * (to_s - from_s)
             time_s += to_s - from_s
-    return area / time_s if time_s > 0.0 and len(heard) == fleet * (fleet - 1) else math.inf
+    everybody = len(heard) == log.fleet * (log.fleet - 1)
+    return area / time_s if time_s > 0.0 and everybody else math.inf
 
 
-def _one(scheme: str, fleet: int, seed: int) -> tuple[list[AcousticEvent], dict[tuple[int, int], int]]:
+def cell_of(scheme: str, logs: Sequence[Log]) -> Cell:
+    """Return what a scheme did in runs of one fleet size."""
+    fleet = logs[0].fleet
+    ends = Counter(event.outcome for log in logs for event in log.events)
+    total = sum(count for outcome, count in ends.items() if outcome is not Outcome.SENT)
+    heard = [[event for event in log.events if event.outcome is Outcome.DELIVERED] for log in logs]
+    delays_s = [
+        event.end_s - log.made_s[event.source, event.sequence]
+        for log, events in zip(logs, heard, strict=True)
+        for event in events
+    ]
+    sources = [Counter(event.source for event in events) for events in heard]
+    through = np.array([[count[source] for source in range(1, fleet + 1)] for count in sources], float)
+    return Cell(
+        scheme,
+        fleet,
+        8.0 * PAYLOAD_BYTES * ends[Outcome.DELIVERED] / (fleet * sum(log.duration_s for log in logs)),
+        {outcome: ends[outcome] / total for outcome in Outcome if outcome is not Outcome.SENT},
+        float(np.mean(delays_s)),
+        float(np.mean([mean_age_s(log) for log in logs])),
+        float(np.mean(through.sum(axis=1) ** 2 / (fleet * np.square(through).sum(axis=1)))),
+        sum(len(half_duplex_violations(log.events)) for log in logs),
+    )
+
+
+def measured(scheme: str, fleet: int) -> Cell:
+    """Return what a scheme does for modems at rest."""
+    return cell_of(scheme, [_at_rest(scheme, fleet, seed) for seed in SEEDS])
+
+
+def _at_rest(scheme: str, fleet: int, seed: int) -> Log:
     config = medium_config(
         PRESET, fleet_size=fleet, seed=seed, period_s=PERIOD_S, mac=scheme_section(scheme, fleet)
     )
     where = places(fleet, seed)
     made: dict[tuple[int, int], int] = {}
     ticks = range(round(DURATION_S / PERIOD_S))
-    log = talk(AcousticMedium(config), ticks, lambda _tick: where, payload_bytes=PAYLOAD_BYTES, made=made)
-    return log, made
+    events = talk(AcousticMedium(config), ticks, lambda _tick: where, payload_bytes=PAYLOAD_BYTES, made=made)
+    return Log(events, {key: tick * PERIOD_S for key, tick in made.items()}, fleet, DURATION_S)
 
 
-def measured(scheme: str, fleet: int) -> Cell:
-    """Return what a scheme does for a fleet."""
-    ends: Counter[Outcome] = Counter()
-    through: Counter[tuple[int, int]] = Counter()
-    delays_s: list[float] = []
-    ages_s: list[float] = []
-    violations = 0
-    for seed in SEEDS:
-        log, made = _one(scheme, fleet, seed)
-        violations += len(half_duplex_violations(log))
-        ages_s.append(mean_age_s(log, made, fleet))
-        for event in log:
-            if event.outcome is not Outcome.SENT:
-                ends[event.outcome] += 1
-            if event.outcome is Outcome.DELIVERED:
-                through[seed, event.source] += 1
-                delays_s.append(event.end_s - made[event.source, event.sequence] * PERIOD_S)
-    counts = np.array([[through[seed, source] for source in range(1, fleet + 1)] for seed in SEEDS], float)
-    total = sum(ends.values())
-    return Cell(
-        scheme,
-        fleet,
-        8.0 * PAYLOAD_BYTES * ends[Outcome.DELIVERED] / (fleet * DURATION_S * len(SEEDS)),
-        {outcome: ends[outcome] / total for outcome in Outcome if outcome is not Outcome.SENT},
-        float(np.mean(delays_s)),
-        float(np.mean(ages_s)),
-        float(np.mean(counts.sum(axis=1) ** 2 / (fleet * np.square(counts).sum(axis=1)))),
-        violations,
-    )
+def flown(scheme: str, run: Run) -> Cell:
+    """Return what a scheme did in a run of a scenario."""
+    scenario, recording = run.scenario, run.recording
+    made_s = {
+        (source, sequence): tick * scenario.period_s for tick, source, sequence in recording.sent.tolist()
+    }
+    log = Log(acoustic_log(recording), made_s, len(scenario.vehicles), scenario.duration_s)
+    return cell_of(scheme, [log])
 
 
 @cache
@@ -203,22 +228,25 @@ def _draw(canvas: Canvas, runs: list[Run]) -> None:
 
 def _rows(runs: list[Run]) -> list[Row]:
     del runs
-    rows = []
-    for cell in cells():
-        losses = ", ".join(
-            f"{outcome.name.lower().replace('_', '-')} {100.0 * cell.shares[outcome]:.1f} %"
-            for outcome in _CAUSES
-            if cell.shares[outcome] > 0.0
-        )
-        delivered = 100.0 * cell.shares[Outcome.DELIVERED]
-        ours = (
-            f"{cell.throughput_bps:.0f} bit/s heard, {delivered:.1f} % delivered, delay "
-            f"{cell.delay_s:.2f} s, age {cell.age_s:.2f} s, fairness {cell.fairness:.3f}"
-        )
-        rows.append(
-            Row(f"{cell.scheme}, {cell.fleet} vehicles", "not given", ours, NO_NUMBER, losses or "no losses")
-        )
-    return rows
+    return [_row(cell) for cell in cells()]
+
+
+def _flown_rows(runs: list[Run]) -> list[Row]:
+    return [_row(flown(scheme, run)) for scheme, run in zip(SCHEMES, runs, strict=True)]
+
+
+def _row(cell: Cell) -> Row:
+    losses = ", ".join(
+        f"{outcome.name.lower().replace('_', '-')} {100.0 * cell.shares[outcome]:.1f} %"
+        for outcome in _CAUSES
+        if cell.shares[outcome] > 0.0
+    )
+    delivered = 100.0 * cell.shares[Outcome.DELIVERED]
+    ours = (
+        f"{cell.throughput_bps:.0f} bit/s heard, {delivered:.1f} % delivered, delay "
+        f"{cell.delay_s:.2f} s, age {cell.age_s:.2f} s, fairness {cell.fairness:.3f}"
+    )
+    return Row(f"{cell.scheme}, {cell.fleet} vehicles", "not given", ours, NO_NUMBER, losses or "no losses")
 
 
 def _textbook_rows(runs: list[Run]) -> list[Row]:
@@ -293,8 +321,17 @@ FIGURES = (
     ),
 )
 
+FLOWN = tuple(
+    RunSpec(
+        "medium_access",
+        (f"acoustics.mac={yaml.safe_dump(scheme_section(scheme, 8), default_flow_style=True).strip()}",),
+    )
+    for scheme in SCHEMES
+)
+
 TABLES = (
     Table("A.12", "Medium access compared: throughput, losses by cause, delay, age, fairness", (), _rows),
+    Table("A.15", "Medium access flown as a scenario: eight vehicles that keep station", FLOWN, _flown_rows),
     Table("A.13", "Slotted ALOHA beside the textbook", (), _textbook_rows),
 )
 
