@@ -3,12 +3,15 @@
 import math
 from collections import Counter, defaultdict
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import auv_sim.acoustics
 from auv_core.messages import Outcome, Packet
 from auv_core.params import ConfigError, load, load_section
 from auv_sim.acoustics.event_log import half_duplex_violations, in_order
@@ -290,6 +293,26 @@ def test_delays_are_counted_from_the_start_of_a_transmission_to_the_end_of_its_r
     talk(medium, range(200), lambda _tick: [(0.0, 0.0, 5.0), (300.0, 0.0, 5.0)])
     link = medium.links[1, 2]
     assert link.delay_counts[DELAY_EDGES_S.index(0.2) + 1] == link.delivered == 10
+
+
+@pytest.mark.parametrize(
+    ("preset", "guarded_m"),
+    [
+        ("lossy", 298.0), ("fast", 131.0), ("micromodem_fsk", 2250.0), ("micromodem_psk", 970.0),
+        ("evologics_s2c", 504.0),
+    ],
+)  # fmt: skip
+def test_the_slots_of_the_presets_hold_a_report_and_guard_what_they_say(preset, guarded_m):
+    path = Path(auv_sim.acoustics.__file__).parent / "presets" / f"{preset}.yaml"
+    sections = {**yaml.safe_load(path.read_text(encoding="utf-8")), "outage": {"kind": "none"}}
+    places = [(0.0, 0.0, 5.0), (0.0, guarded_m - 2.0, 5.0), (0.0, 0.5 * guarded_m, 5.0), (0.0, 10.0, 5.0)]
+    medium = _medium(**sections)
+    medium.check_payload(32)
+    outcomes = {event.outcome for event in talk(medium, range(800), lambda _tick: places)}
+    assert outcomes == {Outcome.SENT, Outcome.DELIVERED}
+    places[1] = (0.0, guarded_m + 6.0, 5.0)
+    outcomes = {event.outcome for event in talk(_medium(**sections), range(800), lambda _tick: places)}
+    assert outcomes & {Outcome.HALF_DUPLEX, Outcome.COLLISION}
 
 
 def test_a_violation_in_a_log_is_found():
