@@ -169,7 +169,9 @@ def test_what_moves_in_the_flock_grows_uncertain_with_its_age():
 @pytest.mark.parametrize(("contact_s", "counts_as_s"), [(0.5, 1.0), (3.0, 3.0)])
 def test_sonar_makes_a_neighbour_as_fresh_as_its_contact_and_no_fresher_than_the_hull(contact_s, counts_as_s):
     numbers = {"barrier": False, "cohesion_gain_ps": 0.0, "correction_limit_mps": DISTANT, "reach_m": DISTANT}
-    heard, seen = ([_estimate((1.5, 0.0, 0.0), age_s=20.0, sonar_age_s=age_s)] for age_s in (math.inf, contact_s))
+    heard, seen = (
+        [_estimate((1.5, 0.0, 0.0), age_s=20.0, sonar_age_s=age_s)] for age_s in (math.inf, contact_s)
+    )
     slow = _correction(_law(heard, **numbers), _view(ORIGIN, heard))
     fast = _correction(_law(seen, **numbers), _view(ORIGIN, seen))
     np.testing.assert_allclose(fast * counts_as_s, slow * 20.0, rtol=1e-9)
