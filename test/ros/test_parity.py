@@ -34,6 +34,9 @@ AS_OTHERS = {
     "ch5_obstacles",
     "ch6_four_leaders",
     "ch6_one_leader",
+    "flock_modem",
+    "medium_access",
+    "range_sweep",
 }
 SHIPPED = [
     pytest.param(name, marks=pytest.mark.slow if name in AS_OTHERS else ())

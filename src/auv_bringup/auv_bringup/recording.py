@@ -86,7 +86,7 @@ class Recording:
         a SENT row that everybody may hear), sequence number, payload size (bytes).
     event_values : (E, 3) array
         First and last moment of the signal, at the sender in SENT rows, else at the receiver (s), and the
-        ratio of signal to noise and interference (dB, NaN where there is none), per row of `events`.
+        ratio of signal to ambient noise (dB, NaN where the channel has none), per row of `events`.
     lost_at_s : (N,) array
         Scenario time at which the vehicle's computer was lost, NaN if it never was (s).
 
