@@ -97,20 +97,20 @@ def rate_psd(drift_rate_mps: float) -> float:
 
 
 @lru_cache(maxsize=64)
-def transition(dt_s: float) -> Matrix:
+def transition(dt_s: float, memory_s: float = 0.0) -> Matrix:
     """Return F (10, 10) over an interval; not to be changed, since few intervals come again and again."""
     F = np.eye(STATES)
-    F[:6, :6] = transition_matrix(dt_s)
+    F[:6, :6] = transition_matrix(dt_s, memory_s)
     F[6, 8] = F[7, 9] = dt_s
     F.flags.writeable = False
     return F
 
 
 @lru_cache(maxsize=64)
-def noise(dt_s: float, acceleration_psd: float, psd: float) -> Matrix:
+def noise(dt_s: float, acceleration_psd: float, psd: float, memory_s: float = 0.0) -> Matrix:
     """Return Q (10, 10), exact, for white acceleration and a rate that wanders; not to be changed either."""
     Q = np.zeros((STATES, STATES))
-    Q[:6, :6] = process_noise(dt_s, acceleration_psd)
+    Q[:6, :6] = process_noise(dt_s, acceleration_psd, memory_s)
     q = psd * dt_s
     Q[B, B] = (q * dt_s * dt_s / 3.0) * _LEVEL
     Q[B, C] = Q[C, B] = (0.5 * q * dt_s) * _LEVEL

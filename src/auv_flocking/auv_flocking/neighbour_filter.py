@@ -22,7 +22,7 @@ from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking import navigation_offset as offset
 from auv_flocking.navigation_offset import OwnFix, Stated, Unaided
-from auv_flocking.neighbour_motion import process_noise, transition_matrix
+from auv_flocking.neighbour_motion import flock_motion, process_noise, transition_matrix
 from auv_flocking.report import Report
 from auv_flocking.sonar_contact import Sighting
 
@@ -42,6 +42,11 @@ class NeighbourConfig:
     )
     acceleration_memory_s: float = param(
         "time over which that density follows a neighbour's changes of velocity, 0 for a fixed one (s)",
+        default=0.0,
+        minimum=0.0,
+    )
+    velocity_memory_s: float = param(
+        "time in which a neighbour's velocity comes back to its flock's, 0 for never (s)",
         default=0.0,
         minimum=0.0,
     )
@@ -111,6 +116,8 @@ class Belief:
         Its covariance.
     psd : float
         Spectral density of its acceleration (m^2/s^3).
+    flock_velocity : tuple of 3 float
+        Velocity of the flock that the neighbour believes in (m/s; NED).
     unaided : Unaided or None
         What would be known of the offset without sonar; None where there is no offset.
     unrest : Unrest or None
@@ -124,6 +131,7 @@ class Belief:
     x: Matrix
     P: Matrix
     psd: float
+    flock_velocity: Vec3
     unaided: Unaided | None = None
     unrest: Unrest | None = None
     innovation: Matrix | None = None
@@ -164,9 +172,9 @@ class NeighbourFilter:
         if self._config.acceleration_memory_s > 0.0:
             unrest = Unrest(report.time_s, report.velocity, psd * _PRIOR_S, _PRIOR_S)
         if stated.is_exact:
-            return Belief(report.time_s, z, self._noise.copy(), psd, None, unrest)
+            return Belief(report.time_s, z, self._noise.copy(), psd, report.flock_velocity, None, unrest)
         x, P, unaided = offset.first(z, self._noise, stated, self._config.drift_rate_mps)
-        return Belief(report.time_s, x, P, psd, unaided, unrest)
+        return Belief(report.time_s, x, P, psd, report.flock_velocity, unaided, unrest)
 
     def after_packet(self, belief: Belief, report: Report, stated: Stated) -> Belief:
         """
@@ -190,9 +198,8 @@ class NeighbourFilter:
             )
             if after.nis > _SENSELESS:
                 return self.first(report, stated)
-        if after.unrest is not None:
-            return replace(after, psd=self._bounded(after.unrest.psd))
-        return after
+        psd = after.psd if after.unrest is None else self._bounded(after.unrest.psd)
+        return replace(after, psd=psd, flock_velocity=report.flock_velocity)
 
     def after_sighting(self, belief: Belief, sighting: Sighting) -> Belief:
         """Return the belief after a sonar contact, at its time."""
@@ -243,19 +250,23 @@ class NeighbourFilter:
         if stated.sender_m2 < _FIX_RATIO * _FIX_RATIO * unaided.sender_m2:
             x, P, unaided = offset.after_sender_fix(x, P, unaided, stated.own_m2, stated.sender_m2)
         P, unaided = offset.topped_up(P, unaided, stated, self._config.drift_rate_mps)
-        return Belief(belief.time_s, x, P, belief.psd, unaided, belief.unrest)
+        return replace(belief, x=x, P=P, unaided=unaided)
 
     def _predicted(self, belief: Belief, t_s: float) -> Belief:
         dt_s = t_s - belief.time_s
         engine = self._engine(belief)
-        unaided = belief.unaided
+        psd, unaided, memory_s = belief.psd, belief.unaided, self._config.velocity_memory_s
         if unaided is None:
-            engine.F, engine.Q = transition_matrix(dt_s), process_noise(dt_s, belief.psd)
+            engine.F, engine.Q = transition_matrix(dt_s, memory_s), process_noise(dt_s, psd, memory_s)
         else:
-            engine.F, engine.Q = offset.transition(dt_s), offset.noise(dt_s, belief.psd, self._rate_psd)
+            engine.F = offset.transition(dt_s, memory_s)
+            engine.Q = offset.noise(dt_s, psd, self._rate_psd, memory_s)
             unaided = unaided.after(dt_s, self._rate_psd)
         engine.predict()
-        return Belief(t_s, engine.x, engine.P, belief.psd, unaided, belief.unrest)
+        x = engine.x
+        if memory_s > 0.0:
+            x[:6] += flock_motion(dt_s, memory_s, belief.flock_velocity)
+        return Belief(t_s, x, engine.P, psd, belief.flock_velocity, unaided, belief.unrest)
 
     def _updated(
         self,
@@ -272,6 +283,7 @@ class NeighbourFilter:
             engine.x,
             engine.P,
             belief.psd,
+            belief.flock_velocity,
             belief.unaided,
             belief.unrest,
             engine.y,

@@ -1,14 +1,24 @@
 """
-How a neighbour is thought to move: constant velocity with white acceleration of spectral density q.
+How a neighbour is thought to move: constant velocity with white acceleration of spectral density q, or a
+velocity that relaxes to the flock's.
 
-State: position (m) and velocity (m/s), NED.  The discretisation is exact for any interval, so that packets
-may be seconds apart.
+State: position p (m) and velocity v (m/s), NED.  With a memory T, dv/dt = -(v - w)/T + white acceleration,
+where w is the velocity of the flock that the neighbour believes in: what a vehicle does beside flying with
+its flock ends by itself, so that nobody is thought to fly on as it gathered for half a minute of silence.
+Without (T = 0) dv/dt is the white acceleration alone.  Both are discretised exactly for any interval.
+
+Source: Singer, Estimating optimal tracking filter performance for manned maneuvering targets (1970), one
+derivative lower: an Ornstein-Uhlenbeck velocity about w.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
+
+from auv_core.geometry import Vec3
 
 Matrix = NDArray[np.float64]
 
@@ -25,37 +35,84 @@ _COUPLING = _on_every_axis([[0.0, 1.0], [1.0, 0.0]])
 _VELOCITY = _on_every_axis([[0.0, 0.0], [0.0, 1.0]])
 
 
-def transition_matrix(dt_s: float) -> Matrix:
-    """Return F (6, 6) of the constant-velocity model over `dt_s`."""
-    return _IDENTITY + dt_s * _DRIFT
+def transition_matrix(dt_s: float, memory_s: float = 0.0) -> Matrix:
+    """Return F (6, 6) over `dt_s`; with a memory, of the difference to flying with the flock."""
+    if memory_s == 0.0:
+        return _IDENTITY + dt_s * _DRIFT
+    kept = math.exp(-dt_s / memory_s)
+    return _IDENTITY + memory_s * (1.0 - kept) * _DRIFT + (kept - 1.0) * _VELOCITY
 
 
-def process_noise(dt_s: float, acceleration_psd: float) -> Matrix:
+def process_noise(dt_s: float, acceleration_psd: float, memory_s: float = 0.0) -> Matrix:
     """
-    Return Q (6, 6) of white acceleration over `dt_s`: q [[dt^3/3, dt^2/2], [dt^2/2, dt]] on every axis,
-    exact.
+    Return Q (6, 6) of white acceleration over `dt_s`, exact; without a memory q [[dt^3/3, dt^2/2],
+    [dt^2/2, dt]] on every axis.
     """
     q = acceleration_psd * dt_s
-    return (q * dt_s * dt_s / 3.0) * _POSITION + (0.5 * q * dt_s) * _COUPLING + q * _VELOCITY
+    if memory_s == 0.0:
+        return (q * dt_s * dt_s / 3.0) * _POSITION + (0.5 * q * dt_s) * _COUPLING + q * _VELOCITY
+    position, mixed, velocity = _noise(dt_s, memory_s)
+    return acceleration_psd * (position * _POSITION + mixed * _COUPLING + velocity * _VELOCITY)
+
+
+def _noise(dt_s: float, memory_s: float) -> tuple[float, float, float]:
+    """Return what white acceleration of density 1 does to position, both, and velocity (s^3, s^2, s)."""
+    if memory_s == 0.0:
+        return dt_s * dt_s * dt_s / 3.0, 0.5 * dt_s * dt_s, dt_s
+    kept = math.exp(-dt_s / memory_s)
+    reach_s = memory_s * (1.0 - kept)
+    velocity_s = 0.5 * memory_s * (1.0 - kept * kept)
+    return memory_s * memory_s * (dt_s - 2.0 * reach_s + velocity_s), 0.5 * reach_s * reach_s, velocity_s
+
+
+def flock_motion(dt_s: float, memory_s: float, flock_velocity: Vec3) -> Matrix:
+    """Return what flying with the flock adds to F x (6,)."""
+    kept = math.exp(-dt_s / memory_s)
+    way_s = dt_s - memory_s * (1.0 - kept)
+    x, y, z = flock_velocity
+    left = 1.0 - kept
+    return np.array((way_s * x, way_s * y, way_s * z, left * x, left * y, left * z))
+
+
+def carried(x: list[float], dt_s: float, memory_s: float, flock_velocity: Vec3) -> tuple[Vec3, Vec3]:
+    """Return position and velocity (m, m/s; NED) after `dt_s`, from a state's first six numbers."""
+    if memory_s == 0.0:
+        return (x[0] + dt_s * x[3], x[1] + dt_s * x[4], x[2] + dt_s * x[5]), (x[3], x[4], x[5])
+    kept = math.exp(-dt_s / memory_s)
+    reach_s = memory_s * (1.0 - kept)
+    wx, wy, wz = flock_velocity
+    ux, uy, uz = x[3] - wx, x[4] - wy, x[5] - wz
+    return (
+        (x[0] + dt_s * wx + reach_s * ux, x[1] + dt_s * wy + reach_s * uy, x[2] + dt_s * wz + reach_s * uz),
+        (wx + kept * ux, wy + kept * uy, wz + kept * uz),
+    )
 
 
 def covariance_growth(covariance: Matrix, acceleration_psd: float) -> Matrix:
     """
-    Return the coefficients (4, 36) of F P F^T + Q as a cubic in the interval, constant first: at every tick
+    Return the parts (9, 36) of F P F^T + Q, of which `grown` makes the sum for an interval: at every tick
     that is cheaper than the product.
     """
-    drifted = _DRIFT @ covariance
-    coefficients = (
+    drifted, relaxed = _DRIFT @ covariance, _VELOCITY @ covariance
+    mixed = drifted @ _VELOCITY
+    parts = (
         covariance,
-        drifted + drifted.T + acceleration_psd * _VELOCITY,
-        drifted @ _DRIFT.T + (0.5 * acceleration_psd) * _COUPLING,
-        (acceleration_psd / 3.0) * _POSITION,
+        drifted + drifted.T,
+        relaxed + relaxed.T,
+        drifted @ _DRIFT.T,
+        mixed + mixed.T,
+        relaxed @ _VELOCITY,
+        acceleration_psd * _POSITION,
+        acceleration_psd * _COUPLING,
+        acceleration_psd * _VELOCITY,
     )
-    return np.array(coefficients).reshape(4, 36)
+    return np.array(parts).reshape(9, 36)
 
 
-def grown(growth: Matrix, dt_s: float) -> Matrix:
+def grown(growth: Matrix, dt_s: float, memory_s: float = 0.0) -> Matrix:
     """Return the covariance (6, 6) after `dt_s`; the caller may keep and change it."""
-    square_s2 = dt_s * dt_s
-    covariance: Matrix = np.dot((1.0, dt_s, square_s2, square_s2 * dt_s), growth).reshape(6, 6)
+    lost = 0.0 if memory_s == 0.0 else math.exp(-dt_s / memory_s) - 1.0
+    reach_s = dt_s if memory_s == 0.0 else -memory_s * lost
+    factors = (1.0, reach_s, lost, reach_s * reach_s, reach_s * lost, lost * lost, *_noise(dt_s, memory_s))
+    covariance: Matrix = np.dot(factors, growth).reshape(6, 6)
     return covariance

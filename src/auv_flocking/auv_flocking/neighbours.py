@@ -120,7 +120,7 @@ class NeighbourTable:
         heard = HeardReport(report.time_s, report, stated)
         track = self._tracks.get(report.address)
         if track is None:
-            self._tracks[report.address] = Track(heard, self._filter)
+            self._tracks[report.address] = Track(heard, self._filter, self._config.velocity_memory_s)
         elif not track.hear(heard):
             self.outdated += 1
 

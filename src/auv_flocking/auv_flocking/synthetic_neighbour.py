@@ -38,7 +38,7 @@ class Setting:
     Times in s; `sonar_every_s` 0 is no sonar; the rates are standard deviations per horizontal axis (m/s).
     """
 
-    packets_every_s: float = 2.0
+    packets_every_s: float = 1.0
     lateness_s: tuple[float, float] = (0.3, 1.5)
     loss_prob: float = 0.0
     sonar_every_s: float = 0.0
@@ -47,7 +47,7 @@ class Setting:
     sender_rate_mps: float = 0.0
     own_fixes_s: tuple[float, ...] = ()
     sender_fixes_s: tuple[float, ...] = ()
-    fix_sd_m: float = 0.3
+    fix_sd_m: float = 0.1
 
 
 @dataclass(frozen=True)
@@ -106,8 +106,8 @@ def fly(
     state, position = _START.copy(), np.zeros(3)
     own = _Drift(rng, setting.own_rate_mps, setting.own_fixes_s, setting.fix_sd_m)
     sender = _Drift(rng, setting.sender_rate_mps, setting.sender_fixes_s, setting.fix_sd_m)
-    F = transition_matrix(TICK_S)
-    root = np.linalg.cholesky(process_noise(TICK_S, config.acceleration_psd))
+    F = transition_matrix(TICK_S, config.velocity_memory_s)
+    root = np.linalg.cholesky(process_noise(TICK_S, config.acceleration_psd, config.velocity_memory_s))
     noise = np.array([config.position_std_m] * 3 + [config.velocity_std_mps] * 3)
     on_their_way: list[tuple[float, Report]] = []
     for tick in range(round(duration_s / TICK_S)):

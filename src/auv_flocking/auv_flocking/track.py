@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from auv_core.geometry import Vec3
 from auv_flocking.navigation_offset import OwnFix, Stated
 from auv_flocking.neighbour_filter import Belief, NeighbourFilter
-from auv_flocking.neighbour_motion import covariance_growth, grown
+from auv_flocking.neighbour_motion import carried, covariance_growth, grown
 from auv_flocking.report import Report
 from auv_flocking.sonar_contact import Sighting
 
@@ -78,8 +78,9 @@ class Track:
     contact (-inf: none), `belief` what is believed at the time of the newest measurement.
     """
 
-    def __init__(self, heard: HeardReport, neighbour_filter: NeighbourFilter) -> None:
+    def __init__(self, heard: HeardReport, neighbour_filter: NeighbourFilter, memory_s: float) -> None:
         self._filter = neighbour_filter
+        self._memory_s = memory_s
         self._measurements: list[Measurement] = [heard]
         self._beliefs = [neighbour_filter.first(heard.report, heard.stated)]
         self._is_whole = True
@@ -142,6 +143,7 @@ class Track:
             self._growth = covariance_growth(belief.P[:6, :6], belief.psd)
             self._numbers = belief.x.tolist()
         x, dt_s, age_s = self._numbers, t_s - belief.time_s, t_s - report.time_s
+        position, velocity = carried(x, dt_s, self._memory_s, belief.flock_velocity)
         centre = (
             report.centre[0] + age_s * report.centre_rate[0],
             report.centre[1] + age_s * report.centre_rate[1],
@@ -151,9 +153,9 @@ class Track:
             centre = (centre[0] - x[6] - dt_s * x[8], centre[1] - x[7] - dt_s * x[9], centre[2])
         return NeighbourEstimate(
             report.address,
-            (x[0] + dt_s * x[3], x[1] + dt_s * x[4], x[2] + dt_s * x[5]),
-            (x[3], x[4], x[5]),
-            grown(self._growth, dt_s),
+            position,
+            velocity,
+            grown(self._growth, dt_s, self._memory_s),
             age_s,
             centre,
             report.flock_velocity,

@@ -45,7 +45,7 @@ def _sighting(t_s, position):
 
 
 def _track(first, config=CONFIG):
-    return Track(first, NeighbourFilter(config))
+    return Track(first, NeighbourFilter(config), config.velocity_memory_s)
 
 
 def _measurements(rng, sd_m):
@@ -139,24 +139,43 @@ def test_memory_is_bounded():
 
 
 @MODERATE
-@given(st.floats(0.01, 20.0), st.floats(1e-5, 1e-1), st.floats(1e-9, 1e-5))
-def test_discretisation_with_an_offset_is_van_loans(dt_s, psd, rate_psd):
+@given(st.floats(0.01, 20.0), st.floats(1e-5, 1e-1), st.floats(1e-9, 1e-5), st.sampled_from([0.0, 3.0, 30.0]))
+def test_discretisation_with_an_offset_is_van_loans(dt_s, psd, rate_psd, memory_s):
     A = np.zeros((10, 10))
     A[:3, 3:6], A[6:8, 8:] = np.eye(3), np.eye(2)
+    if memory_s:
+        A[3:6, 3:6] = -np.eye(3) / memory_s
     spectral = np.diag([0.0] * 3 + [psd] * 3 + [0.0] * 2 + [rate_psd] * 2)
     block = expm(dt_s * np.block([[-A, spectral], [np.zeros((10, 10)), A.T]]))
     F = block[10:, 10:].T
-    np.testing.assert_allclose(offset.transition(dt_s), F, rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(offset.noise(dt_s, psd, rate_psd), F @ block[:10, 10:], rtol=1e-6, atol=1e-14)
+    np.testing.assert_allclose(offset.transition(dt_s, memory_s), F, rtol=1e-9, atol=1e-12)
+    Q = offset.noise(dt_s, psd, rate_psd, memory_s)
+    np.testing.assert_allclose(Q, F @ block[:10, 10:], rtol=1e-6, atol=1e-11)
 
 
 @MODERATE
-@given(st.integers(0, 10**6), st.floats(0.0, 30.0))
-def test_the_cubic_is_the_product(seed, dt_s):
+@given(st.integers(0, 10**6), st.floats(0.0, 30.0), st.sampled_from([0.0, 3.0, 30.0]))
+def test_the_sum_of_parts_is_the_product(seed, dt_s, memory_s):
     root = np.random.default_rng(seed).standard_normal((6, 6))
-    P, F = root @ root.T, transition_matrix(dt_s)
-    expected = F @ P @ F.T + process_noise(dt_s, 2e-3)
-    np.testing.assert_allclose(grown(covariance_growth(P, 2e-3), dt_s), expected, rtol=1e-9, atol=1e-9)
+    P, F = root @ root.T, transition_matrix(dt_s, memory_s)
+    expected = F @ P @ F.T + process_noise(dt_s, 2e-3, memory_s)
+    np.testing.assert_allclose(
+        grown(covariance_growth(P, 2e-3), dt_s, memory_s), expected, rtol=1e-9, atol=1e-9
+    )
+
+
+def test_a_velocity_comes_back_to_the_flocks():
+    """By e after one memory; and carried at once or by a contact in between, it is the same way."""
+    config = NeighbourConfig(velocity_memory_s=10.0)
+    report = Report(2, 1, 0.0, ZERO, (0.5, 0.0, 0.0), ZERO, ZERO, (0.1, 0.0, 0.0))
+    track = _track(HeardReport(0.0, report, Stated(0.0, 0.0)), config)
+    estimate = track.estimate(10.0)
+    assert estimate.velocity[0] == pytest.approx(0.1 + 0.4 * math.exp(-1.0))
+    assert estimate.position[0] == pytest.approx(0.1 * 10.0 + 0.4 * 10.0 * (1.0 - math.exp(-1.0)))
+    half_way = track.estimate(5.0).position
+    track.see(sighting(5.0, _nav(5.0), contact_of(half_way), 1.0, 1.0))
+    assert track.estimate(10.0).position == pytest.approx(estimate.position, abs=1e-9)
+    assert track.estimate(300.0).covariance[3, 3] == pytest.approx(0.5 * 1e-3 * 10.0, rel=0.01)
 
 
 def test_with_an_offset_and_no_sonar_it_is_the_kalman_filter_on_ten_states():
