@@ -212,7 +212,7 @@ def test_leader_steers_the_centre_no_faster_than_it_knows_it():
     centre = (0.0, 1.0, 9.0)
     belief = law.flock_velocity(3.0, PATH, centre, NOTHING_HEARD, estimates)
     assert belief.stamp_s == 3.0
-    assert belief.velocity == pytest.approx((0.1, 0.0, 1.5 * 0.3 / 10.0))
+    assert belief.velocity == pytest.approx((0.1, 0.0, 2.0 * 0.3 / 10.0))
     far = law.flock_velocity(3.0, PATH, (0.0, 1.0, -90.0), belief, estimates)
     assert far.velocity == pytest.approx((0.1, 0.0, Params().steering_limit_mps))
 

@@ -51,7 +51,7 @@ from auv_bringup.reproduction.acoustics_safety_runs import (
 
 _SLOW = (2.0, 0.3)
 _SHOWN_SLOW = tuple(
-    RunSpec("flock_modem", ("seed=2001", "acoustics.outage.params.loss_prob=0.3", *changes))
+    RunSpec("flock_modem", ("seed=3001", "acoustics.outage.params.loss_prob=0.3", *changes))
     for changes in (THESIS_LAW, ())
 )
 

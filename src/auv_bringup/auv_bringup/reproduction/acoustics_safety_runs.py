@@ -1,7 +1,7 @@
 """
 Runs of the safety study: the scenario `flock_modem` over slots, losses, navigations, laws and fleets.
 
-Seeds are 2001, 2002, ...; nothing in the law was chosen by a run with one of them.  Of the main study all
+Seeds are 3001, 3002, ...; nothing in the law was chosen by a run with one of them.  Of the main study all
 seeds are flown that `--seeds` asks for, of the others every fifth, tenth or twenty-fifth.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from auv_bringup.reproduction import Run, RunSpec
 
-FIRST_SEED = 2001
+FIRST_SEED = 3001
 N_SEEDS = 100
 HULLS_TOUCH_M = 0.62
 FAR_M = 10.0
@@ -25,7 +25,7 @@ GENTLE, USUAL, WORST = CELLS[0], CELLS[1], CELLS[-1]
 
 THESIS_LAW = (
     "agent.flocking={kind: potential, params: {followers: blind}}",
-    "agent.consensus={kind: thesis}",
+    "agent.consensus={kind: thesis, params: {carried_by: flock}}",  # by its rate, it runs away on a modem
 )
 _DRIFT = "environment.navigation={kind: dead_reckoning}"
 _FIXES = "environment.navigation={kind: dead_reckoning, params: {fix: lbl, fix_period_s: 60.0}}"

@@ -57,7 +57,7 @@ class Params:
     spacing_m: float = param("distance d at which neighbours begin to repel (m)", default=2.0, above=0.0)
     cohesion_gain_ps: float = param("gain k_c towards the flocking centre (1/s)", default=1.0, minimum=0.0)
     path_gain_ps: float = param(
-        "gain k_l with which a leader brings the centre to the path (1/s)", default=1.5, minimum=0.0
+        "gain k_l with which a leader brings the centre to the path (1/s)", default=2.0, minimum=0.0
     )
     lag_budget_rad: float = param(
         "largest product phi of a gain and the age of what it works on (rad); 1e9: gains as they are",
