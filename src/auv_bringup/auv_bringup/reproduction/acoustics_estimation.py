@@ -145,7 +145,8 @@ def _draw_drift(canvas: Canvas, runs: list[Run]) -> None:
 def _judge_half(runs: list[Run]) -> Verdict:
     found = [_three(run) for run in runs]
     words = [
-        f"filter {ekf_m:.3f} m, held {hold_m:.3f} m (ratio {ekf_m / hold_m:.2f}), dead reckoned {reckoned_m:.3f} m"
+        f"filter {ekf_m:.3f} m, held {hold_m:.3f} m (ratio {ekf_m / hold_m:.2f}), "
+        f"dead reckoned {reckoned_m:.3f} m"
         for ekf_m, hold_m, reckoned_m in found
     ]
     good = [ekf_m <= 0.5 * hold_m for ekf_m, hold_m, _ in found]
