@@ -61,7 +61,12 @@ _FLOCK_ON_A_MODEM: dict[str, Any] = {
     "flocking": {"kind": "communication_aware"},
     "separation": {"kind": "mathematical"},
     "consensus": {"kind": "neighbour_mean"},
-    "neighbours": {"timeout_s": 300.0},
+    "neighbours": {
+        "timeout_s": 300.0,
+        "velocity_std_mps": 0.03,
+        "acceleration_memory_s": 60.0,
+        "velocity_memory_s": 15.0,
+    },
     "hold_s": 120.0,
 }
 
@@ -217,7 +222,10 @@ def _with_flock(filled: dict[str, Any]) -> dict[str, Any]:
     if controller.follows != "velocity" or not isinstance(modem, Mapping):
         return filled
     parts = _FLOCK_WITHOUT_MODEM if modem.get("kind") == "ideal" else _FLOCK_ON_A_MODEM
-    return {**filled, "agent": {**copy.deepcopy(parts), **agent}}
+    merged = {**copy.deepcopy(parts), **agent}
+    if isinstance(agent.get("neighbours"), Mapping):
+        merged["neighbours"] = {**parts.get("neighbours", {}), **agent["neighbours"]}
+    return {**filled, "agent": merged}
 
 
 def _with_preset(owner: Any, key: str, package: ModuleType, path: str) -> Any:

@@ -30,14 +30,12 @@ THESIS_LAW = (
 _DRIFT = "environment.navigation={kind: dead_reckoning}"
 _FIXES = "environment.navigation={kind: dead_reckoning, params: {fix: lbl, fix_period_s: 60.0}}"
 _SONAR = "acoustics.sonar={kind: active}"
-# What the velocity log of a drifting vehicle adds to what a report says.
-_LOG_NOISE = "agent.neighbours.velocity_std_mps=0.02"
 DRIFT_SONAR, DRIFT_FIXES = "drift, sonar", "drift, a fix every 60 s"
 NAVIGATIONS = {
-    DRIFT_SONAR: (_DRIFT, _LOG_NOISE, _SONAR),
-    DRIFT_FIXES: (_FIXES, _LOG_NOISE),
-    "drift, both": (_FIXES, _LOG_NOISE, _SONAR),
-    "drift alone": (_DRIFT, _LOG_NOISE),
+    DRIFT_SONAR: (_DRIFT, _SONAR),
+    DRIFT_FIXES: (_FIXES,),
+    "drift, both": (_FIXES, _SONAR),
+    "drift alone": (_DRIFT,),
     "exact, sonar": (_SONAR,),
 }
 _LAW = "agent.flocking.params"
