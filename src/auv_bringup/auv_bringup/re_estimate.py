@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from auv_bringup.bag import Bag
 from auv_bringup.bag_writer import BagError
 from auv_core.messages import SonarContact, VehicleState, is_usable
+from auv_flocking.neighbour_filter import with_rounding
 from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable, is_plausible
 from auv_flocking.report import ReportError
 
@@ -81,7 +82,9 @@ def re_estimate(
             "estimate used; allowed: a bag of a lockstep run"
         )
     for index in range(len(vehicle_ids)):
-        repeat = _Repeat(NeighbourTable(config), report_format, index + 1, len(vehicle_ids))
+        repeat = _Repeat(
+            NeighbourTable(with_rounding(config, report_format)), report_format, index + 1, len(vehicle_ids)
+        )
         _compare_agent(bag, vehicle_ids[index], repeat, period_s, result)
     return result
 
@@ -102,7 +105,8 @@ class _Repeat:
                 report = self.report_format.decode(reception.packet.payload.tobytes(), t_s)
             except ReportError:
                 continue  # as the agent does: not a report, not used
-            if is_plausible(report, self.address, self.fleet_size, t_s):
+            is_own_word = report.address == reception.packet.source
+            if is_own_word and is_plausible(report, self.address, self.fleet_size, t_s):
                 self.table.receive(report)
         is_lost = not is_usable(nav)
         if inbox.contacts and not is_lost:

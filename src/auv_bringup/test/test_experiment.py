@@ -141,8 +141,8 @@ def test_the_main_job_stays_below_the_surface_and_within_its_actuators(main_job)
 
 def test_the_main_job_tracks_its_velocity_reference_over_ground(main_job):
     """
-    The inner loop is faster than the flock: the rms error is a few cm/s in spite of the current and of packets,
-    each of which changes what is asked.
+    The inner loop is faster than the flock: the rms error is a few cm/s in spite of the current, and of
+    packets, each of which changes what is asked.
     """
     _, recording = main_job
     errors = [

@@ -87,7 +87,10 @@ REFUSED_VALUES = [
     ("on_vehicle_loss=cry", ".on_vehicle_loss: 'cry' is not allowed; allowed: stop, continue"),
     ("name=../elsewhere", ".name: '../elsewhere' is not allowed; allowed: a lower-case letter"),
     ('title="two\\nlines"', ".title: 'two\\nlines' is not allowed; allowed: one line of text"),
-    ("agent.flocking.kind=swarm", ".agent.flocking.kind: 'swarm' is not allowed; allowed: communication_aware, potential"),
+    (
+        "agent.flocking.kind=swarm",
+        ".agent.flocking.kind: 'swarm' is not allowed; allowed: communication_aware, potential",
+    ),
     ("agent.controller.kind=velocity_direct", ".agent.controller.kind: 'velocity_direct' is not allowed"),
     (
         "vehicles.0.model.preset=boat",

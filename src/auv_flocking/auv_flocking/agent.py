@@ -31,6 +31,7 @@ from auv_core.plugins import find_plugin
 from auv_flocking.flock_task import FlockTask, Obstacles
 from auv_flocking.flocking import FlockVelocity
 from auv_flocking.motion_task import MotionTask
+from auv_flocking.neighbour_filter import with_rounding
 from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable, is_plausible
 from auv_flocking.report import Report, ReportError
 from auv_flocking.reports import compact
@@ -166,7 +167,7 @@ class Agent:
         consensus = make_consensus(config.consensus, config.fleet_size)
         self._format = make_format(config.report, consensus)
         self.task = self._make_task(consensus)
-        self._table = NeighbourTable(config.neighbours)
+        self._table = NeighbourTable(with_rounding(config.neighbours, self._format))
         self._sequence = 0
         self.rejected = 0
         self.unsent = 0
@@ -303,18 +304,18 @@ class Agent:
             except ReportError:
                 self.rejected += 1
                 continue
-            if is_plausible(report, self._config.address, self._config.fleet_size, t_s):
+            is_own_word = report.address == reception.packet.source
+            if is_own_word and is_plausible(report, self._config.address, self._config.fleet_size, t_s):
                 self._table.receive(report)
             else:
                 self.rejected += 1
 
     def _packets(self, tick: int, t_s: float, nav: VehicleState) -> list[Packet]:
         """Return the packet that the modem asks for, or none where its numbers cannot be sent."""
-        self._sequence += 1
         velocity = body_to_ned(nav.attitude, (nav.nu[0], nav.nu[1], nav.nu[2]))
         report = Report(
             self._config.address,
-            self._sequence,
+            self._sequence + 1,
             t_s,
             nav.position,
             velocity,
@@ -330,4 +331,5 @@ class Agent:
         except ReportError:
             self.unsent += 1
             return []
+        self._sequence += 1
         return [Packet(tick, self._config.address, 0, self._sequence, payload)]

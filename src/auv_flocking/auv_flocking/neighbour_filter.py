@@ -58,11 +58,16 @@ class NeighbourConfig:
     velocity_std_mps: float = param(
         "standard deviation of a reported velocity, per axis (m/s)", default=0.01, above=0.0
     )
-    timeout_s: float = param("silence after which a neighbour no longer counts (s)", default=30.0, above=0.0)
+    timeout_s: float = param(
+        "silence, and time out of the sonar's sight, after which a neighbour no longer counts (s)",
+        default=30.0,
+        above=0.0,
+    )
     drift_rate_mps: float = param(
         "constant velocity error, per horizontal axis, of a navigation that states an uncertainty (m/s)",
         default=0.0075,
         above=0.0,
+        maximum=10.0,
     )
     sonar_range_std_m: float = param("standard deviation of a sonar range (m)", default=0.1, above=0.0)
     sonar_angle_std_rad: float = param(
@@ -73,6 +78,20 @@ class NeighbourConfig:
         default=0.999,
         minimum=0.5,
         maximum=0.999999,
+    )
+
+
+def with_rounding(config: NeighbourConfig, report_format: Any) -> NeighbourConfig:
+    """
+    Return the noise that a filter assumes, at least what the format of the reports adds by rounding: a step
+    over the square root of twelve.
+    """
+    return replace(
+        config,
+        position_std_m=max(config.position_std_m, report_format.position_resolution_m / math.sqrt(12.0)),
+        velocity_std_mps=max(
+            config.velocity_std_mps, report_format.velocity_resolution_mps / math.sqrt(12.0)
+        ),
     )
 
 

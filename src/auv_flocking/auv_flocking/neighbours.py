@@ -154,7 +154,7 @@ class NeighbourTable:
 
     def estimates(self, t_s: float, nav: VehicleState | None = None) -> list[NeighbourEstimate]:
         """
-        Return the neighbours heard within the time-out, carried to `t_s`, in the order of addresses.
+        Return the neighbours heard or seen within the time-out, carried to `t_s`, in the order of addresses.
 
         `nav` is the own navigation at that time, or None where it has no solution.
         """
@@ -164,7 +164,7 @@ class NeighbourTable:
 
     def _recent(self, t_s: float) -> list[Track]:
         timeout_s = self._config.timeout_s
-        return [track for track in self.tracks if t_s - track.report.time_s <= timeout_s]
+        return [track for track in self.tracks if t_s - max(track.report.time_s, track.seen_s) <= timeout_s]
 
     def _follow(self, t_s: float, nav: VehicleState) -> None:
         """Take note of the own navigation, and of a fix that it had."""

@@ -142,7 +142,7 @@ class Track:
         if self._growth is None:
             self._growth = covariance_growth(belief.P[:6, :6], belief.psd)
             self._numbers = belief.x.tolist()
-        x, dt_s, age_s = self._numbers, t_s - belief.time_s, t_s - report.time_s
+        x, dt_s, age_s = self._numbers, max(t_s - belief.time_s, 0.0), max(t_s - report.time_s, 0.0)
         position, velocity = carried(x, dt_s, self._memory_s, belief.flock_velocity)
         centre = (
             report.centre[0] + age_s * report.centre_rate[0],

@@ -7,7 +7,7 @@ import pytest
 
 from auv_core.messages import Inbox, Packet, Reception, VehicleState, VelocityCommand
 from auv_core.params import ConfigError, load
-from auv_flocking.agent import Agent, AgentConfig
+from auv_flocking.agent import Agent, AgentConfig, make_format
 from auv_flocking.report import Report
 from auv_flocking.reports import exact
 
@@ -198,3 +198,27 @@ def test_obstacles_need_three_numbers_and_a_distance_each():
         ConfigError, match=r"^agent\.obstacles_ned_m: 2 numbers are not allowed; allowed: three"
     ):
         _config(obstacles_ned_m=[1.0, 2.0], obstacle_safety_distances_m=[2.0])
+
+
+def test_a_packet_that_speaks_for_another_vehicle_is_rejected():
+    agent = Agent(_config())
+    honest = _heard(1, 3)
+    lying = Reception(Packet(0, 2, 0, 1, honest.packet.payload), 0.0, 0.0, math.nan)
+    _step(agent, 1, lying)
+    assert (agent.rejected, agent.neighbours) == (1, [])
+    _step(agent, 2, honest)
+    assert (agent.rejected, len(agent.neighbours)) == (1, 1)
+
+
+def test_coarse_reports_are_believed_no_more_than_their_rounding_allows():
+    coarse = {"kind": "compact", "params": {"position_resolution_m": 1.0}}
+    variances = []
+    for report in ({"kind": "compact"}, coarse):
+        agent = Agent(_config(report=report))
+        form = make_format(agent._config.report, None)
+        zero = (0.0, 0.0, 0.0)
+        payload = form.encode(Report(2, 1, 0.0, (3.0, 9.0, 10.0), zero, (3.0, 9.0, 10.0), zero, zero))
+        _step(agent, 0, _heard(0, 2, payload=payload))
+        variances.append(agent.neighbours[0].covariance[0, 0])
+    assert variances[0] == pytest.approx(0.02**2)
+    assert variances[1] == pytest.approx(1.0 / 12.0)

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -209,3 +210,16 @@ def test_without_contacts_nothing_changes():
     (a,), (b,) = table.estimates(2.0, _nav(2.0)), blind.estimates(2.0, _nav(2.0))
     assert a.position == b.position
     np.testing.assert_array_equal(a.covariance, b.covariance)
+
+
+def test_who_is_silent_and_seen_counts_until_the_sonar_loses_it():
+    table = NeighbourTable(replace(CONFIG, timeout_s=5.0))
+    table.receive(_report(2, 0.0, (3.0, 0.0, 0.0)))
+    for tick in range(100):
+        t_s = 0.5 * tick
+        table.observe(t_s, _nav(t_s), [contact_of((3.0, 0.0, 0.0))])
+        (estimate,) = table.estimates(t_s, _nav(t_s))
+        assert math.dist(estimate.position, (3.0, 0.0, 0.0)) < 0.3
+    assert table.contacts_unknown == 0
+    assert len(table.estimates(54.0, _nav(54.0))) == 1
+    assert table.estimates(55.0, _nav(55.0)) == []

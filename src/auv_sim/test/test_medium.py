@@ -277,3 +277,14 @@ def test_airtime_is_preamble_and_bits_over_the_rate(preamble_s):
     _, receptions = _chatter(medium, 20, lambda _tick: _line(4), size=74)
     for _, _, reception in receptions:
         assert reception.arrival_s - reception.sent_s == pytest.approx(preamble_s + 0.1184)
+
+
+@pytest.mark.parametrize(
+    ("key", "source", "destination"), [(1, 2, 0), (1, 200, 0), (9, 9, 0), (1, 0, 0), (1, 1, 77)]
+)
+def test_a_packet_with_a_false_address_is_refused_and_nothing_is_sent(key, source, destination):
+    medium, states = AcousticMedium(_ideal()), _states(0, _line(4))
+    medium.exchange(0, states)
+    with pytest.raises(ValueError, match=r"modem \d+ was handed a packet"):
+        medium.transmit({key: [Packet(0, source, destination, 1, b"x")]}, states)
+    assert medium.take_events() == []

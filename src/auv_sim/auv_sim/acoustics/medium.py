@@ -155,7 +155,8 @@ class AcousticMedium:
         Raises
         ------
         ValueError
-            For a packet out of turn, a second packet, or a payload that the modem does not take.
+            For a packet out of turn, with an address that is not its modem's or nobody's, a second packet, or
+            a payload that the modem does not take.
 
         """
         self._states = states
@@ -165,6 +166,7 @@ class AcousticMedium:
                     f"modem {source} got {len(packets[source])} packets in one tick; it takes one at a time"
                 )
             for packet in packets[source]:
+                self._check_addresses(source, packet)
                 start_s = self._start_s(packet)
                 if self._mac.senses:
                     self._held[source] = _Held(packet, start_s)
@@ -184,6 +186,14 @@ class AcousticMedium:
             and start_s >= self._busy_until_s[address - 1] - TOUCH_S
             and address not in self._held
         )
+
+    def _check_addresses(self, source: int, packet: Packet) -> None:
+        if source not in self._addresses or packet.source != source:
+            raise ValueError(f"modem {source} was handed a packet of modem {packet.source}")
+        if packet.destination != 0 and packet.destination not in self._addresses:
+            raise ValueError(
+                f"modem {source} was handed a packet for modem {packet.destination}, which is not there"
+            )
 
     def _start_s(self, packet: Packet) -> float:
         """Return when the modem would begin to transmit a packet (s), or refuse it."""

@@ -45,7 +45,7 @@ class Params:
         default="none",
         choices=("none", "surface", "lbl"),
     )
-    fix_period_s: float = param("time from one fix to the next (s)", default=60.0, above=0.0)
+    fix_period_s: float = param("time from one fix to the next (s)", default=60.0, minimum=1e-3)
     fix_sd_m: float = param(
         "error of a fix, per horizontal axis (m)", default=0.3, minimum=0.0, maximum=1000.0
     )
