@@ -64,12 +64,20 @@ def test_the_errors_are_as_large_as_the_filter_says_few_runs(name):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)
 @pytest.mark.parametrize("name", SETTINGS)
 def test_the_errors_are_as_large_as_the_filter_says(name):
-    found = squares(SETTINGS[name], CONFIG, np.random.SeedSequence(1).spawn(100), 150.0)
+    """
+    Three times a hundred runs: instants of one run are not independent, so that the share of one hundred is a
+    matter of luck by a few per cent (0.89 to 0.98 have been seen).
+    """
     # After fixes the offset is reset as if its rate were not known from the fix: nearly consistent.
-    share = 0.8 if "fixes" in name else 0.9
-    for values, size in ((found.nees, STATES), (found.packets, PACKET), (found.contacts, CONTACT)):
-        if np.isfinite(values).any():
-            assert share_inside(values, size) >= share
-            assert np.nanmean(values) == pytest.approx(size, rel=0.05)
+    least = 0.8 if "fixes" in name else 0.9
+    found = [
+        squares(SETTINGS[name], CONFIG, np.random.SeedSequence(seed).spawn(100), 150.0) for seed in (1, 5, 22)
+    ]
+    for kind, size in (("nees", STATES), ("packets", PACKET), ("contacts", CONTACT)):
+        hundreds = [getattr(each, kind) for each in found]
+        if np.isfinite(hundreds[0]).any():
+            assert np.mean([share_inside(values, size) for values in hundreds]) >= least
+            assert np.nanmean(hundreds) == pytest.approx(size, rel=0.05)

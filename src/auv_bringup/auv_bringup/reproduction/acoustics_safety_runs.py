@@ -2,7 +2,7 @@
 Runs of the safety study: the scenario `flock_modem` over slots, losses, navigations, laws and fleets.
 
 Seeds are 3001, 3002, ...; nothing in the law was chosen by a run with one of them.  Of the main study all
-seeds are flown that `--seeds` asks for, of the others every fifth, tenth or twenty-fifth.
+seeds are flown that `--seeds` asks for, of the others the first fifth, tenth or twenty-fifth.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ _DRIFT = "environment.navigation={kind: dead_reckoning}"
 _FIXES = "environment.navigation={kind: dead_reckoning, params: {fix: lbl, fix_period_s: 60.0}}"
 _SONAR = "acoustics.sonar={kind: active}"
 DRIFT_SONAR, DRIFT_FIXES = "drift, sonar", "drift, a fix every 60 s"
+DRIFT_SONAR_WORST = "drift, sonar, 2 s, 60 %"
 NAVIGATIONS = {
     DRIFT_SONAR: (_DRIFT, _SONAR),
     DRIFT_FIXES: (_FIXES,),
@@ -76,7 +77,11 @@ BARS = {
     (2.0, 0.3): Bars(1.0, 1.4, 0.35),
     (2.0, 0.6): Bars(0.6, 1.2, 0.8, share_near=0.97),
 }
-NAVIGATION_BARS = {DRIFT_SONAR: Bars(1.0, 1.4), DRIFT_FIXES: Bars(0.6, 0.9, 0.8)}
+NAVIGATION_BARS = {
+    DRIFT_SONAR: Bars(1.0, 1.4),
+    DRIFT_FIXES: Bars(0.6, 0.9, 0.8),
+    DRIFT_SONAR_WORST: Bars(0.6, 1.2, share_near=0.97),
+}
 
 
 def name_of(cell: Cell) -> str:
@@ -116,6 +121,7 @@ NAVIGATED = {
     name: study(USUAL, changes, every=1 if name in NAVIGATION_BARS else 10)
     for name, changes in NAVIGATIONS.items()
 }
+NAVIGATED[DRIFT_SONAR_WORST] = study(WORST, NAVIGATIONS[DRIFT_SONAR], every=5)
 ABLATED = {
     (cell, part): study(cell, changes, every=5) for cell in (USUAL, WORST) for part, changes in PARTS.items()
 }
