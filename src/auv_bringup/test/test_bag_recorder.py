@@ -140,7 +140,7 @@ def test_a_publisher_that_has_gone_is_taken_for_a_usual_one(desk):
 
 def test_the_whole_graph_is_recorded_but_not_the_recorder():
     names = [spec.name for spec in topics_of_graph(["auv_1", "b"], kinematic=True)]
-    assert len(names) == len(set(names)) == 8 + 2 * 11
+    assert len(names) == len(set(names)) == 9 + 2 * 11
     assert {"/auv_1/cmd_vel", "/b/cmd_vel", "/b/acoustic/rx", "/tf_static", "/clock"} <= set(names)
     assert "/auv_1/cmd_wrench" not in names
     assert "/recorder/status" not in names

@@ -24,7 +24,7 @@ def _fly(params, duration_s, period_s=0.1):
     """Fly four single integrators round the thesis's circle; return pair distances over time and the laws."""
     separations = [Separation(params) for _ in STARTS]
     laws = [flocking.Flocking(flocking.Params(), s, i == 0) for i, s in enumerate(separations)]
-    consensus = thesis.Consensus(thesis.Params())
+    consensus = thesis.Consensus(thesis.Params(), len(STARTS))
     places, centres, distances = list(STARTS), list(STARTS), []
     for tick in range(round(duration_s / period_s)):
         a = 0.01 * tick * period_s
