@@ -130,7 +130,7 @@ def test_neighbour_estimates_hold_every_number(count):
     from auv_core import conversions as convert
     from auv_msgs.msg import NeighbourEstimates
 
-    rows = [[k + 1, *(100.0 * k + n for n in range(43))] for k in range(count)]
+    rows = [[k + 1, *(100.0 * k + n for n in range(44))] for k in range(count)]
     flat = [number for row in rows for number in row]
     data = convert.neighbours_stencil(count).filled(2.5, 25, count, *flat)
     message = read(data, NeighbourEstimates)
@@ -139,7 +139,7 @@ def test_neighbour_estimates_hold_every_number(count):
         assert neighbour.address == row[0]
         assert [neighbour.position.x, neighbour.velocity.z] == [row[1], row[6]]
         assert list(neighbour.covariance) == row[7:43]
-        assert neighbour.age_s == row[43]
+        assert [neighbour.age_s, neighbour.sonar_age_s] == row[43:45]
 
 
 def test_a_flocking_centre_holds_every_number():
