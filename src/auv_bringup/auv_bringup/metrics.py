@@ -164,13 +164,13 @@ def flock_pair_distances_m(recording: Recording) -> FloatArray:
 
 def flock_positions_ned_m(recording: Recording) -> FloatArray:
     """Return the (K + 1, N, 3) true positions (m, map_ned), NaN from a vehicle's loss on."""
-    return np.where(_is_gone(recording)[..., np.newaxis], np.nan, recording.position_ned_m)
+    return np.where(recording.is_gone[..., np.newaxis], np.nan, recording.position_ned_m)
 
 
 def centroid_ned_m(recording: Recording) -> FloatArray:
     """Return the (K + 1, 3) mean of the flock's true positions (m, map_ned), NaN where no vehicle is left."""
     positions = recording.position_ned_m
-    alive = ~_is_gone(recording)
+    alive = ~recording.is_gone
     total = np.where(alive[..., np.newaxis], positions, 0.0).sum(axis=1)
     count = alive.sum(axis=1)[:, np.newaxis].astype(float)
     mean: FloatArray = total / np.where(count > 0.0, count, np.nan)
@@ -193,7 +193,7 @@ def centroid_path_error_m(recording: Recording, scenario: Scenario) -> FloatArra
 def consensus_error_m(recording: Recording) -> FloatArray:
     """Return the (K, N) distances |c_i - mean of true positions| (m), NaN from a vehicle's loss on."""
     error_m = _norm(recording.centre_ned_m - centroid_ned_m(recording)[:-1, np.newaxis])
-    return np.where(_is_gone(recording)[:-1], np.nan, error_m)
+    return np.where(recording.is_gone[:-1], np.nan, error_m)
 
 
 def obstacle_distances_m(recording: Recording, scenario: Scenario) -> FloatArray:
@@ -221,7 +221,7 @@ def neighbour_error_ned_m(recording: Recording) -> FloatArray:
     truth = recording.position_ned_m[:-1]
     own = np.where(np.isnan(recording.nav_position_ned_m), truth, recording.nav_position_ned_m)
     error = recording.neighbour_position_ned_m - truth[:, np.newaxis] - (own - truth)[:, :, np.newaxis]
-    gone = _is_gone(recording)[:-1]
+    gone = recording.is_gone[:-1]
     nobody = gone[:, :, np.newaxis] | gone[:, np.newaxis, :] | np.eye(recording.n_vehicles, dtype=bool)
     return np.where(nobody[..., np.newaxis], np.nan, error)
 
@@ -249,7 +249,7 @@ def link_counts(recording: Recording) -> tuple[NDArray[np.int64], NDArray[np.int
     if len(recording.sent) == 0 or n < 2:
         return expected, delivered
     tick, source = recording.sent[:, 0], recording.sent[:, 1] - 1
-    alive = ~_is_gone(recording)[np.clip(tick, 0, recording.n_ticks)]
+    alive = ~recording.is_gone[np.clip(tick, 0, recording.n_ticks)]
     np.add.at(expected, source, alive.astype(np.int64))
     np.fill_diagonal(expected, 0)
 
@@ -325,16 +325,10 @@ def _approach_time_s(t_s: FloatArray, flock_pairs_m: FloatArray) -> float | None
     return float(t_s[len(t_s) - is_any_far[::-1].argmax()]) if is_any_far.any() else float(t_s[0])
 
 
-def _is_gone(recording: Recording) -> BoolArray:
-    """Return (K + 1, N) flags: the vehicle has been lost by that time."""
-    lost_at_s = np.where(np.isnan(recording.lost_at_s), np.inf, recording.lost_at_s)
-    return recording.t_s[:, np.newaxis] >= lost_at_s - TIME_TOLERANCE_S
-
-
 def _pair_is_gone(recording: Recording) -> BoolArray:
     """Return (K + 1, P) flags: one vehicle of the pair has been lost by that time."""
     first, second = np.triu_indices(recording.n_vehicles, 1)
-    gone = _is_gone(recording)
+    gone = recording.is_gone
     return gone[:, first] | gone[:, second]
 
 

@@ -103,7 +103,7 @@ def is_navigation_exact(recording: Recording) -> bool:
 def navigation_error_ned_m(recording: Recording) -> FloatArray:
     """Return the (K, N, 3) own position as believed minus the true one (m; NED), NaN from a loss on."""
     error_m = recording.nav_position_ned_m - recording.position_ned_m[:-1]
-    return np.where(_is_gone(recording)[..., np.newaxis], np.nan, error_m)
+    return np.where(recording.is_gone[:-1][..., np.newaxis], np.nan, error_m)
 
 
 def loss_counts(recording: Recording) -> dict[Outcome, IntArray]:
@@ -154,7 +154,7 @@ def relative_error_ned(recording: Recording, ticks: IntArray) -> FloatArray:
     position_m = estimate_m - own_m[:, :, np.newaxis] - between_m
     true_mps = np.gradient(recording.position_ned_m, recording.t_s, axis=0)[ticks]
     velocity_mps = recording.neighbour_velocity_ned_mps[ticks] - true_mps[:, np.newaxis]
-    gone = _is_gone(recording)[ticks]
+    gone = recording.is_gone[:-1][ticks]
     nobody = gone[:, :, np.newaxis] | gone[:, np.newaxis] | np.eye(recording.n_vehicles, dtype=bool)
     error = np.concatenate([position_m, velocity_mps], axis=-1)
     return np.where(nobody[..., np.newaxis], np.nan, error)
@@ -235,13 +235,6 @@ def _navigation_metrics(recording: Recording) -> dict[str, float | None]:
         "navigation_error_final_m": _root(_mean(_finite(square_m2[-1:]))),
         "navigation_nees_mean": _mean(level_m2[judged] / sd_m[judged] ** 2),
     }
-
-
-def _is_gone(recording: Recording) -> BoolArray:
-    """Return (K, N) flags: the vehicle has been lost by that tick."""
-    lost_at_s = np.where(np.isnan(recording.lost_at_s), np.inf, recording.lost_at_s)
-    gone: BoolArray = recording.t_s[:-1, np.newaxis] >= lost_at_s - _TOLERANCE_S
-    return gone
 
 
 def _finite(values: FloatArray) -> FloatArray:

@@ -11,7 +11,6 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from auv_bringup.recording import FloatArray, Recording
 
@@ -103,13 +102,13 @@ def path_followers(scenario: Scenario) -> list[int]:
 def position_error_ned_m(recording: Recording, scenario: Scenario) -> FloatArray:
     """Return the (K + 1, N, 3) path minus position (m; NED); NaN without a path and from a loss on."""
     error = path_points_ned(recording, scenario)[0] - recording.position_ned_m
-    return np.where(_is_gone(recording), np.nan, error)
+    return np.where(recording.is_gone[..., np.newaxis], np.nan, error)
 
 
 def velocity_error_ned_mps(recording: Recording, scenario: Scenario) -> FloatArray:
     """Return the (K + 1, N, 3) path velocity minus velocity (m/s; NED); NaN as for the position."""
     error = path_points_ned(recording, scenario)[1] - velocity_ned_mps(recording, scenario)
-    return np.where(_is_gone(recording), np.nan, error)
+    return np.where(recording.is_gone[..., np.newaxis], np.nan, error)
 
 
 def path_points_ned(recording: Recording, scenario: Scenario) -> tuple[FloatArray, FloatArray]:
@@ -156,13 +155,6 @@ def _obstacle_metrics(recording: Recording, scenario: Scenario) -> dict[str, lis
         "obstacle_clearance_m": nearest_m.min(axis=0).tolist(),
         "obstacle_closest_at_s": recording.t_s[nearest_m.argmin(axis=0)].tolist(),
     }
-
-
-def _is_gone(recording: Recording) -> NDArray[np.bool_]:
-    """Return (K + 1, N, 1) flags: the vehicle has been lost by that time."""
-    lost_at_s = np.where(np.isnan(recording.lost_at_s), np.inf, recording.lost_at_s)
-    is_gone = recording.t_s[:, np.newaxis] >= lost_at_s - _TOLERANCE_S
-    return is_gone[..., np.newaxis]
 
 
 def _body_to_ned(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:

@@ -26,6 +26,7 @@ IntArray = NDArray[np.int64]
 
 FORMAT_VERSION = 3
 _VERSION_KEY = "format_version"
+_TOLERANCE_S = 1e-9
 _VALUES_OF_ROWS = (("delay_s", "received"), ("contact_values", "contacts"), ("event_values", "events"))
 
 
@@ -168,6 +169,13 @@ class Recording:
     def n_ticks(self) -> int:
         """Number of control ticks K; there is one state more."""
         return len(self.t_s) - 1
+
+    @property
+    def is_gone(self) -> NDArray[np.bool_]:
+        """Return (K + 1, N) flags: the vehicle has been lost by that time."""
+        lost_at_s = np.where(np.isnan(self.lost_at_s), np.inf, self.lost_at_s)
+        gone: NDArray[np.bool_] = self.t_s[:, np.newaxis] >= lost_at_s - _TOLERANCE_S
+        return gone
 
     def save(self, path: str | Path) -> Path:
         """
