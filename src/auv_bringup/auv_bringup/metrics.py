@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_bringup.law_metrics import law_metrics
-from auv_bringup.metrics_acoustics import acoustics_metrics
+from auv_bringup.metrics_acoustics import acoustics_metrics, relative_position_error_ned_m
 from auv_bringup.metrics_network import network_metrics
 from auv_bringup.recording import FloatArray, Recording
 
@@ -218,12 +218,7 @@ def neighbour_error_ned_m(recording: Recording) -> FloatArray:
         the loss of either vehicle on.
 
     """
-    truth = recording.position_ned_m[:-1]
-    own = np.where(np.isnan(recording.nav_position_ned_m), truth, recording.nav_position_ned_m)
-    error = recording.neighbour_position_ned_m - truth[:, np.newaxis] - (own - truth)[:, :, np.newaxis]
-    gone = recording.is_gone[:-1]
-    nobody = gone[:, :, np.newaxis] | gone[:, np.newaxis, :] | np.eye(recording.n_vehicles, dtype=bool)
-    return np.where(nobody[..., np.newaxis], np.nan, error)
+    return relative_position_error_ned_m(recording, np.arange(recording.n_ticks))
 
 
 def neighbour_sigma_m(recording: Recording) -> FloatArray:

@@ -146,17 +146,22 @@ def relative_error_ned(recording: Recording, ticks: IntArray) -> FloatArray:
         where no estimate exists, and from the loss of either vehicle on.
 
     """
-    estimate_m, own_m = recording.neighbour_position_ned_m[ticks], recording.nav_position_ned_m[ticks]
-    # A recording without navigation is one whose vehicles knew where they were.
-    own_m = np.where(np.isfinite(own_m), own_m, recording.position_ned_m[ticks])
-    true_m = recording.position_ned_m[ticks]
-    between_m = true_m[:, np.newaxis] - true_m[:, :, np.newaxis]
-    position_m = estimate_m - own_m[:, :, np.newaxis] - between_m
+    position_m = relative_position_error_ned_m(recording, ticks)
     true_mps = np.gradient(recording.position_ned_m, recording.t_s, axis=0)[ticks]
     velocity_mps = recording.neighbour_velocity_ned_mps[ticks] - true_mps[:, np.newaxis]
-    gone = recording.is_gone[:-1][ticks]
+    velocity_mps[np.isnan(position_m)] = np.nan
+    return np.concatenate([position_m, velocity_mps], axis=-1)
+
+
+def relative_position_error_ned_m(recording: Recording, ticks: IntArray) -> FloatArray:
+    """Return the (M, N, N, 3) positions of `relative_error_ned` (m; NED)."""
+    truth, own = recording.position_ned_m[ticks], recording.nav_position_ned_m[ticks]
+    # A recording without navigation is one whose vehicles knew where they were.
+    own = np.where(np.isfinite(own), own, truth)
+    estimate = recording.neighbour_position_ned_m[ticks]
+    error: FloatArray = estimate - truth[:, np.newaxis] - (own - truth)[:, :, np.newaxis]
+    gone = recording.is_gone[ticks]
     nobody = gone[:, :, np.newaxis] | gone[:, np.newaxis] | np.eye(recording.n_vehicles, dtype=bool)
-    error = np.concatenate([position_m, velocity_mps], axis=-1)
     return np.where(nobody[..., np.newaxis], np.nan, error)
 
 

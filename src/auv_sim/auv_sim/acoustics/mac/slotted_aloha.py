@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from auv_core.params import param
+from auv_sim.acoustics.mac._slots import check_slot
 from auv_sim.streams import Purpose, uniform
 
 
@@ -44,8 +45,4 @@ class Mac:
 
     def check(self, airtime_s: float) -> None:
         """Raise ValueError when a transmission is longer than the slot."""
-        if airtime_s >= self._slot_s:
-            raise ValueError(
-                f"slot_s: {self._slot_s!r} is not allowed; "
-                f"allowed: longer than a report's airtime of {airtime_s:.3f} s"
-            )
+        check_slot(self._slot_s, airtime_s)
