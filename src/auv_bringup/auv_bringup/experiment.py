@@ -10,6 +10,7 @@ from auv_bringup.compose import agent_configs, vehicle_configs
 from auv_bringup.continuous import run_continuous
 from auv_bringup.recording import Recording, law_states
 from auv_bringup.scenario import Scenario
+from auv_core.compiled import use_compiler
 from auv_core.messages import AcousticEvent, Command, Inbox, Packet, VehicleState, command_numbers
 from auv_flocking.agent import Agent
 from auv_sim.acoustics.medium import AcousticMedium
@@ -32,6 +33,7 @@ def run_in_process(scenario: Scenario, *, on_progress: Progress | None = None) -
         Called now and then with the scenario time reached (s).
 
     """
+    use_compiler()
     if scenario.sampling == "continuous":
         return run_continuous(scenario, on_progress=on_progress)
     vehicles = [Vehicle(config) for config in vehicle_configs(scenario)]
