@@ -10,9 +10,9 @@ A function that is marked here stays the plain Python function that it is.  Wher
 An argument of the type ``FUNCTION(...)`` takes another entry: so a plugin's function goes into a compiled
 loop without that loop being compiled again for every plugin.
 
-What was compiled is kept in the user's cache, under a name that stands for the source of the entry and of all
-that it calls: Numba by itself would not see a change in what a kept function calls.  With ``NUMBA_DISABLE_JIT=1``
-nothing is compiled, and everything gives the same numbers.
+What was compiled is kept in the user's cache, under a name that stands for the source of the entry and of
+all that it calls: Numba by itself would not see a change in what a kept function calls.  With
+``NUMBA_DISABLE_JIT=1`` nothing is compiled, and everything gives the same numbers.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def is_compiling() -> bool:
 
 def fastest(function: F) -> F:
     """Return the compiled twin of an entry where `use_compiler` was called, else the entry itself."""
-    return _compiled(function) if _is_on else function  # type: ignore[no-any-return]
+    return _compiled(function) if _is_on else function
 
 
 @cache
