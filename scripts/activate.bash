@@ -18,3 +18,5 @@ set +u
 source "$root/install/setup.bash"
 # Ten processes import the same modules at every start: let Python keep what it compiled.
 unset PYTHONDONTWRITEBYTECODE
+# The matrices are small: threads of the linear algebra would only fight over the cores.
+export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1} OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1}

@@ -15,21 +15,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from auv_core.compiled import fastest
 from auv_core.geometry import body_to_ned
 from auv_core.messages import SonarContact, VehicleState
 from auv_flocking.association import associate, chi_square_gate
+from auv_flocking.estimates import SOURCE_WIDTH, WIDTH, Estimates, carried_to
 from auv_flocking.navigation_offset import OwnFix, Stated
-from auv_flocking.neighbour_filter import NeighbourConfig, NeighbourFilter, kalman_filter
+from auv_flocking.neighbour_filter import NeighbourConfig, NeighbourFilter
 from auv_flocking.report import Report
 from auv_flocking.sonar_contact import sighting
-from auv_flocking.track import HISTORY_S, HeardReport, NeighbourEstimate, Track
+from auv_flocking.track import HISTORY_S, HeardReport, Track
 
 __all__ = [
     "NeighbourConfig",
-    "NeighbourEstimate",
     "NeighbourTable",
     "is_plausible",
-    "kalman_filter",
 ]
 
 _CLOCK_SLACK_S = 1.0
@@ -98,6 +98,11 @@ class NeighbourTable:
         self._filter = NeighbourFilter(config)
         self._own = _OwnNavigation()
         self._tracks: dict[int, Track] = {}
+        self._in_order: list[Track] = []
+        self._sources = np.empty((0, SOURCE_WIDTH))
+        self._said: tuple[list[int], list[tuple[float, ...]]] = ([], [])
+        self._is_stale = False
+        self._carried_to = fastest(carried_to)
         self._gate: float | None = None
         self.outdated = 0
         self.contacts_used = 0
@@ -111,7 +116,7 @@ class NeighbourTable:
     @property
     def tracks(self) -> list[Track]:
         """The neighbours heard at least once, in the order of addresses."""
-        return [track for _, track in sorted(self._tracks.items())]
+        return self._in_order
 
     def receive(self, report: Report) -> None:
         """Use one report. They come in the order of their arrival, which need not be that of their tags."""
@@ -121,8 +126,11 @@ class NeighbourTable:
         track = self._tracks.get(report.address)
         if track is None:
             self._tracks[report.address] = Track(heard, self._filter, self._config.velocity_memory_s)
+            self._in_order = [track for _, track in sorted(self._tracks.items())]
+            self._sources = np.empty((len(self._in_order), SOURCE_WIDTH))
         elif not track.hear(heard):
             self.outdated += 1
+        self._is_stale = True
 
     def observe(self, t_s: float, nav: VehicleState, contacts: Sequence[SonarContact]) -> None:
         """Use the sonar contacts of one tick, seen from the pose that the own navigation gives."""
@@ -149,10 +157,11 @@ class NeighbourTable:
             )
         for contact, neighbour in pairs:
             tracks[neighbour].see(sightings[contact])
+        self._is_stale = self._is_stale or bool(pairs)
         self.contacts_used += len(pairs)
         self.contacts_unknown += len(contacts) - len(pairs)
 
-    def estimates(self, t_s: float, nav: VehicleState | None = None) -> list[NeighbourEstimate]:
+    def estimates(self, t_s: float, nav: VehicleState | None = None) -> Estimates:
         """
         Return the neighbours heard or seen within the time-out, carried to `t_s`, in the order of addresses.
 
@@ -160,11 +169,24 @@ class NeighbourTable:
         """
         if nav is not None:
             self._follow(t_s, nav)
-        return [track.estimate(t_s) for track in self._recent(t_s)]
+        tracks, config = self._in_order, self._config
+        if self._is_stale:
+            for track, source in zip(tracks, self._sources, strict=True):
+                track.write(source)
+            self._said = ([t.report.address for t in tracks], [t.report.shared for t in tracks])
+            self._is_stale = False
+        rows, who = np.empty((len(tracks), WIDTH)), np.empty(len(tracks), dtype=np.int64)
+        n = self._carried_to(t_s, config.velocity_memory_s, config.timeout_s, self._sources, rows, who)
+        addresses, shared = self._said
+        if n == len(tracks):
+            return Estimates(addresses, rows, shared)
+        return Estimates([addresses[k] for k in who[:n]], rows[:n], [shared[k] for k in who[:n]])
 
     def _recent(self, t_s: float) -> list[Track]:
         timeout_s = self._config.timeout_s
-        return [track for track in self.tracks if t_s - max(track.report.time_s, track.seen_s) <= timeout_s]
+        return [
+            track for track in self._in_order if t_s - max(track.report.time_s, track.seen_s) <= timeout_s
+        ]
 
     def _follow(self, t_s: float, nav: VehicleState) -> None:
         """Take note of the own navigation, and of a fix that it had."""
@@ -172,3 +194,4 @@ class NeighbourTable:
         if fix is not None:
             for track in self._tracks.values():
                 track.move_frame(fix)
+            self._is_stale = True

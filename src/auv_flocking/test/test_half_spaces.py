@@ -2,15 +2,21 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from auv_flocking.half_spaces import into_half_spaces
+from auv_flocking import half_spaces as projection
 
 MODERATE = settings(max_examples=80, deadline=None)
 SPEEDS = st.floats(-2.0, 2.0)
 VELOCITIES = st.tuples(SPEEDS, SPEEDS, SPEEDS)
+
+
+def into_half_spaces(velocity, half_spaces):
+    rows = np.array([(*normal, bound_mps) for normal, bound_mps in half_spaces]).reshape(-1, 4)
+    return projection.into_half_spaces(velocity, rows)
 
 
 def _unit(vector):

@@ -274,9 +274,10 @@ class Model:
         """Return the wrench that the actuators give for the wrench asked: clipped axis by axis, if at all."""
         if self.params.max_wrench is None:
             return tau
-        a, b, c, d, e, f = (
-            max(-limit, min(limit, value)) for value, limit in zip(tau, self.params.max_wrench, strict=True)
-        )
+        a, b, c, d, e, f = [
+            limit if value > limit else max(value, -limit)
+            for value, limit in zip(tau, self.params.max_wrench, strict=True)
+        ]
         return (a, b, c, d, e, f)
 
     def step(self, state: State, command: Vec6, current: Vec3, dt_s: float, steps: int = 1) -> State:

@@ -32,8 +32,8 @@ from typing import Protocol
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3, limited
 from auv_core.params import param
+from auv_flocking.estimates import NeighbourEstimate
 from auv_flocking.flocking import FlockVelocity, View
-from auv_flocking.neighbours import NeighbourEstimate
 
 
 @dataclass(frozen=True)
