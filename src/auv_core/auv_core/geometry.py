@@ -73,3 +73,17 @@ def limited(v: Vec3, length: float) -> Vec3:
         return v
     scale = length / norm
     return (v[0] * scale, v[1] * scale, v[2] * scale)
+
+
+@inner
+def clipped(value: float, most: float) -> float:
+    """Return `value`, brought to -`most` or `most` where it lies beyond."""
+    if value > most:
+        return most
+    return max(value, -most)
+
+
+@inner
+def added(a: Vec3, b: Vec3) -> Vec3:
+    """Return a + b."""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])

@@ -101,7 +101,7 @@ class NeighbourTable:
         self._in_order: list[Track] = []
         self._sources = np.empty((0, SOURCE_WIDTH))
         self._said: tuple[list[int], list[tuple[float, ...]]] = ([], [])
-        self._is_stale = False
+        self._stale: set[Track] = set()
         self._carried_to = fastest(carried_to)
         self._gate: float | None = None
         self.outdated = 0
@@ -128,9 +128,11 @@ class NeighbourTable:
             self._tracks[report.address] = Track(heard, self._filter, self._config.velocity_memory_s)
             self._in_order = [track for _, track in sorted(self._tracks.items())]
             self._sources = np.empty((len(self._in_order), SOURCE_WIDTH))
-        elif not track.hear(heard):
+            self._stale.update(self._in_order)
+        elif track.hear(heard):
+            self._stale.add(track)
+        else:
             self.outdated += 1
-        self._is_stale = True
 
     def observe(self, t_s: float, nav: VehicleState, contacts: Sequence[SonarContact]) -> None:
         """Use the sonar contacts of one tick, seen from the pose that the own navigation gives."""
@@ -157,7 +159,7 @@ class NeighbourTable:
             )
         for contact, neighbour in pairs:
             tracks[neighbour].see(sightings[contact])
-        self._is_stale = self._is_stale or bool(pairs)
+            self._stale.add(tracks[neighbour])
         self.contacts_used += len(pairs)
         self.contacts_unknown += len(contacts) - len(pairs)
 
@@ -170,11 +172,12 @@ class NeighbourTable:
         if nav is not None:
             self._follow(t_s, nav)
         tracks, config = self._in_order, self._config
-        if self._is_stale:
-            for track, source in zip(tracks, self._sources, strict=True):
-                track.write(source)
+        if self._stale:
+            for row, track in enumerate(tracks):
+                if track in self._stale:
+                    track.write(self._sources[row])
             self._said = ([t.report.address for t in tracks], [t.report.shared for t in tracks])
-            self._is_stale = False
+            self._stale.clear()
         rows, who = np.empty((len(tracks), WIDTH)), np.empty(len(tracks), dtype=np.int64)
         n = self._carried_to(t_s, config.velocity_memory_s, config.timeout_s, self._sources, rows, who)
         addresses, shared = self._said
@@ -194,4 +197,4 @@ class NeighbourTable:
         if fix is not None:
             for track in self._tracks.values():
                 track.move_frame(fix)
-            self._is_stale = True
+            self._stale.update(self._in_order)

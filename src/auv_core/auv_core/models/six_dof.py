@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 from auv_core.compiled import entry, fastest, inner
 from auv_core.drag import steady_speed_mps
-from auv_core.geometry import Quat, Vec3, quaternion_from_heading
+from auv_core.geometry import Quat, Vec3, clipped, quaternion_from_heading
 from auv_core.integrate import State
 from auv_core.messages import Vec6
 from auv_core.params import param
@@ -91,6 +91,24 @@ def constants(params: Params) -> Constants:
         *params.quadratic_damping,
         params.weight_n - params.buoyancy_n,
         params.cog_z_m * params.weight_n,
+    )
+
+
+def limits(params: Params) -> Vec6:
+    """Return the actuator limit per axis (N, N m; body), infinite where there is none."""
+    return (math.inf,) * 6 if params.max_wrench is None else params.max_wrench
+
+
+@inner
+def limited_wrench(tau: Vec6, most: Vec6) -> Vec6:
+    """Return `tau` clipped axis by axis."""
+    return (
+        clipped(tau[0], most[0]),
+        clipped(tau[1], most[1]),
+        clipped(tau[2], most[2]),
+        clipped(tau[3], most[3]),
+        clipped(tau[4], most[4]),
+        clipped(tau[5], most[5]),
     )
 
 
@@ -246,17 +264,17 @@ class Model:
     def __init__(self, params: Params) -> None:
         self.params = params
         self._constants = constants(params)
+        self._limits = limits(params)
         self._advance = fastest(advance)
 
     @property
     def top_speed_mps(self) -> float:
         """Speed that the weakest of the three forces can hold against the drag (m/s); without limits inf."""
         p = self.params
-        limits = (math.inf,) * 3 if p.max_wrench is None else p.max_wrench[:3]
         return min(
             steady_speed_mps(linear, quadratic, force_n)
             for linear, quadratic, force_n in zip(
-                p.linear_damping[:3], p.quadratic_damping[:3], limits, strict=True
+                p.linear_damping[:3], p.quadratic_damping[:3], self._limits[:3], strict=True
             )
         )
 
@@ -272,13 +290,7 @@ class Model:
 
     def limited_command(self, tau: Vec6) -> Vec6:
         """Return the wrench that the actuators give for the wrench asked: clipped axis by axis, if at all."""
-        if self.params.max_wrench is None:
-            return tau
-        a, b, c, d, e, f = [
-            limit if value > limit else max(value, -limit)
-            for value, limit in zip(tau, self.params.max_wrench, strict=True)
-        ]
-        return (a, b, c, d, e, f)
+        return limited_wrench(tau, self._limits)
 
     def step(self, state: State, command: Vec6, current: Vec3, dt_s: float, steps: int = 1) -> State:
         """
