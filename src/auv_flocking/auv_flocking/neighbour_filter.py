@@ -211,49 +211,49 @@ class NeighbourFilter:
         With an offset, a packet that cannot be true of what was believed starts the belief anew: a contact of
         another vehicle was taken for this one's, or a navigation erred more than it said.
         """
-        moved = self._moved(belief, report)
-        ahead = self._predicted(moved, report.time_s)
+        unrest, psd = self._unrest(belief, report)
+        ahead = self._predicted(belief, report.time_s, psd, unrest)
         if ahead.unaided is None and stated.is_exact:
-            after = self._updated(ahead, _numbers(report) - ahead.x, _IDENTITY, self._noise)
+            innovation, H = _numbers(report) - ahead.x, _IDENTITY
         else:
             ahead = self._with_offset(ahead, stated)
-            innovation = _numbers(report) - offset.PACKET @ ahead.x
-            after = self._updated(ahead, innovation, offset.PACKET, self._noise)
-            if after.nis > _SENSELESS:
-                return self.first(report, stated)
-        psd = after.psd if after.unrest is None else self._bounded(after.unrest.psd)
-        return replace(after, psd=psd, flock_velocity=report.flock_velocity)
+            innovation, H = _numbers(report) - offset.PACKET @ ahead.x, offset.PACKET
+        now = psd if unrest is None else self._bounded(unrest.psd)
+        after = self._updated(ahead, innovation, H, self._noise, now, report.flock_velocity)
+        if after.unaided is not None and after.nis > _SENSELESS:
+            return self.first(report, stated)
+        return after
 
     def after_sighting(self, belief: Belief, sighting: Sighting) -> Belief:
         """Return the belief after a sonar contact, at its time."""
-        ahead = self._predicted(belief, sighting.time_s)
+        ahead = self._predicted(belief, sighting.time_s, belief.psd, belief.unrest)
         H = np.zeros((3, len(ahead.x)))
         H[:, :3] = sighting.jacobian
         # z - h(x), linearised at the point of the contact.
         innovation = -(sighting.jacobian @ (ahead.x[:3] - sighting.point))
-        return self._updated(ahead, innovation, H, sighting.noise)
+        return self._updated(ahead, innovation, H, sighting.noise, ahead.psd, ahead.flock_velocity)
 
     def after_own_fix(self, belief: Belief, fix: OwnFix) -> Belief:
         """Return the belief after a fix of the own navigation, in the frame that it has from then on."""
-        ahead = self._predicted(belief, fix.time_s)
+        ahead = self._predicted(belief, fix.time_s, belief.psd, belief.unrest)
         if ahead.unaided is None:
             ahead = self._with_offset(ahead, Stated(fix.before_m2, 0.0))
         assert ahead.unaided is not None
         z, H, R = fix.tells(ahead.unaided.sender_m2)
-        after = self._updated(ahead, z - H @ ahead.x, H, R)
+        after = self._updated(ahead, z - H @ ahead.x, H, R, ahead.psd, ahead.flock_velocity)
         x, unaided = fix.shifted(after.x, ahead.unaided)
         return replace(after, x=x, unaided=unaided)
 
-    def _moved(self, belief: Belief, report: Report) -> Belief:
+    def _unrest(self, belief: Belief, report: Report) -> tuple[Unrest | None, float]:
         """
-        Return the belief with the unrest that a new packet shows.
+        Return the unrest that a new packet shows, and the density with which the way to it is carried.
 
-        The way to the packet is carried with the larger of the densities before it and after it.
+        That is the larger of the densities before the packet and after it.
         """
         if belief.unrest is None:
-            return belief
+            return None, belief.psd
         unrest = belief.unrest.after(report, self._config.acceleration_memory_s)
-        return replace(belief, unrest=unrest, psd=max(belief.psd, self._bounded(unrest.psd)))
+        return unrest, max(belief.psd, self._bounded(unrest.psd))
 
     def _bounded(self, psd: float) -> float:
         """Return a density within two decades below and one above the configured one (m^2/s^3)."""
@@ -270,19 +270,21 @@ class NeighbourFilter:
         P, unaided = offset.topped_up(P, unaided, stated, self._config.drift_rate_mps)
         return replace(belief, x=x, P=P, unaided=unaided)
 
-    def _predicted(self, belief: Belief, t_s: float) -> Belief:
+    def _predicted(self, belief: Belief, t_s: float, psd: float, unrest: Unrest | None) -> Belief:
         dt_s = t_s - belief.time_s
         memory_s, unaided = self._config.velocity_memory_s, belief.unaided
-        x, P = self._ahead(
-            belief.x, belief.P, dt_s, belief.psd, self._rate_psd, memory_s, belief.flock_velocity
-        )
+        x, P = self._ahead(belief.x, belief.P, dt_s, psd, self._rate_psd, memory_s, belief.flock_velocity)
         if unaided is not None:
             unaided = unaided.after(dt_s, self._rate_psd)
-        return Belief(t_s, x, P, belief.psd, belief.flock_velocity, unaided, belief.unrest)
+        return Belief(t_s, x, P, psd, belief.flock_velocity, unaided, unrest)
 
-    def _updated(self, belief: Belief, innovation: Matrix, H: Matrix, R: Matrix) -> Belief:
-        x, P, precision = self._updated_by(belief.x, belief.P, innovation, H, R)
-        return replace(belief, x=x, P=P, innovation=innovation, precision=precision)
+    def _updated(
+        self, ahead: Belief, innovation: Matrix, H: Matrix, R: Matrix, psd: float, flock_velocity: Vec3
+    ) -> Belief:
+        x, P, precision = self._updated_by(ahead.x, ahead.P, innovation, H, R)
+        return Belief(
+            ahead.time_s, x, P, psd, flock_velocity, ahead.unaided, ahead.unrest, innovation, precision
+        )
 
 
 def _numbers(report: Report) -> Matrix:

@@ -19,7 +19,16 @@ from auv_core.compiled import fastest
 from auv_core.geometry import body_to_ned
 from auv_core.messages import SonarContact, VehicleState
 from auv_flocking.association import associate, chi_square_gate
-from auv_flocking.estimates import SOURCE_WIDTH, WIDTH, Estimates, carried_to
+from auv_flocking.estimates import (
+    AGE,
+    COVARIANCE,
+    POSITION,
+    SOURCE_WIDTH,
+    VELOCITY,
+    WIDTH,
+    Estimates,
+    carried_to,
+)
 from auv_flocking.navigation_offset import OwnFix, Stated
 from auv_flocking.neighbour_filter import NeighbourConfig, NeighbourFilter
 from auv_flocking.report import Report
@@ -149,12 +158,12 @@ class NeighbourTable:
         if tracks:
             if self._gate is None:
                 self._gate = chi_square_gate(config.gate_prob)
-            estimates = [track.estimate(t_s) for track in tracks]
+            rows = self._carried(t_s).rows
             pairs = associate(
                 np.array([seen.point for seen in sightings]),
                 np.array([seen.covariance for seen in sightings]),
-                np.array([estimate.position for estimate in estimates]),
-                np.array([estimate.covariance[:3, :3] for estimate in estimates]),
+                rows[:, POSITION:VELOCITY],
+                rows[:, COVARIANCE:AGE].reshape(-1, 6, 6)[:, :3, :3],
                 self._gate,
             )
         for contact, neighbour in pairs:
@@ -171,6 +180,9 @@ class NeighbourTable:
         """
         if nav is not None:
             self._follow(t_s, nav)
+        return self._carried(t_s)
+
+    def _carried(self, t_s: float) -> Estimates:
         tracks, config = self._in_order, self._config
         if self._stale:
             for row, track in enumerate(tracks):
