@@ -41,6 +41,37 @@ def matched(lag_budget_rad: float, age_s: float) -> float:
     return min(1.0, lag_budget_rad / max(age_s, _NO_AGE_S))
 
 
+@entry("float64(float64[:, ::1], int64[::1], float64[::1], float64, float64)")
+def remember_ages(
+    rows: Matrix, addresses: NDArray[np.int64], usual_s: Matrix, running_s: float, share: float
+) -> float:
+    """
+    Move what the ages of packets usually are on by one period; return the sum of the ages that count (s).
+
+    Parameters
+    ----------
+    rows, addresses : (n, WIDTH), (n,) array
+        The neighbours.
+    usual_s : (256,) array
+        What the age of the packets has been of late, by address (s); negative before the first. Changed.
+    running_s : float
+        How long nothing was heard of somebody new (s).
+    share : float
+        Weight of the age of now.
+
+    """
+    total_s = 0.0
+    for k in range(len(rows)):
+        address, age_s = addresses[k], float(rows[k, AGE])
+        before_s = float(usual_s[address])
+        if before_s < 0.0:
+            before_s = running_s
+        now_s = before_s + share * (age_s - before_s)
+        usual_s[address] = now_s
+        total_s += max(age_s, now_s)
+    return total_s
+
+
 @inner
 def _direction(own: Vec3, other: Vec3) -> tuple[Vec3, float]:
     """Return the unit vector from `other` to `own`, and the distance (m); up where there is no direction."""

@@ -72,12 +72,22 @@ class Estimates(Sequence[NeighbourEstimate]):
         Their numbers, in the columns of this module.
     shared : list of tuple
         What their consensus filters added to their packets.
+    who : (n,) array of int
+        The addresses as an array.
 
     """
 
-    def __init__(self, addresses: list[int], rows: Matrix, shared: list[tuple[float, ...]]) -> None:
+    def __init__(
+        self,
+        addresses: list[int],
+        rows: Matrix,
+        shared: list[tuple[float, ...]],
+        who: NDArray[np.int64] | None = None,
+    ) -> None:
         self.addresses, self.rows, self.shared = addresses, rows, shared
+        self.who = np.array(addresses, dtype=np.int64) if who is None else who
         self._items: list[NeighbourEstimate] | None = None
+        self._positions: tuple[Vec3, ...] | None = None
 
     @classmethod
     def of(cls, estimates: Sequence[NeighbourEstimate]) -> Estimates:
@@ -116,7 +126,9 @@ class Estimates(Sequence[NeighbourEstimate]):
 
     def positions(self) -> tuple[Vec3, ...]:
         """Return where they are (m; NED)."""
-        return tuple([(x, y, z) for x, y, z in self.rows[:, :3].tolist()])
+        if self._positions is None:
+            self._positions = tuple([(x, y, z) for x, y, z in self.rows[:, :3].tolist()])
+        return self._positions
 
     def _objects(self) -> list[NeighbourEstimate]:
         if self._items is None:

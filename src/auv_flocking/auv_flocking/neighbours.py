@@ -14,6 +14,7 @@ import bisect
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from auv_core.compiled import fastest
 from auv_core.geometry import body_to_ned
@@ -40,6 +41,8 @@ __all__ = [
     "NeighbourTable",
     "is_plausible",
 ]
+
+_Said = tuple[list[int], list[tuple[float, ...]], NDArray[np.int64]]
 
 _CLOCK_SLACK_S = 1.0
 _FIX_RATIO = 0.95
@@ -109,7 +112,7 @@ class NeighbourTable:
         self._tracks: dict[int, Track] = {}
         self._in_order: list[Track] = []
         self._sources = np.empty((0, SOURCE_WIDTH))
-        self._said: tuple[list[int], list[tuple[float, ...]]] = ([], [])
+        self._said: _Said = ([], [], np.empty(0, dtype=np.int64))
         self._stale: set[Track] = set()
         self._carried_to = fastest(carried_to)
         self._gate: float | None = None
@@ -188,13 +191,14 @@ class NeighbourTable:
             for row, track in enumerate(tracks):
                 if track in self._stale:
                     track.write(self._sources[row])
-            self._said = ([t.report.address for t in tracks], [t.report.shared for t in tracks])
+            addresses = [track.report.address for track in tracks]
+            self._said = (addresses, [track.report.shared for track in tracks], np.array(addresses))
             self._stale.clear()
         rows, who = np.empty((len(tracks), WIDTH)), np.empty(len(tracks), dtype=np.int64)
         n = self._carried_to(t_s, config.velocity_memory_s, config.timeout_s, self._sources, rows, who)
-        addresses, shared = self._said
+        addresses, shared, numbers = self._said
         if n == len(tracks):
-            return Estimates(addresses, rows, shared)
+            return Estimates(addresses, rows, shared, numbers)
         return Estimates([addresses[k] for k in who[:n]], rows[:n], [shared[k] for k in who[:n]])
 
     def _recent(self, t_s: float) -> list[Track]:

@@ -46,14 +46,15 @@ from auv_control.references import PathPoint
 from auv_core.compiled import fastest, specialised
 from auv_core.geometry import Vec3, limited
 from auv_core.params import param
-from auv_flocking.correction import SPACING, Gains, correction, matched, outlook
-from auv_flocking.estimates import AGE, FLOCK_STAMP, FLOCK_VELOCITY, Estimates, NeighbourEstimate
+from auv_flocking.correction import SPACING, Gains, correction, matched, outlook, remember_ages
+from auv_flocking.estimates import FLOCK_STAMP, FLOCK_VELOCITY, Estimates, NeighbourEstimate
 from auv_flocking.flocking import FlockVelocity, View
 from auv_flocking.flocking.potential import SeparationLaw
 
 Matrix = NDArray[np.float64]
 Obstacles = tuple[tuple[Vec3, float], ...]
 
+_ADDRESSES = 256
 _NO_PUSHES, _NO_NUMBERS = np.empty((0, 3)), np.empty(0)
 
 
@@ -133,7 +134,8 @@ class Flocking:
         self._correction = _correction(separation) if self._is_central else correction
         self._obstacles: tuple[Obstacles, Matrix] = ((), np.empty((0, 4)))
         self._running_s = 0.0
-        self._usual_age_s: dict[int, float] = {}
+        self._remember = fastest(remember_ages)
+        self._usual_age_s = np.full(_ADDRESSES, -1.0)
         self.age_s = 0.0
 
     @property
@@ -149,14 +151,10 @@ class Flocking:
         whichever is more; the average starts with the time that it took to hear the neighbour at all.
         """
         share = min(1.0, dt_s / self._params.age_memory_s)
-        total_s, known = 0.0, Estimates.of(estimates)
-        for address, age_s in zip(known.addresses, known.column(AGE), strict=True):
-            usual_s = self._usual_age_s.get(address, self._running_s)
-            usual_s += share * (age_s - usual_s)
-            self._usual_age_s[address] = usual_s
-            total_s += max(age_s, usual_s)
+        known = Estimates.of(estimates)
+        total_s = self._remember(known.rows, known.who, self._usual_age_s, self._running_s, share)
         self._running_s += dt_s
-        self.age_s = total_s / len(estimates) if estimates else self._running_s
+        self.age_s = total_s / len(known) if len(known) else self._running_s
 
     def flock_velocity(
         self,
@@ -185,15 +183,15 @@ class Flocking:
         """
         if self._is_leader:
             return FlockVelocity(self._steered(path, centre), t_s)
-        known = Estimates.of(estimates)
-        newest, column = own, FLOCK_VELOCITY
-        for row, stamp_s in zip(known.rows, known.column(FLOCK_STAMP), strict=True):
-            if stamp_s > newest.stamp_s:
-                x, y, z = row[column : column + 3].tolist()
-                newest = FlockVelocity((x, y, z), stamp_s)
+        rows, newest = Estimates.of(estimates).rows, own
+        if len(rows):
+            row = rows[rows[:, FLOCK_STAMP].argmax()]
+            if row[FLOCK_STAMP] > own.stamp_s:
+                x, y, z = row[FLOCK_VELOCITY:FLOCK_STAMP].tolist()
+                newest = FlockVelocity((x, y, z), float(row[FLOCK_STAMP]))
         if self._params.relay == "newest":
             return newest
-        heard = [own.velocity, *known.rows[:, column : column + 3].tolist()]
+        heard = [own.velocity, *rows[:, FLOCK_VELOCITY:FLOCK_STAMP].tolist()]
         x, y, z = (sum([v[axis] for v in heard]) / len(heard) for axis in range(3))
         return FlockVelocity((x, y, z), newest.stamp_s)
 
@@ -208,7 +206,7 @@ class Flocking:
     def velocity(self, view: View) -> Vec3:
         """Return the velocity over ground that the vehicle asks of itself (m/s; NED)."""
         flock, estimates = view.flock_velocity, Estimates.of(view.estimates)
-        usual_s = np.array([self._usual_age_s.get(address, 0.0) for address in estimates.addresses])
+        usual_s = self._usual_age_s[estimates.who]
         x, y, z = self._correction(
             view.position,
             view.centre,
