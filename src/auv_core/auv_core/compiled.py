@@ -35,6 +35,7 @@ _inner: set[Callable[..., Any]] = set()
 _registered: set[Callable[..., Any]] = set()
 _signatures: dict[Callable[..., Any], str] = {}
 _is_on = False
+_tell: Callable[[str], None] | None = None
 
 
 def inner(function: F) -> F:
@@ -72,9 +73,19 @@ def specialised(function: F, **names: Callable[..., Any]) -> F:
     return entry(_signatures[function])(copy)  # type: ignore[return-value]
 
 
-def use_compiler() -> None:
-    """From now on `fastest` compiles. Nodes do not call this: one vehicle would wait longer than it gains."""
-    global _is_on
+def use_compiler(tell: Callable[[str], None] | None = None) -> None:
+    """
+    From now on `fastest` compiles. Nodes do not call this: one vehicle would wait longer than it gains.
+
+    Parameters
+    ----------
+    tell : callable, optional
+        Told, once, in a line for the user, when something is about to be compiled that is not kept yet.
+
+    """
+    global _is_on, _tell
+    if tell is not None:
+        _tell = tell
     _is_on = not os.environ.get("NUMBA_DISABLE_JIT", "0").strip("0")
 
 
@@ -98,10 +109,19 @@ def _compiled(function: Callable[..., Any]) -> Any:
         register_jitable(other)
         _registered.add(other)
     folder = _cache_folder(_version(used))
+    if folder is None or not any(folder.iterdir()):
+        _say_that_it_takes_a_while()
     if folder is not None:
         numba.config.CACHE_DIR = str(folder)
     signature = _signature(_signatures[function])
     return numba.njit(signature, cache=folder is not None, error_model="numpy")(function)
+
+
+def _say_that_it_takes_a_while() -> None:
+    global _tell
+    if _tell is not None and _is_on:
+        _tell("compiling the numeric code, once; this takes some ten seconds and is kept")
+        _tell = None
 
 
 def _signature(text: str) -> Any:
