@@ -1,22 +1,25 @@
 """What holds in every test: no modem hears while it transmits."""
 
+from collections.abc import Iterator
+
 import pytest
 
+from auv_core.messages import AcousticEvent
 from auv_sim.acoustics.event_log import half_duplex_violations
-from auv_sim.acoustics.medium import AcousticMedium
+from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
 
 
 @pytest.fixture(autouse=True)
-def _half_duplex(monkeypatch):
+def _half_duplex(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Search the acoustic log of every medium that a test makes in its own process."""
-    logs = {}
+    logs: dict[AcousticMedium, list[AcousticEvent]] = {}
     make, take_events = AcousticMedium.__init__, AcousticMedium.take_events
 
-    def made(medium, config):
+    def made(medium: AcousticMedium, config: MediumConfig) -> None:
         make(medium, config)
         logs[medium] = []
 
-    def taken(medium):
+    def taken(medium: AcousticMedium) -> list[AcousticEvent]:
         events = take_events(medium)
         logs[medium] += events
         return events

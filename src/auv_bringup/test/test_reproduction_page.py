@@ -5,6 +5,7 @@ import json
 import re
 import signal
 import types
+from functools import cache
 from html.parser import HTMLParser
 
 import pytest
@@ -181,6 +182,33 @@ def test_what_fails_is_told_and_touches_nothing_else(made, tmp_path, capfd):
     assert "in raise_in_two_lines" in (tmp_path / "failures.txt").read_text(encoding="utf-8")
     *_, last = capfd.readouterr().err.splitlines()
     assert last.startswith("error: 5 of its parts could not be made; see ")
+
+
+def test_items_of_one_file_without_runs_share_a_study_and_fail_alone(tmp_path):
+    studied = tmp_path / "studied"
+
+    @cache
+    def study():
+        with studied.open("a") as stream:
+            stream.write("once ")
+        return 2.0
+
+    def fail(_runs):
+        raise ValueError(f"{study()} is no verdict")
+
+    chapter = Chapter(
+        "study",
+        "Study",
+        (Figure("S.1", "line", (), lambda canvas, _runs: canvas.subplots().plot([study()]), "caption"),),
+        (Table("S.1", "rows", (), lambda _runs: [Row("two", "2", str(study()), "agrees")]),),
+        (Claim("S.1", "text", (), fail),),
+    )
+    assert cli.main(["--out", str(tmp_path / "page"), "--workers", "3"], [chapter]) == cli.FAILED
+    assert studied.read_text() == "once "
+    failures = (tmp_path / "page" / "failures.txt").read_text()
+    assert failures.count("== ") == 1
+    assert "== claim S.1" in failures
+    assert "ValueError: 2.0 is no verdict" in failures
 
 
 def test_list_flies_nothing(tmp_path, capsys, monkeypatch):

@@ -86,9 +86,7 @@ def _row(quantity: str, runs: Sequence[Run], bars: Bars | None = None) -> Row:
     return Row(quantity, str(bars), str(summary), kept if summary.keeps(bars) else DIFFERS, summary.remark)
 
 
-def _rows_of(
-    study: Study, bars: dict[Cell, Bars], navigation: str = ""
-) -> Callable[[list[Run]], list[Row]]:
+def _rows_of(study: Study, bars: dict[Cell, Bars], navigation: str = "") -> Callable[[list[Run]], list[Row]]:
     """Return the function that makes a row of every cell of a study."""
     prefix = navigation and f"{navigation}, "
 
