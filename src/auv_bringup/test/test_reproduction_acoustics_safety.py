@@ -78,13 +78,13 @@ def test_navigations_that_drift_have_bars_in_every_cell():
     assert [row.verdict for row in rows] == [AGREES] * 12 + [NO_NUMBER] * 3
     assert [row.thesis for row in rows[:6]] == [
         *["1 m, 1.4 m, at most 10 m"] * 5,
-        "0.6 m, 1.2 m, at most 10 m in 97%",
+        "0.6 m, 1.2 m, at most 10 m in 97 %",
     ]
     assert [row.thesis for row in rows[6:12]] == [
         "0.6 m, 0.9 m, at most 10 m",
         "0.6 m, 0.9 m, at most 10 m, path 0.8 m",
         *["0.6 m, 0.9 m, at most 10 m"] * 3,
-        "0.6 m, 0.9 m, at most 10 m in 97%",
+        "0.6 m, 0.9 m, at most 10 m in 97 %",
     ]
     swapped = [*_runs(study.WITH_SONAR, ever_m=0.7, formed_m=1.0), *_runs(study.WITH_FIXES, path_m=4.5)]
     rows = _table("A.43").rows(swapped)

@@ -151,8 +151,10 @@ def _draw_map(canvas: Canvas, runs: list[Run]) -> None:
         )
         axes.imshow(nearest_m, cmap="RdYlGn", vmin=0.0, vmax=2.0, origin="lower", aspect="auto")
         for (row, column), value in np.ndenumerate(nearest_m):
-            axes.text(column, row, f"{value:.2f} m", ha="center", va="center")
-        axes.set_xticks(range(len(losses)), [f"{loss:.0%}" for loss in losses])
+            ink = "white" if value < HULLS_TOUCH_M else "black"
+            axes.text(column, row, f"{value:.2f} m", ha="center", va="center", color=ink)
+        axes.grid(visible=False)
+        axes.set_xticks(range(len(losses)), [f"{100.0 * loss:.0f} %" for loss in losses])
         axes.set_yticks(range(len(slots)), [f"{slot_s:g} s" for slot_s in slots])
         axes.set_xlabel("packets lost")
         axes.set_title(law)

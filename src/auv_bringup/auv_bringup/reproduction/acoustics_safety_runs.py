@@ -63,7 +63,9 @@ class Bars:
 
     def __str__(self) -> str:
         """Return the bars as a table shows them."""
-        late = f"at most {FAR_M:g} m" + ("" if self.share_near == 1.0 else f" in {self.share_near:.0%}")
+        late = f"at most {FAR_M:g} m" + (
+            "" if self.share_near == 1.0 else f" in {100.0 * self.share_near:.0f} %"
+        )
         path = "" if self.path_m is None else f", path {self.path_m:g} m"
         return f"{self.ever_m:g} m, {self.formed_m:g} m, {late}{path}"
 
@@ -84,7 +86,7 @@ FIXES_BARS = {
 
 def name_of(cell: Cell) -> str:
     """Return a cell in words."""
-    return f"slots of {cell[0]:g} s, {cell[1]:.0%} lost"
+    return f"slots of {cell[0]:g} s, {100.0 * cell[1]:.0f} % lost"
 
 
 def study(cell: Cell, changes: Sequence[str] = (), *, every: int = 1) -> tuple[RunSpec, ...]:
