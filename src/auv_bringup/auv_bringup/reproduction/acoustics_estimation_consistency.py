@@ -168,7 +168,8 @@ def _judge(_runs: list[Run]) -> Verdict:
     evidence = (
         f"{_RUNS} runs, interval of the mean NEES [{low:.2f}, {high:.2f}]: NEES and NIS of {len(_OWN_MODEL)} "
         f"settings inside their intervals at {100.0 * np.mean(shares):.0f} % of the instants, "
-        f"{100.0 * min(shares):.0f} % in the worst; means over all instants between {min(means):.3f} and {max(means):.3f} of what they should be"
+        f"{100.0 * min(shares):.0f} % in the worst; means over all instants "
+        f"between {min(means):.3f} and {max(means):.3f} of what they should be"
     )
     is_close = max(abs(mean - 1.0) for mean in means) < 0.05
     return Verdict(

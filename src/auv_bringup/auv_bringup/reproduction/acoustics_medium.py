@@ -217,7 +217,8 @@ def _judge_bands(runs: list[Run]) -> Verdict:
     words = "; ".join(f"{cell.preset} at {cell.range_m:g} m" for cell in outside) or "none"
     evidence = (
         f"{len(cells)} cells of {min(cell.sent for cell in cells)} packets, {len(open_cells)} of them "
-        f"neither certain to arrive nor to be lost; outside their 95 % band: {words} (up to {allowed} by luck, at 99 %)"
+        f"neither certain to arrive nor to be lost; outside their 95 % band: {words} "
+        f"(up to {allowed} by luck, at 99 %)"
     )
     return Verdict(HOLDS if len(outside) <= allowed else DOES_NOT_HOLD, evidence)
 
