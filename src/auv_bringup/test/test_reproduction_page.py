@@ -60,7 +60,7 @@ FIGURES = (
     Figure("5.5", "track of <one> & all", (FOUR,), draw_track, "the thesis's & ours"),
     Figure("5.6", "two tracks", (FOUR, ONE), draw_track, "caption"),
 )
-TABLES = (Table("5.A", "distances", (FOUR, ONE), distances),)
+TABLES = (Table("5.A", "distances", (FOUR, ONE), distances, "asked <for>"),)
 CLAIMS = (
     Claim("5.8", "they fly", (ONE,), lambda runs: Verdict("holds", "they do")),
     Claim("5.8", "they are far apart", (FOUR,), judge_distance),
@@ -153,6 +153,10 @@ def test_what_chapters_say_is_escaped(made):
     assert "<one>" not in text
     assert "<note>" not in text
     assert "&lt;one&gt; &amp; all" in text
+
+
+def test_a_table_says_what_its_numbers_stand_beside(made):
+    assert "<th scope='col'>asked &lt;for&gt;</th>" in (made[1] / "index.html").read_text(encoding="utf-8")
 
 
 def test_the_summary_says_the_same_in_json(made):

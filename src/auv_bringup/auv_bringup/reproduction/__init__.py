@@ -137,12 +137,13 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of the thesis, or one of ours; `rows(runs)` fills it."""
+    """A table of the thesis, or one of ours; `rows(runs)` fills it, `beside` heads what `Row.thesis` says."""
 
     number: str
     title: str
     runs: tuple[RunSpec, ...]
     rows: Callable[[list[Run]], list[Row]]
+    beside: str = "thesis"
 
 
 @dataclass(frozen=True)

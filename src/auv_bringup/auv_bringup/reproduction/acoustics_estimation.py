@@ -197,7 +197,9 @@ FIGURES = (
 
 TABLES = (
     Table("A.31", "Error of a neighbour's position in the flock", tuple(GRID.values()), _grid_rows),
-    Table("A.33", "Models of a neighbour's motion, on the same packets", _TUNED_ON, _model_rows),
+    Table(
+        "A.33", "Models of a neighbour's motion, on the same packets", _TUNED_ON, _model_rows, "consistent"
+    ),
     Table(
         "A.34",
         "Relative positions in the formed flock (0.5 s slots, 30 % lost)",

@@ -190,7 +190,7 @@ FIGURES = (
 )
 
 TABLES = (
-    Table("A.32", "Consistency of the neighbour filter, 100 runs per setting", (), _rows),
+    Table("A.32", "Consistency of the neighbour filter, 100 runs per setting", (), _rows, "consistent"),
     Table("A.35", "Error of a neighbour's position on the filter's own model", (), _error_rows),
 )
 

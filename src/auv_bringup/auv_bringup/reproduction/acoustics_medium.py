@@ -263,8 +263,10 @@ FLOWN = (
 )
 
 TABLES = (
-    Table("A.11", "Delivery ratio against range: analytic and measured", (), _rows),
-    Table("A.14", "The sweep flown as a scenario: six vehicles that keep station", FLOWN, _flown_rows),
+    Table("A.11", "Delivery ratio against range: analytic and measured", (), _rows, "formula"),
+    Table(
+        "A.14", "The sweep flown as a scenario: six vehicles that keep station", FLOWN, _flown_rows, "formula"
+    ),
 )
 
 CLAIMS = (
