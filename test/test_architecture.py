@@ -53,16 +53,16 @@ WALL_CLOCK_FILES = {"auv_core/node_main.py"} | {
     f"auv_bringup/{name}.py"
     for name in (
         "cli",
+        "flight",
         "launcher",
         "node_start",
         "processes",
         "progress",
         "replay",
         "reproduction/cli",
-        "reproduction/runner",
-        "reproduction/tally",
         "results",
         "supervision",
+        "tally",
         "topic",
     )
 }

@@ -10,6 +10,7 @@ from __future__ import annotations
 import copy
 import re
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -88,6 +89,12 @@ def to_yaml(plain: Any) -> str:
 
 
 def _parse_yaml(text: str, where: str) -> Any:
+    """Return what a text says; presets and overrides of many runs are the same few texts."""
+    return copy.deepcopy(_parsed(text, where))
+
+
+@lru_cache(maxsize=128)
+def _parsed(text: str, where: str) -> Any:
     try:
         return yaml.load(text, Loader=_StrictYaml)  # noqa: S506 (a SafeLoader)
     except yaml.MarkedYAMLError as error:
