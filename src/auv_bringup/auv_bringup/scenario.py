@@ -266,7 +266,7 @@ def load_scenario(
 
 
 def load_for_seeds(
-    name_or_path: str, *, overrides: Sequence[str] = (), seeds: Iterable[int], duration_s: float | None = None
+    name_or_path: str, *, overrides: Sequence[str] = (), seeds: Iterable[int]
 ) -> Iterator[Scenario]:
     """
     Yield what `load_scenario` returns for each of the seeds; the file is read once.
@@ -277,7 +277,7 @@ def load_for_seeds(
         With one line for the user; seeds are taken to be allowed.
 
     """
-    undrawn = _undrawn(name_or_path, overrides, duration_s=duration_s)
+    undrawn = _undrawn(name_or_path, overrides)
     for seed in seeds:
         yield _with_starts(replace(undrawn, seed=seed))
 

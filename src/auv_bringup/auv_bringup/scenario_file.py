@@ -109,9 +109,14 @@ def _parsed(text: str, where: str) -> Any:
         raise ConfigError(f"{where}: not YAML: a value that does not fit its type") from None
 
 
-def find_file(name_or_path: str) -> Path:
+def is_path(name_or_path: str) -> bool:
+    """Tell a path, which has a slash or ends in .yaml or .yml, from the name of a built-in file."""
+    return "/" in name_or_path or name_or_path.endswith((".yaml", ".yml"))
+
+
+def find_file(name_or_path: str, *, folder: Path = SCENARIOS_DIR, what: str = "scenario") -> Path:
     """
-    Return the file of a scenario: a path, or the name of a built-in one.
+    Return the file of a scenario or a study: a path, or the name of a built-in one, which is in `folder`.
 
     Raises
     ------
@@ -119,18 +124,18 @@ def find_file(name_or_path: str) -> Path:
         For a name that is not built in.
 
     """
-    if "/" in name_or_path or name_or_path.endswith((".yaml", ".yml")):
+    if is_path(name_or_path):
         return Path(name_or_path)
-    path = SCENARIOS_DIR / f"{name_or_path}.yaml"
+    path = folder / f"{name_or_path}.yaml"
     if not ID.match(name_or_path) or not path.is_file():
-        names = ", ".join(sorted(p.stem for p in SCENARIOS_DIR.glob("*.yaml")))
+        names = ", ".join(sorted(p.stem for p in folder.glob("*.yaml")))
         raise ConfigError(
-            f"scenario: {name_or_path!r} is not allowed; allowed: {names}, or the path of a .yaml file"
+            f"{what}: {name_or_path!r} is not allowed; allowed: {names}, or the path of a .yaml file"
         )
     return path
 
 
-def read_raw(path: Path) -> dict[str, Any]:
+def read_raw(path: Path, what: str = "scenario") -> dict[str, Any]:
     """
     Return the mapping in a YAML file.
 
@@ -145,11 +150,11 @@ def read_raw(path: Path) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "not UTF-8 text"
         raise ConfigError(
-            f"scenario: {str(path)!r} cannot be read ({reason}); allowed: a readable YAML file"
+            f"{what}: {str(path)!r} cannot be read ({reason}); allowed: a readable YAML file"
         ) from None
-    raw = _parse_yaml(text, "scenario")
+    raw = _parse_yaml(text, what)
     if not isinstance(raw, dict):
-        raise ConfigError(f"scenario: {shown(raw)} is not allowed; allowed: a mapping of scenario keys")
+        raise ConfigError(f"{what}: {shown(raw)} is not allowed; allowed: a mapping of {what} keys")
     return raw
 
 

@@ -128,6 +128,8 @@ def dump(value: object) -> Any:
         return {field.name: dump(getattr(value, field.name)) for field in dataclasses.fields(value)}
     if isinstance(value, tuple | list):
         return [dump(item) for item in value]
+    if isinstance(value, dict):
+        return {key: dump(item) for key, item in value.items()}
     return value
 
 
@@ -182,6 +184,10 @@ def _value(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> An
         return load(typing.cast(type, hint), raw, path)
     if origin is tuple:
         return _tuple(hint, raw, path, metadata)
+    if origin is dict:
+        return _mapping(hint, raw, path, metadata)
+    if hint is Any:
+        return raw
     return _scalar(hint, raw, path, metadata)
 
 
@@ -219,6 +225,14 @@ def _tuple(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> tu
         _value(item_hint, item, f"{path}[{index}]", metadata)
         for index, (item_hint, item) in enumerate(zip(hints, raw, strict=True))
     )
+
+
+def _mapping(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a mapping of free words to items of one type."""
+    if not isinstance(raw, Mapping) or not all(isinstance(key, str) for key in raw):
+        raise ConfigError(f"{path}: {shown(raw)} is not allowed; allowed: a mapping with words for keys")
+    item = typing.get_args(hint)[1]
+    return {key: _value(item, value, f"{path}.{key}", metadata) for key, value in raw.items()}
 
 
 def _scalar(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> Any:
