@@ -30,6 +30,9 @@ _HERE = "127.0.0.1"
 _CONFIG = {
     "distributed.scheduler.allowed-failures": ALLOWED_DEATHS,
     "distributed.scheduler.worker-saturation": 1.0,
+    # Nothing to look at on the ports that Dask keeps for its dashboard.
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
     # A worker holds no data between runs, so to pause it would never free anything.
     "distributed.worker.memory.target": False,
     "distributed.worker.memory.spill": False,

@@ -43,8 +43,18 @@ class Summary:
     largest: float | None = None
 
 
-def summarise(values: Sequence[bool | float | None]) -> Summary:
-    """Return what a metric amounts to; runs without it (None) do not count."""
+def summarise(values: Sequence[bool | float | None], *, is_share: bool = False) -> Summary:
+    """
+    Return what a metric amounts to; runs without it (None) do not count.
+
+    Parameters
+    ----------
+    values : sequence
+        Numbers or truth values.
+    is_share : bool
+        The metric lies between 0 and 1 whatever happens, so that its interval does, too.
+
+    """
     given = [value for value in values if value is not None]
     if not given:
         return Summary(0)
@@ -54,6 +64,8 @@ def summarise(values: Sequence[bool | float | None]) -> Summary:
         low, high = (float(bound) for bound in bounds)
     else:
         low, high = _student(numbers)
+        if is_share:
+            low, high = max(low, 0.0), min(high, 1.0)
     return Summary(
         len(given),
         float(numbers.mean()),
@@ -66,11 +78,12 @@ def summarise(values: Sequence[bool | float | None]) -> Summary:
 
 
 def distribution_band(n: int) -> float:
-    """Return the half width of the 95 % band around the distribution of n samples (Dvoretzky-Kiefer-Wolfowitz)."""
+    """Return the half width of the 95 % band of a distribution by n samples (Dvoretzky-Kiefer-Wolfowitz)."""
     return math.sqrt(math.log(2.0 / (1.0 - CONFIDENCE)) / (2.0 * n))
 
 
 def _student(numbers: FloatArray) -> tuple[float, float]:
+    """Return Student's interval of the mean, NaN for a single number."""
     n = len(numbers)
     if n < 2:
         return math.nan, math.nan

@@ -42,8 +42,9 @@ def write_page(folder: Path, table: SweepTable, metrics: Sequence[str], figures:
     path = folder / PAGE_FILE
     title = html.escape(study.title)
     path.write_text(
-        f"{head(study.title)}\n<body>\n<header><h1>{title}</h1>\n<p class='facts'>{_facts(table)}</p></header>\n"
-        f"<main>\n{_failures(table)}\n{_how_to_read(table)}\n{sections}\n{_making(table)}\n</main>\n</body>\n</html>\n",
+        f"{head(study.title)}\n<body>\n<header><h1>{title}</h1>\n"
+        f"<p class='facts'>{_facts(table)}</p></header>\n<main>\n{_failures(table)}\n{_how_to_read(table)}\n"
+        f"{sections}\n{_making(table)}\n</main>\n</body>\n</html>\n",
         encoding="utf-8",
     )
     return path
@@ -91,9 +92,10 @@ def _metric(table: SweepTable, name: str, figure: Path | None) -> str:
     image = "<p>No run has it.</p>"
     if figure is not None:
         image = f"<figure>\n{embedded_png(figure.read_bytes(), words)}\n</figure>"
+    heading = html.escape(words[:1].upper() + words[1:])
     return (
-        f"<section><h2>{html.escape(words[:1].upper() + words[1:])}</h2>\n<p><code>{html.escape(name)}</code></p>"
-        f"\n{image}\n<div class='scroll'>\n{_metric_table(table, name)}\n</div></section>"
+        f"<section><h2>{heading}</h2>\n<p><code>{html.escape(name)}</code></p>\n{image}\n"
+        f"<div class='scroll'>\n{_metric_table(table, name)}\n</div></section>"
     )
 
 

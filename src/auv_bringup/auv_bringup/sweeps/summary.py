@@ -8,6 +8,7 @@ from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from auv_bringup.metric_words import is_share
 from auv_bringup.sweeps.confidence import Summary, summarise
 from auv_bringup.sweeps.study import is_number
 from auv_bringup.sweeps.table import DONE, PREFIX, SweepTable
@@ -54,7 +55,9 @@ def metric_of(table: SweepTable, name: str, group: Group) -> Summary:
     """Return what a metric amounts to over the runs of a group that are done."""
     column, status = table.columns.get(name), table.columns["status"]
     values = [column[row] for row in group.rows if status[row] == DONE] if column else []
-    return summarise([value for value in values if isinstance(value, bool) or is_number(value)])
+    return summarise(
+        [value for value in values if isinstance(value, bool) or is_number(value)], is_share=is_share(name)
+    )
 
 
 def n_failed(table: SweepTable, group: Group) -> int:
