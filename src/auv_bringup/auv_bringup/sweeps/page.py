@@ -13,7 +13,7 @@ from auv_bringup.scenario_file import to_yaml
 from auv_bringup.sweeps.figures import axis_parameter, line_parameters, meaning_of, short_names
 from auv_bringup.sweeps.plan import override_texts
 from auv_bringup.sweeps.summary import Group, grid_groups, metric_of, n_failed
-from auv_bringup.sweeps.table import DONE, PREFIX, SweepTable
+from auv_bringup.sweeps.table import DONE, SweepTable
 from auv_core.params import dump
 
 PAGE_FILE = "index.html"
@@ -57,9 +57,8 @@ def failed_rows(table: SweepTable) -> list[int]:
 
 def command_of(table: SweepTable, row: int) -> str:
     """Return the command that flies the run of a row by itself."""
-    parameters = {path: table.columns[PREFIX + path][row] for path in table.study.parameters}
     words = ["./scripts/run", table.study.scenario, "--seed", str(table.columns["seed"][row])]
-    for text in override_texts(table.study, parameters):
+    for text in override_texts(table.study, table.parameters(row)):
         words += ["--set", text]
     return shlex.join([*words, "--mode", "inprocess"])
 

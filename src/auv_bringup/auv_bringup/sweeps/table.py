@@ -33,16 +33,34 @@ _FIXED = {"run", "seed", "key", "status", "error", *WALL_CLOCK_COLUMNS}
 
 @dataclass(frozen=True, eq=False)
 class SweepTable:
-    """A table that was read: its study, how it was made (words by name), and its columns by name."""
+    """
+    A table that was read.
+
+    Attributes
+    ----------
+    study : Study
+        What was asked for.
+    making : dict
+        How it was made, words by name.
+    columns : dict
+        Values by name of the column.
+
+    """
 
     study: Study
     making: dict[str, str]
     columns: dict[str, list[Any]]
+    _texts: frozenset[str]
 
     @property
     def n_runs(self) -> int:
         """Number of rows."""
         return len(self.columns["run"])
+
+    def parameters(self, row: int) -> dict[str, Any]:
+        """Return the values of the parameters in a row, by dotted path, as the study has them."""
+        values = {path: self.columns[PREFIX + path][row] for path in self.study.parameters}
+        return {path: json.loads(value) if path in self._texts else value for path, value in values.items()}
 
     @property
     def metrics(self) -> list[str]:
@@ -69,7 +87,8 @@ def write_table(
 
     """
     columns = {name: pa.array(values) for name, values in _columns(study, rows).items()}
-    about = json.dumps({"study": dump(study), "making": making}, allow_nan=False)
+    texts = [path for path in study.parameters if not _is_one_type([r.parameters[path] for r, _ in rows])]
+    about = json.dumps({"study": dump(study), "making": making, "texts": texts}, allow_nan=False)
     table = pa.table(columns).replace_schema_metadata({_ABOUT: about.encode()})
     unfinished = folder / f"{TABLE_FILE}.unfinished"
     pq.write_table(table, unfinished)
@@ -90,7 +109,8 @@ def read_table(folder: Path) -> SweepTable:
     try:
         table = pq.read_table(path)
         about = json.loads((table.schema.metadata or {})[_ABOUT])
-        return SweepTable(study_from_plain(about["study"]), about["making"], table.to_pydict())
+        study = study_from_plain(about["study"])
+        return SweepTable(study, about["making"], table.to_pydict(), frozenset(about["texts"]))
     except OSError as error:
         raise ResultsError(f"{path}: cannot be read ({error.strerror or 'no such table'})") from None
     except (pa.ArrowException, LookupError, ValueError, TypeError, ConfigError):
@@ -116,10 +136,17 @@ def _columns(study: Study, rows: Sequence[tuple[PlannedRun, Finished]]) -> dict[
 def _of_one_type(values: Iterable[Any]) -> list[Any]:
     """Return values as Parquet wants them: all numbers, truth values or words, or else each as its text."""
     found = list(values)
-    given = [value for value in found if value is not None]
-    if all(is_number(value) for value in given):
-        is_whole = all(isinstance(value, int) for value in given)
-        return found if is_whole else [None if value is None else float(value) for value in found]
-    if all(isinstance(value, bool) for value in given) or all(isinstance(value, str) for value in given):
-        return found
-    return [value_text(value) for value in found]
+    if not _is_one_type(found):
+        return [value_text(value) for value in found]
+    if any(isinstance(value, float) for value in found):
+        return [None if value is None else float(value) for value in found]
+    return found
+
+
+def _is_one_type(values: Sequence[Any]) -> bool:
+    given = [value for value in values if value is not None]
+    return (
+        all(is_number(value) for value in given)
+        or all(isinstance(value, bool) for value in given)
+        or all(isinstance(value, str) for value in given)
+    )
