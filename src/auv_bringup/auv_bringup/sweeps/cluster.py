@@ -9,13 +9,15 @@ its worker fails and not one that happened to wait behind it.
 from __future__ import annotations
 
 import logging
+import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from itertools import islice
+from queue import Empty, SimpleQueue
 
 import dask
-from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
+from distributed import Client, Future, KilledWorker, LocalCluster
 
 from auv_bringup.failures import one_line
 from auv_bringup.run_key import source_version
@@ -26,10 +28,14 @@ ALLOWED_DEATHS = 3
 _LEAST_SUBMITTED = 500
 _SUBMITTED_PER_THREAD = 4
 _CONNECT_TIMEOUT_S = 10
+_LOOK_EVERY_S = 5.0
+_LOOKS_OF_A_DROUGHT = 3
 _HERE = "127.0.0.1"
 _CONFIG = {
     "distributed.scheduler.allowed-failures": ALLOWED_DEATHS,
     "distributed.scheduler.worker-saturation": 1.0,
+    # A worker that died is started again by its nanny, however often; Dask would give it up in between.
+    "distributed.deploy.lost-worker-timeout": "10000 hours",
     # Nothing to look at on the ports that Dask keeps for its dashboard.
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
@@ -39,7 +45,10 @@ _CONFIG = {
     "distributed.worker.memory.pause": False,
 }
 
+_LOST = "the scheduler is gone; finished runs are kept for the next call"
+
 OnResult = Callable[[PlannedRun, Finished], None]
+OnDrought = Callable[[str], None]
 
 
 class ClusterError(RuntimeError):
@@ -52,7 +61,7 @@ def local_client(n_workers: int) -> Iterator[Client]:
     with (
         dask.config.set(_CONFIG),
         LocalCluster(
-            n_workers=n_workers,
+            n_workers=0,
             threads_per_worker=1,
             processes=True,
             host=_HERE,
@@ -60,9 +69,16 @@ def local_client(n_workers: int) -> Iterator[Client]:
             worker_dashboard_address=None,
             silence_logs=logging.CRITICAL,
         ) as cluster,
-        Client(cluster) as client,
+        Client(cluster, set_as_default=False) as client,
     ):
+        cluster.sync(_leave_signals_to_the_command)
+        cluster.scale(n_workers)
         yield client
+
+
+async def _leave_signals_to_the_command() -> None:
+    """Block, in Dask's thread and so in what it starts, the signals that a terminal sends to all."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
 
 
 @contextmanager
@@ -85,7 +101,7 @@ def remote_client(scheduler: str) -> Iterator[Client]:
         yield client
 
 
-def fly_all(client: Client, runs: Sequence[PlannedRun], on_result: OnResult) -> None:
+def fly_all(client: Client, runs: Sequence[PlannedRun], on_result: OnResult, on_drought: OnDrought) -> None:
     """
     Fly runs on a cluster, in their order as workers become free.
 
@@ -97,6 +113,8 @@ def fly_all(client: Client, runs: Sequence[PlannedRun], on_result: OnResult) -> 
         No key twice.
     on_result : callable
         Told each run and what came of it, as they end.
+    on_drought : callable
+        Told in words when there is no worker.
 
     Raises
     ------
@@ -104,16 +122,15 @@ def fly_all(client: Client, runs: Sequence[PlannedRun], on_result: OnResult) -> 
         When the scheduler is lost, or a worker cannot fly at all, for want of this project's source.
 
     """
-    suspects = [run for run, result in _fly(client, runs, "run") if not _tell(run, result, on_result)]
+    suspects = []
+    for run, result in _fly(client, runs, "run", on_drought):
+        if result is None:
+            suspects.append(run)
+        else:
+            on_result(run, result)
     for run in suspects:
-        ((_, result),) = _fly(client, [run], "run-alone")
-        _tell(run, result or _killed(), on_result)
-
-
-def _tell(run: PlannedRun, result: Finished | None, on_result: OnResult) -> bool:
-    if result is not None:
-        on_result(run, result)
-    return result is not None
+        ((_, result),) = _fly(client, [run], "run-alone", on_drought)
+        on_result(run, result or _killed())
 
 
 def _killed() -> Finished:
@@ -122,28 +139,42 @@ def _killed() -> Finished:
 
 
 def _fly(
-    client: Client, runs: Iterable[PlannedRun], word: str
+    client: Client, runs: Iterable[PlannedRun], word: str, on_drought: OnDrought
 ) -> Iterator[tuple[PlannedRun, Finished | None]]:
     """Yield runs and results, None where too many workers died; only so many are handed over at a time."""
-    waiting = iter(runs)
+    source, waiting = source_version(), iter(runs)
     flying: dict[Future, PlannedRun] = {}
-    source = source_version()
+    ended: SimpleQueue[Future] = SimpleQueue()
 
-    def submit(count: int) -> list[Future]:
-        # Keys of one group, so that Dask keeps what waits at the scheduler, not behind one worker's run.
-        new = {
-            client.submit(fly_run, run.scenario_json, source, key=(f"{word}-{source}", run.key)): run
-            for run in islice(waiting, count)
-        }
-        flying.update(new)
-        return list(new)
+    def submit(count: int) -> None:
+        for run in islice(waiting, count):
+            # Keys of one group, so that Dask keeps what waits at the scheduler, not behind one worker's run.
+            key = (f"{word}-{source}", run.key)
+            future = client.submit(fly_run, run.scenario_json, source, key=key)
+            flying[future] = run
+            future.add_done_callback(ended.put)
 
-    n_threads = sum(client.nthreads().values())
-    completed = as_completed(submit(max(_LEAST_SUBMITTED, _SUBMITTED_PER_THREAD * n_threads)))
-    for future in completed:
-        yield flying.pop(future), _result(future)
+    submit(max(_LEAST_SUBMITTED, _SUBMITTED_PER_THREAD * sum(client.nthreads().values())))
+    while flying:
+        future = _next(ended, client, on_drought)
+        run, result = flying.pop(future), _result(future)
         future.release()
-        completed.update(submit(1))
+        submit(1)
+        yield run, result
+
+
+def _next(ended: SimpleQueue[Future], client: Client, on_drought: OnDrought) -> Future:
+    """Return the next future that has ended, however long that takes."""
+    looks = 0
+    while True:
+        try:
+            return ended.get(timeout=_LOOK_EVERY_S)
+        except Empty:
+            if client.status != "running":
+                raise ClusterError(_LOST) from None
+            looks = 0 if client.nthreads() else looks + 1
+            if looks == _LOOKS_OF_A_DROUGHT:
+                on_drought(f"waiting for a worker at {client.scheduler_info()['address']}")
 
 
 def _result(future: Future) -> Finished | None:
@@ -152,7 +183,7 @@ def _result(future: Future) -> Finished | None:
     except KilledWorker:
         return None
     except CancelledError:
-        raise ClusterError("the scheduler is gone; finished runs are kept") from None
+        raise ClusterError(_LOST) from None
     except SourceMismatchError as error:
         raise ClusterError(str(error)) from None
     except Exception as error:

@@ -82,7 +82,7 @@ def run_sweep(
 
     if missing:
         with connect() as client:
-            fly_all(client, missing, keep)
+            fly_all(client, missing, keep, tally.message)
     rows = [(run, found[run.key]) for run in runs]
     path = write_table(folder, study, rows, _making())
     _write_failures(folder / FAILURES_FILE, rows)
