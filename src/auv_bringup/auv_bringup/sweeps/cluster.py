@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from itertools import islice
+from multiprocessing import resource_tracker
 from queue import Empty, SimpleQueue
 
 import dask
@@ -78,6 +79,7 @@ def local_client(n_workers: int) -> Iterator[Client]:
 
 async def _leave_signals_to_the_command() -> None:
     """Block, in Dask's thread and so in what it starts, the signals that a terminal sends to all."""
+    resource_tracker.ensure_running()  # would unblock them
     signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
 
 
