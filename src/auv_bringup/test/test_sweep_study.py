@@ -2,6 +2,8 @@
 
 import itertools
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -199,6 +201,17 @@ def test_the_built_in_studies_are_allowed(name):
     assert shipped.name == name
     few = study_from_plain({**dump(shipped), "seeds": dump(shipped)["seeds"][:1]})
     assert len(plan_runs(few)) == few.n_runs
+
+
+def test_the_study_of_the_documentation_is_allowed():
+    text = (Path(__file__).parents[3] / "docs/sweeps.md").read_text(encoding="utf-8")
+    shown, sample = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    grid = study_from_plain({**yaml.safe_load(shown), "seeds": [1]})
+    assert len(plan_runs(grid)) == 9
+    drawn = study_from_plain(
+        {**yaml.safe_load(shown), **yaml.safe_load(sample), "grid": None, "x": None, "by": None, "seeds": [1]}
+    )
+    assert drawn.n_runs == 200
 
 
 def test_an_unknown_study_is_told_with_the_known_ones():
