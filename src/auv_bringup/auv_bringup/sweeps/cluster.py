@@ -67,7 +67,7 @@ def local_client(n_workers: int) -> Iterator[Client]:
             processes=True,
             host=_HERE,
             dashboard_address=None,
-            worker_dashboard_address=None,
+            scheduler_kwargs={"dashboard_address": f"{_HERE}:0"},  # any port, where None means a certain one
             silence_logs=logging.CRITICAL,
         ) as cluster,
         Client(cluster, set_as_default=False) as client,
