@@ -205,12 +205,14 @@ def test_a_worker_with_another_source_ends_the_sweep_in_one_line(tmp_path, monke
         sweep(tmp_path)
 
 
-def test_a_scheduler_that_is_not_there_is_told_in_one_line(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("where", ["tcp://127.0.0.1:9", "nonsense", "foo://here:1", "gone.json", "tiny.json"])
+def test_a_scheduler_that_is_not_there_is_told_in_one_line(where, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(cluster, "_CONNECT_TIMEOUT_S", 0.5)
-    path = written(tmp_path)
-    assert cli.main([str(path), "--out", str(tmp_path / "out"), "--scheduler", "tcp://127.0.0.1:9"]) == 1
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "tiny.json").write_text("{}")
+    assert cli.main([str(written(tmp_path)), "--out", "out", "--scheduler", where]) == 2
     line = capsys.readouterr().err.splitlines()[-1]
-    assert line.startswith("error: --scheduler 'tcp://127.0.0.1:9': cannot be reached (")
+    assert line.startswith(f"error: --scheduler {where!r}: cannot be reached (")
 
 
 def written(folder, **changes):

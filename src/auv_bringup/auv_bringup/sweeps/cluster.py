@@ -8,6 +8,7 @@ its worker fails and not one that happened to wait behind it.
 
 from __future__ import annotations
 
+import json
 import logging
 import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -15,15 +16,18 @@ from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from itertools import islice
 from multiprocessing import resource_tracker
+from pathlib import Path
 from queue import Empty, SimpleQueue
 
 import dask
 from distributed import Client, Future, KilledWorker, LocalCluster
+from distributed.comm import get_address_host_port
 
 from auv_bringup.failures import one_line
 from auv_bringup.run_key import source_version
 from auv_bringup.sweeps.plan import PlannedRun
 from auv_bringup.sweeps.worker import Finished, SourceMismatchError, fly_run
+from auv_core.params import ConfigError
 
 ALLOWED_DEATHS = 3
 _LEAST_SUBMITTED = 500
@@ -53,7 +57,7 @@ OnDrought = Callable[[str], None]
 
 
 class ClusterError(RuntimeError):
-    """A cluster that cannot be reached or cannot fly; the message is one line."""
+    """A cluster that is lost or cannot fly; the message is one line."""
 
 
 @contextmanager
@@ -90,15 +94,18 @@ def remote_client(scheduler: str) -> Iterator[Client]:
 
     Raises
     ------
-    ClusterError
+    ConfigError
         When it cannot be reached.
 
     """
-    where = {"scheduler_file": scheduler} if scheduler.endswith(".json") else {"address": scheduler}
     try:
-        client = Client(**where, timeout=_CONNECT_TIMEOUT_S, set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise ClusterError(f"--scheduler {scheduler!r}: cannot be reached ({one_line(error)})") from None
+        address = scheduler
+        if scheduler.endswith(".json"):
+            address = str(json.loads(Path(scheduler).read_text(encoding="utf-8"))["address"])
+        get_address_host_port(address)
+        client = Client(address, timeout=_CONNECT_TIMEOUT_S, set_as_default=False)
+    except (OSError, ValueError, LookupError) as error:
+        raise ConfigError(f"--scheduler {scheduler!r}: cannot be reached ({one_line(error)})") from None
     with client:
         yield client
 

@@ -26,7 +26,8 @@ from auv_bringup.sweeps.table import PREFIX, SweepTable
 
 _SIZE_IN = (7.2, 3.6)
 _DPI = 130
-_BAND_OPACITY = 0.16
+_BAND_OPACITY = 0.13
+_EDGE_OPACITY = 0.6
 _MAX_LINES = 12
 _RUNS_PER_MEAN = 8
 _MOST_MEANS = 10
@@ -155,6 +156,7 @@ def _draw_band(axes: Any, found: Sequence[tuple[float, Summary]], label: str, in
     means = np.array([summary.mean for _, summary in found], dtype=np.float64)
     bounds = np.array([_bounds(summary) for _, summary in found])
     axes.fill_between(places, *bounds.T, color=colour(index), alpha=_BAND_OPACITY, linewidth=0.0)
+    axes.plot(places, bounds, alpha=_EDGE_OPACITY, linewidth=0.7, **vehicle_style(index))
     axes.plot(places, means, marker=marker(index), label=label, **vehicle_style(index))
 
 

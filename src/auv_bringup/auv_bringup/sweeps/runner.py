@@ -57,8 +57,10 @@ def run_sweep(
 
     Raises
     ------
+    ConfigError
+        When the cluster cannot be reached.
     ClusterError
-        When the cluster cannot be reached, or cannot fly; what is finished is kept.
+        When it is lost or cannot fly; what is finished is kept.
 
     """
     parts = Parts(folder / PARTS)
