@@ -18,6 +18,7 @@ import reprlib
 import types
 import typing
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, TypeVar
 
 from auv_core.plugins import PluginError, find_plugin, list_plugins
@@ -107,7 +108,7 @@ def load(cls: type[T], raw: object, path: str) -> T:
     unknown = [key for key in raw if key not in fields]
     if unknown:
         raise ConfigError(f"{path}: unknown key {shown(unknown[0])}; allowed: {_keys(cls)}")
-    hints = typing.get_type_hints(cls)
+    hints = _type_hints(cls)  # type: ignore[arg-type]
     values = {}
     for name, field in fields.items():
         if name in raw:
@@ -169,6 +170,11 @@ def shown(value: object) -> str:
     except ValueError:
         return "a number too long to print"
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+@cache
+def _type_hints(cls: type) -> dict[str, Any]:
+    return typing.get_type_hints(cls)
 
 
 def _value(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> Any:
