@@ -52,14 +52,12 @@ KILLS = SINKING.format(deed="__import__('os').kill(__import__('os').getpid(), 9)
 @contextlib.contextmanager
 def threads(n=1):
     """Give a cluster of threads in this process, which tests can reach into."""
-    here = {
-        "protocol": "tcp://",
-        "host": "127.0.0.1",
-        "dashboard_address": None,
-        "worker_dashboard_address": None,
-    }
+    here = {"protocol": "tcp://", "host": "127.0.0.1", "dashboard_address": None}
+    any_port = {"dashboard_address": "127.0.0.1:0"}
     with (
-        LocalCluster(processes=False, n_workers=n, threads_per_worker=1, **here) as workers,
+        LocalCluster(
+            processes=False, n_workers=n, threads_per_worker=1, scheduler_kwargs=any_port, **here
+        ) as workers,
         Client(workers, set_as_default=False) as client,
     ):
         yield client
