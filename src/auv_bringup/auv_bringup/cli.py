@@ -222,8 +222,10 @@ def _introduce(plan: Plan, folder: Path) -> None:
 def _fly_in_process(plan: Plan, folder: Path, options: argparse.Namespace) -> int:
     from auv_bringup.experiment import run_in_process
     from auv_bringup.progress import Progress
+    from auv_core.compiled import use_compiler
     from auv_sim.vehicle import DivergedError
 
+    use_compiler(tell=lambda line: print(line, flush=True))
     with Progress(plan.scenario.duration_s) as progress:
         start_s = time.monotonic()
         try:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _LIBRARIES = ("auv_core", "auv_sim", "auv_control", "auv_flocking")
 _ENTRANCES = ("auv_bringup.experiment", "auv_bringup.metrics", "auv_bringup.scenario")
 _NO_SOURCE = {"nodes", "reproduction", "scenarios"}
-_PACKAGES = ("numpy", "scipy", "filterpy", "scikit-fuzzy", "control")
+_PACKAGES = ("numpy", "scipy", "numba", "scikit-fuzzy")
 
 
 def run_key(scenario: Scenario) -> str:

@@ -10,10 +10,13 @@ from __future__ import annotations
 
 import math
 
+from auv_core.compiled import inner
+
 Vec3 = tuple[float, float, float]
 Quat = tuple[float, float, float, float]
 
 
+@inner
 def body_to_ned(q: Quat, v: Vec3) -> Vec3:
     """Return the body vector `v` in NED; the length is kept."""
     w, x, y, z = q
@@ -25,22 +28,26 @@ def body_to_ned(q: Quat, v: Vec3) -> Vec3:
     )
 
 
+@inner
 def ned_to_body(q: Quat, v: Vec3) -> Vec3:
     """Return the NED vector `v` in the body frame; the inverse of `body_to_ned`."""
     return body_to_ned((q[0], -q[1], -q[2], -q[3]), v)
 
 
+@inner
 def quaternion_from_heading(heading_rad: float) -> Quat:
     """Return the attitude of a level vehicle with the given heading (rad, from north towards east)."""
     return (math.cos(0.5 * heading_rad), 0.0, 0.0, math.sin(0.5 * heading_rad))
 
 
+@inner
 def heading_from_quaternion(q: Quat) -> float:
     """Return the heading (rad, in (-pi, pi], from north towards east) of the body's forward axis."""
     w, x, y, z = q
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
+@inner
 def quaternion_product(a: Quat, b: Quat) -> Quat:
     """Return the Hamilton product a b: first rotate by b, then by a."""
     return (
@@ -51,12 +58,14 @@ def quaternion_product(a: Quat, b: Quat) -> Quat:
     )
 
 
+@inner
 def distance(a: Vec3, b: Vec3) -> float:
     """Return the Euclidean distance of two points (m)."""
     x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]
     return math.sqrt(x * x + y * y + z * z)
 
 
+@inner
 def limited(v: Vec3, length: float) -> Vec3:
     """Return `v`, shortened to `length` where it is longer; the direction is kept."""
     norm = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
@@ -64,3 +73,17 @@ def limited(v: Vec3, length: float) -> Vec3:
         return v
     scale = length / norm
     return (v[0] * scale, v[1] * scale, v[2] * scale)
+
+
+@inner
+def clipped(value: float, most: float) -> float:
+    """Return `value`, brought to -`most` or `most` where it lies beyond."""
+    if value > most:
+        return most
+    return max(value, -most)
+
+
+@inner
+def added(a: Vec3, b: Vec3) -> Vec3:
+    """Return a + b."""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])

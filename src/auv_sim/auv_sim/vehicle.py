@@ -121,8 +121,7 @@ class Vehicle:
         """
         values = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if command is None else command_numbers(command)
         given = self._model.limited_command(values)
-        for _ in range(self._substeps):
-            self._state = self._model.step(self._state, given, self._current, self._dt_s)
+        self._state = self._model.step(self._state, given, self._current, self._dt_s, self._substeps)
         check_finite(self._state, self._name, self._tick * self._period_s)
         self._tick += 1
         state = self.state

@@ -235,8 +235,9 @@ def _table(outcome: Outcome) -> str:
     if outcome.failure is not None:
         body = f"<tr><td>{_failure(outcome)}</td></tr>"
     else:
+        beside = html.escape(item.beside if isinstance(item, Table) else "thesis")
         head = "".join(
-            f"<th scope='col'>{word}</th>" for word in ("quantity", "thesis", "ours", "verdict", "note")
+            f"<th scope='col'>{word}</th>" for word in ("quantity", beside, "ours", "verdict", "note")
         )
         body = "\n".join([f"<tr>{head}</tr>", *(_row(row) for row in _rows(outcome))])
     table = f"<table>\n{caption}\n{body}\n</table>"

@@ -116,8 +116,13 @@ def _become_worker(calls: Sequence[Call], total: Any, parent_pid: int) -> None:
 
 
 def _call(index: int) -> Any:
+    return attempt(_Worker.calls[index], _advance)
+
+
+def attempt(call: Call, advance: Advance) -> Any:
+    """Make a call; return its result, or the `Failure` that it ended in."""
     try:
-        return _Worker.calls[index](_advance)
+        return call(advance)
     except Exception as error:
         return Failure.of(error)
 

@@ -22,7 +22,7 @@ from auv_bringup.tally import Tally
 
 PARTS = "parts"
 FAILURES_FILE = "failures.txt"
-_SHOWN_PACKAGES = ("numpy", "scipy", "filterpy", "scikit-fuzzy", "distributed", "pyarrow", "matplotlib")
+_SHOWN_PACKAGES = ("numpy", "scipy", "numba", "scikit-fuzzy", "distributed", "pyarrow", "matplotlib")
 
 
 def run_sweep(

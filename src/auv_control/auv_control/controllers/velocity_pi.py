@@ -3,7 +3,7 @@ Inner loop of a fully actuated vehicle: PI on the velocity over ground, PD on th
 
 A flocking law gives a velocity; this loop makes the hull have it.  The integral, kept in NED, carries what
 the model does not say: drag and the current.  It stops while an actuator that it drives is at its limit, so
-that it does not wind up.
+that it does not wind up.  In continuous time it is a state like any other.
 
 With mass m (added mass included), gains K_p and K_i, the loop from asked to true velocity is
 (K_p s + K_i) / (m s^2 + K_p s + K_i): bandwidth about K_p / m, damping K_p / (2 sqrt(m K_i)).
@@ -14,7 +14,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from auv_control.controllers import VelocityReference
-from auv_core.geometry import Vec3, body_to_ned, ned_to_body, quaternion_from_heading, quaternion_product
+from auv_core.compiled import entry, fastest
+from auv_core.geometry import (
+    Quat,
+    Vec3,
+    body_to_ned,
+    clipped,
+    ned_to_body,
+    quaternion_from_heading,
+    quaternion_product,
+)
 from auv_core.messages import Vec6, VehicleState, Wrench
 from auv_core.params import param
 
@@ -32,6 +41,57 @@ class Params:
     max_force_n: float = param("force limit per body axis (N)", default=150.0, above=0.0)
     max_moment_nm: float = param("moment limit per body axis (N m)", default=50.0, above=0.0)
 
+    @property
+    def gains(self) -> Vec6:
+        """Everything above, in this order."""
+        return (
+            self.velocity_gain_nspm,
+            self.integral_gain_npm,
+            self.attitude_gain_nm,
+            self.rate_gain_nms,
+            self.max_force_n,
+            self.max_moment_nm,
+        )
+
+
+@entry("Tuple((TUPLE6, TUPLE3))(TUPLE4, TUPLE6, TUPLE3, TUPLE3, TUPLE4, TUPLE6)")
+def control(
+    attitude: Quat, nu: Vec6, integral: Vec3, wanted: Vec3, facing: Quat, gains: Vec6
+) -> tuple[Vec6, Vec3]:
+    """
+    Return the wrench (N, N m; body) and the rate of the integral (m/s; NED).
+
+    Parameters
+    ----------
+    attitude, facing : (4,) tuple
+        Attitude that the vehicle has and that it shall have (quaternions, body to NED).
+    nu : (6,) tuple
+        Body velocities (m/s, rad/s).
+    integral, wanted : (3,) tuple
+        Integrated velocity error (m; NED) and the velocity over ground to have (m/s; NED).
+    gains : (6,) tuple
+        From `Params.gains`.
+
+    """
+    velocity_gain, integral_gain, attitude_gain, rate_gain, max_force_n, max_moment_nm = gains
+    ahead = ned_to_body(attitude, wanted)
+    error = (ahead[0] - nu[0], ahead[1] - nu[1], ahead[2] - nu[2])
+    held = ned_to_body(attitude, integral)
+    ax = velocity_gain * error[0] + integral_gain * held[0]
+    ay = velocity_gain * error[1] + integral_gain * held[1]
+    az = velocity_gain * error[2] + integral_gain * held[2]
+    fx, fy, fz = clipped(ax, max_force_n), clipped(ay, max_force_n), clipped(az, max_force_n)
+    growth = (0.0, 0.0, 0.0)
+    if fx == ax and fy == ay and fz == az:
+        growth = body_to_ned(attitude, error)
+    w, x, y, z = attitude
+    turn = quaternion_product((w, -x, -y, -z), facing)
+    twice = 2.0 * attitude_gain if turn[0] >= 0.0 else -2.0 * attitude_gain
+    mx = clipped(twice * turn[1] - rate_gain * nu[3], max_moment_nm)
+    my = clipped(twice * turn[2] - rate_gain * nu[4], max_moment_nm)
+    mz = clipped(twice * turn[3] - rate_gain * nu[5], max_moment_nm)
+    return (fx, fy, fz, mx, my, mz), growth
+
 
 class Controller:
     """PI on velocity, PD on attitude; the heading is held and roll and pitch are brought to zero."""
@@ -40,7 +100,8 @@ class Controller:
     follows = "velocity"
 
     def __init__(self, params: Params, period_s: float) -> None:
-        self._params = params
+        self._gains = params.gains
+        self._control = fastest(control)
         self._period_s = period_s
         self._integral: Vec3 = (0.0, 0.0, 0.0)
 
@@ -56,36 +117,17 @@ class Controller:
             Velocity over ground (m/s; NED) and heading (rad).
 
         """
-        p = self._params
-        wanted = ned_to_body(nav.attitude, reference.velocity)
-        error = (wanted[0] - nav.nu[0], wanted[1] - nav.nu[1], wanted[2] - nav.nu[2])
-        held = ned_to_body(nav.attitude, self._integral)
-        asked = tuple(
-            [p.velocity_gain_nspm * e + p.integral_gain_npm * i for e, i in zip(error, held, strict=True)]
+        tau, growth = self.evaluate(nav.attitude, nav.nu, self._integral, reference)
+        self._integral = (
+            self._integral[0] + self._period_s * growth[0],
+            self._integral[1] + self._period_s * growth[1],
+            self._integral[2] + self._period_s * growth[2],
         )
-        fx, fy, fz = (_clipped(value, p.max_force_n) for value in asked)
-        if (fx, fy, fz) == asked:
-            growth = body_to_ned(nav.attitude, error)
-            self._integral = (
-                self._integral[0] + self._period_s * growth[0],
-                self._integral[1] + self._period_s * growth[1],
-                self._integral[2] + self._period_s * growth[2],
-            )
-        mx, my, mz = self._moment(nav, reference.heading_rad)
-        tau: Vec6 = (fx, fy, fz, mx, my, mz)
         return Wrench(tau)
 
-    def _moment(self, nav: VehicleState, heading_rad: float) -> Vec3:
-        p = self._params
-        w, x, y, z = nav.attitude
-        error = quaternion_product((w, -x, -y, -z), quaternion_from_heading(heading_rad))
-        twice = 2.0 if error[0] >= 0.0 else -2.0
-        mx, my, mz = (
-            _clipped(p.attitude_gain_nm * twice * e - p.rate_gain_nms * rate, p.max_moment_nm)
-            for e, rate in zip(error[1:], nav.nu[3:], strict=True)
-        )
-        return (mx, my, mz)
-
-
-def _clipped(value: float, limit: float) -> float:
-    return limit if value > limit else max(value, -limit)
+    def evaluate(
+        self, attitude: Quat, nu: Vec6, integral: Vec3, reference: VelocityReference
+    ) -> tuple[Vec6, Vec3]:
+        """Return wrench (N, N m; body) and rate of the integral (m/s; NED), both at one instant."""
+        facing = quaternion_from_heading(reference.heading_rad)
+        return self._control(attitude, nu, integral, reference.velocity, facing, self._gains)

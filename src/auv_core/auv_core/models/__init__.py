@@ -6,8 +6,9 @@ To add a model with new equations, write one file here with
 1. ``Params``: a frozen dataclass made of `auv_core.params.param` fields, with at least ``hull_radius_m``;
 2. ``Model(params)`` with ``command`` (``'wrench'`` or ``'velocity'``), ``initial_state(position,
    heading_rad)``, ``limited_command(command)`` (what the actuators make of a command), ``top_speed_mps`` and
-   ``step(state, command, current, dt_s)`` (the command as the actuators give it, held), on the 13 floats of a
-   state: NED position (m), attitude quaternion body to NED (w, x, y, z), nu (m/s, rad/s; body FRD);
+   ``step(state, command, current, dt_s, steps)`` (so many steps of dt_s with the command as the actuators
+   give it, held), on the 13 floats of a state: NED position (m), attitude quaternion body to NED (w, x, y,
+   z), nu (m/s, rad/s; body FRD);
 3. for a model that takes a wrench also ``derivative(state, command, current)`` and ``normalised(state)``, of
    which continuous-time runs make their own integration, and ``kinetic_energy(nu)`` (J).
 

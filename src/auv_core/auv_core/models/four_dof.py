@@ -148,10 +148,12 @@ class Model:
         norm = math.hypot(state[3], state[6])
         return (*state[:3], state[3] / norm, 0.0, 0.0, state[6] / norm, *state[7:])
 
-    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float) -> State:
-        """Return the state `dt_s` later, the wrench `command` held."""
-        after = rk4_step(lambda _t_s, x: self.derivative(x, command, current), 0.0, state, dt_s)
-        return self.normalised(after)
+    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float, steps: int = 1) -> State:
+        """Return the state after `steps` steps of `dt_s`, the wrench `command` held."""
+        for _ in range(steps):
+            after = rk4_step(lambda _t_s, x: self.derivative(x, command, current), 0.0, state, dt_s)
+            state = self.normalised(after)
+        return state
 
 
 def _clipped(value: float, limit: float) -> float:

@@ -44,8 +44,16 @@ class Model:
         """Return `command` itself: a single integrator has no actuators."""
         return command
 
-    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float) -> State:
-        """Return the state `dt_s` later: exact for a held command [NED velocity, 0, 0, yaw rate]."""
+    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float, steps: int = 1) -> State:
+        """
+        Return the state after `steps` steps of `dt_s`: exact for a held command [NED velocity, 0, 0, yaw
+        rate].
+        """
+        for _ in range(steps):
+            state = self._stepped(state, command, dt_s)
+        return state
+
+    def _stepped(self, state: State, command: Vec6, dt_s: float) -> State:
         velocity: Vec3 = (command[0], command[1], command[2])
         x, y, z = (state[axis] + dt_s * velocity[axis] for axis in range(3))
         heading_rad = heading_from_quaternion((state[3], state[4], state[5], state[6])) + dt_s * command[5]

@@ -24,9 +24,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from auv_core.compiled import entry, fastest, inner
 from auv_core.drag import steady_speed_mps
-from auv_core.geometry import Quat, Vec3, quaternion_from_heading
-from auv_core.integrate import State, rk4_step
+from auv_core.geometry import Quat, Vec3, clipped, quaternion_from_heading
+from auv_core.integrate import State
 from auv_core.messages import Vec6
 from auv_core.params import param
 
@@ -93,6 +94,25 @@ def constants(params: Params) -> Constants:
     )
 
 
+def limits(params: Params) -> Vec6:
+    """Return the actuator limit per axis (N, N m; body), infinite where there is none."""
+    return (math.inf,) * 6 if params.max_wrench is None else params.max_wrench
+
+
+@entry("TUPLE6(TUPLE6, TUPLE6)")
+def limited_wrench(tau: Vec6, most: Vec6) -> Vec6:
+    """Return `tau` clipped axis by axis."""
+    return (
+        clipped(tau[0], most[0]),
+        clipped(tau[1], most[1]),
+        clipped(tau[2], most[2]),
+        clipped(tau[3], most[3]),
+        clipped(tau[4], most[4]),
+        clipped(tau[5], most[5]),
+    )
+
+
+@inner
 def momentum(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
     """
     Return M nu: linear momentum (kg m/s) and angular momentum (kg m^2/s), body frame, added mass included.
@@ -103,6 +123,7 @@ def momentum(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
     return (c[0] * u + s * q, c[1] * v - s * p, c[2] * w), (c[3] * p - s * v, c[4] * q + s * u, c[5] * r)
 
 
+@inner
 def coriolis_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
     """
     Return C(nu) nu as force (N) and moment (N m), body frame: Kirchhoff's equations, Fossen (2021) Eq.
@@ -122,6 +143,7 @@ def coriolis_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec
     return force, moment
 
 
+@inner
 def damping_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
     """Return D(nu) nu as force (N) and moment (N m), body frame; nu . D(nu) nu >= 0: it only takes energy."""
     u, v, w = velocity
@@ -132,6 +154,7 @@ def damping_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3
     )
 
 
+@inner
 def derivative(state: State, tau: Vec6, current: Vec3, c: Constants) -> State:
     """
     Return the rate of change of the 13 floats of a state.
@@ -192,6 +215,47 @@ def derivative(state: State, tau: Vec6, current: Vec3, c: Constants) -> State:
     )
 
 
+@inner
+def _along(x: State, h: float, k: State) -> State:
+    """Return x + h k."""
+    return (
+        x[0] + h * k[0], x[1] + h * k[1], x[2] + h * k[2], x[3] + h * k[3], x[4] + h * k[4],
+        x[5] + h * k[5], x[6] + h * k[6], x[7] + h * k[7], x[8] + h * k[8], x[9] + h * k[9],
+        x[10] + h * k[10], x[11] + h * k[11], x[12] + h * k[12],
+    )  # fmt: skip
+
+
+@inner
+def normalised(x: State) -> State:
+    """Return a state with an attitude quaternion of length 1."""
+    norm = math.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6])
+    return (
+        x[0], x[1], x[2], x[3] / norm, x[4] / norm, x[5] / norm, x[6] / norm,
+        x[7], x[8], x[9], x[10], x[11], x[12],
+    )  # fmt: skip
+
+
+@inner
+def rk4(x: State, tau: Vec6, current: Vec3, c: Constants, dt_s: float) -> State:
+    """
+    Return a state `dt_s` later, tau held: `auv_core.integrate.rk4_step`, in the words that Numba knows.
+    """
+    k1 = derivative(x, tau, current, c)
+    k2 = derivative(_along(x, 0.5 * dt_s, k1), tau, current, c)
+    k3 = derivative(_along(x, 0.5 * dt_s, k2), tau, current, c)
+    k4 = derivative(_along(x, dt_s, k3), tau, current, c)
+    slope = _along(_along(k1, 2.0, _along(k2, 1.0, k3)), 1.0, k4)
+    return normalised(_along(x, dt_s / 6.0, slope))
+
+
+@entry("TUPLE13(TUPLE13, TUPLE6, TUPLE3, TUPLE21, float64, int64)")
+def advance(x: State, tau: Vec6, current: Vec3, c: Constants, dt_s: float, steps: int) -> State:
+    """Return a state after so many steps of `dt_s`, tau held."""
+    for _ in range(steps):
+        x = rk4(x, tau, current, c, dt_s)
+    return x
+
+
 class Model:
     """A vehicle that takes a wrench, integrated by RK4."""
 
@@ -200,16 +264,17 @@ class Model:
     def __init__(self, params: Params) -> None:
         self.params = params
         self._constants = constants(params)
+        self._limits = limits(params)
+        self._advance, self._limited = fastest(advance), fastest(limited_wrench)
 
     @property
     def top_speed_mps(self) -> float:
         """Speed that the weakest of the three forces can hold against the drag (m/s); without limits inf."""
         p = self.params
-        limits = (math.inf,) * 3 if p.max_wrench is None else p.max_wrench[:3]
         return min(
             steady_speed_mps(linear, quadratic, force_n)
             for linear, quadratic, force_n in zip(
-                p.linear_damping[:3], p.quadratic_damping[:3], limits, strict=True
+                p.linear_damping[:3], p.quadratic_damping[:3], self._limits[:3], strict=True
             )
         )
 
@@ -225,20 +290,14 @@ class Model:
 
     def limited_command(self, tau: Vec6) -> Vec6:
         """Return the wrench that the actuators give for the wrench asked: clipped axis by axis, if at all."""
-        if self.params.max_wrench is None:
-            return tau
-        a, b, c, d, e, f = (
-            max(-limit, min(limit, value)) for value, limit in zip(tau, self.params.max_wrench, strict=True)
-        )
-        return (a, b, c, d, e, f)
+        return self._limited(tau, self._limits)
 
-    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float) -> State:
+    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float, steps: int = 1) -> State:
         """
-        Return the state `dt_s` later, the wrench `command` held; the quaternion comes back with length 1.
+        Return the state after `steps` steps of `dt_s`, the wrench `command` held; the quaternion comes back
+        with length 1.
         """
-        c = self._constants
-        after = rk4_step(lambda _t_s, x: derivative(x, command, current, c), 0.0, state, dt_s)
-        return self.normalised(after)
+        return self._advance(state, command, current, self._constants, dt_s, steps)
 
     def derivative(self, state: State, tau: Vec6, current: Vec3) -> State:
         """Return the rate of change of `state`; see the function of the same name."""
@@ -246,6 +305,4 @@ class Model:
 
     def normalised(self, state: State) -> State:
         """Return the state with an attitude quaternion of length 1."""
-        norm = math.sqrt(state[3] ** 2 + state[4] ** 2 + state[5] ** 2 + state[6] ** 2)
-        attitude = tuple([value / norm for value in state[3:7]])
-        return (*state[:3], *attitude, *state[7:])
+        return normalised(state)

@@ -23,7 +23,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from auv_core.geometry import Vec3
+from auv_core.compiled import inner
+from auv_core.geometry import Vec3, distance
 from auv_core.params import param
 from auv_flocking.codec import Field
 from auv_flocking.consensus import Heard
@@ -34,6 +35,11 @@ class Params:
     """The defaults are the thesis's filter."""
 
     rate_ps: float = param("rate k of the filter (1/s)", default=1.0, above=0.0)
+    reach_m: float | None = param(
+        "only who is nearer than this is a neighbour in the filter (m); left out: everybody who is heard",
+        default=None,
+        above=0.0,
+    )
     follow_flock: bool = param("add the flock's velocity to the estimate's rate", default=False)
     carried_by: str = param(
         "the rate that packets state, to carry the estimate on with: its own, or only the flock's velocity",
@@ -47,6 +53,16 @@ class Params:
         return self.follow_flock
 
 
+@inner
+def towards(pull: Vec3, other: Vec3, centre: Vec3) -> Vec3:
+    """Return what pulls the estimate `centre`, with `other` added to it (m; NED)."""
+    return (
+        pull[0] + other[0] - centre[0],
+        pull[1] + other[1] - centre[1],
+        pull[2] + other[2] - centre[2],
+    )
+
+
 class Consensus:
     """One vehicle's filter; in continuous time the estimate is kept by the caller."""
 
@@ -55,6 +71,7 @@ class Consensus:
     def __init__(self, params: Params, fleet_size: int) -> None:
         del fleet_size
         self._rate_ps = params.rate_ps
+        self.reach_m = math.inf if params.reach_m is None else params.reach_m
         self._follow = 1.0 if params.follow_flock else 0.0
         self._states_own_rate = params.carried_by == "rate"
         self._centre: Vec3 | None = None
@@ -69,7 +86,7 @@ class Consensus:
     def advance(self, own: Vec3, heard: Sequence[Heard], flock_velocity: Vec3, dt_s: float) -> Vec3:
         """Move the estimate on by `dt_s`; return the rate to carry it on with (m/s; NED)."""
         centre = self.centre(own, heard)
-        centres = [neighbour.centre for neighbour in heard]
+        centres = [other.centre for other in heard if distance(own, other.position) < self.reach_m]
         rate = self.derivative(own, centre, centres, flock_velocity)
         self._centre = self.step(own, centre, centres, flock_velocity, dt_s)
         if self._states_own_rate:
@@ -85,10 +102,10 @@ class Consensus:
         self, own: Vec3, centre: Vec3, neighbour_centres: Sequence[Vec3], flock_velocity: Vec3
     ) -> Vec3:
         """Return c_i_dot (m/s; NED) for positions and estimates in NED (m)."""
-        x, y, z = centre
-        sx, sy, sz = own[0] - x, own[1] - y, own[2] - z
-        for cx, cy, cz in neighbour_centres:
-            sx, sy, sz = sx + cx - x, sy + cy - y, sz + cz - z
+        pull = towards((0.0, 0.0, 0.0), own, centre)
+        for other in neighbour_centres:
+            pull = towards(pull, other, centre)
+        sx, sy, sz = pull
         k, f = self._rate_ps, self._follow
         return (
             k * sx + f * flock_velocity[0],

@@ -30,10 +30,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from auv_control.references import PathPoint
-from auv_core.geometry import Vec3, limited
+from auv_core.compiled import inner
+from auv_core.geometry import Vec3, added, limited
 from auv_core.params import param
+from auv_flocking.estimates import NeighbourEstimate
 from auv_flocking.flocking import FlockVelocity, View
-from auv_flocking.neighbours import NeighbourEstimate
 
 
 @dataclass(frozen=True)
@@ -68,8 +69,33 @@ class SeparationLaw(Protocol):
         """Return the velocity because of another (m/s; NED)."""
 
 
+@inner
+def attraction(own: Vec3, centre: Vec3, path: Vec3, cohesion_gain_ps: float, path_gain_ps: float) -> Vec3:
+    """Return F_c + F_d (m/s; NED) of a vehicle at `own`, for its centre and its path point (m; NED)."""
+    return (
+        cohesion_gain_ps * (centre[0] - own[0]) + path_gain_ps * (path[0] - own[0]),
+        cohesion_gain_ps * (centre[1] - own[1]) + path_gain_ps * (path[1] - own[1]),
+        cohesion_gain_ps * (centre[2] - own[2]) + path_gain_ps * (path[2] - own[2]),
+    )
+
+
+@inner
+def asked(
+    feedback: Vec3, ahead: Vec3, share: float, bandwidth_ratio: float, correction_limit_mps: float
+) -> Vec3:
+    """Return the velocity of the law (m/s; NED): its feedback, slowed and limited, and a share of `ahead`."""
+    slowed = (bandwidth_ratio * feedback[0], bandwidth_ratio * feedback[1], bandwidth_ratio * feedback[2])
+    kept = limited(slowed, correction_limit_mps)
+    return (kept[0] + share * ahead[0], kept[1] + share * ahead[1], kept[2] + share * ahead[2])
+
+
 class Flocking:
-    """The law of one vehicle."""
+    """
+    The law of one vehicle.
+
+    `path_gain_ps` is its gain towards the path, zero where it does not feel it, and `feedforward_share` what
+    it takes of the velocity given ahead, 1 or 0.
+    """
 
     def __init__(self, params: Params, separation: SeparationLaw, is_leader: bool) -> None:
         self._params = params
@@ -77,7 +103,9 @@ class Flocking:
         self._from_obstacle = getattr(separation, "obstacle_velocity", separation.velocity)
         self._learn = getattr(separation, "adapt", None)
         self._is_leader = is_leader
-        self._steers_itself = params.leader_steers == "itself" if is_leader else params.followers == "printed"
+        steers_itself = params.leader_steers == "itself" if is_leader else params.followers == "printed"
+        self.path_gain_ps = params.path_gain_ps if steers_itself else 0.0
+        self.feedforward_share = 1.0 if is_leader or params.feedforward == "flock" else 0.0
 
     def hear(self, estimates: Sequence[NeighbourEstimate], dt_s: float) -> None:
         """Do nothing: this law does not ask how old its information is."""
@@ -119,23 +147,21 @@ class Flocking:
             return FlockVelocity(mean, max([own.stamp_s, *[e.flock_stamp_s for e in estimates]]))
         if p.leader_steers == "itself":
             return FlockVelocity(path.velocity, t_s)
-        steer = limited(_scaled(_difference(path.position, centre), p.path_gain_ps), p.correction_limit_mps)
-        return FlockVelocity(_sum(path.velocity, steer), t_s)
+        error = attraction(centre, centre, path.position, 0.0, p.path_gain_ps)
+        return FlockVelocity(added(path.velocity, limited(error, p.correction_limit_mps)), t_s)
 
     def velocity(self, view: View) -> Vec3:
         """Return the velocity over ground that the vehicle asks of itself (m/s; NED)."""
         p = self._params
-        feedback = _scaled(_difference(view.centre, view.position), p.cohesion_gain_ps)
-        if self._steers_itself:
-            feedback = _sum(feedback, _scaled(_difference(view.path.position, view.position), p.path_gain_ps))
+        feedback = attraction(
+            view.position, view.centre, view.path.position, p.cohesion_gain_ps, self.path_gain_ps
+        )
         for other in view.neighbours:
-            feedback = _sum(feedback, self._separation.velocity(view.position, other, p.spacing_m))
+            feedback = added(feedback, self._separation.velocity(view.position, other, p.spacing_m))
         for obstacle, safety_distance_m in view.obstacles:
-            feedback = _sum(feedback, self._from_obstacle(view.position, obstacle, safety_distance_m))
-        feedback = limited(_scaled(feedback, p.bandwidth_ratio), p.correction_limit_mps)
-        if p.feedforward == "flock":
-            return _sum(feedback, view.flock_velocity)
-        return _sum(feedback, view.path.velocity) if self._is_leader else feedback
+            feedback = added(feedback, self._from_obstacle(view.position, obstacle, safety_distance_m))
+        ahead = view.flock_velocity if p.feedforward == "flock" else view.path.velocity
+        return asked(feedback, ahead, self.feedforward_share, p.bandwidth_ratio, p.correction_limit_mps)
 
     def adapt(self, view: View, dt_s: float) -> None:
         """
@@ -147,15 +173,3 @@ class Flocking:
         if self._learn is not None:
             distances_m = [math.dist(view.position, other) for other in view.neighbours]
             self._learn(distances_m, self._params.spacing_m, dt_s)
-
-
-def _sum(a: Vec3, b: Vec3) -> Vec3:
-    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
-
-
-def _difference(a: Vec3, b: Vec3) -> Vec3:
-    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
-
-
-def _scaled(v: Vec3, factor: float) -> Vec3:
-    return (factor * v[0], factor * v[1], factor * v[2])

@@ -32,7 +32,7 @@ from auv_core.node_main import (
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
 from auv_flocking.agent import Agent, AgentConfig
-from auv_flocking.neighbours import kalman_filter
+from auv_flocking.estimates import AGE, SONAR_AGE
 from auv_msgs.msg import (
     AcousticInbox,
     AcousticOutbox,
@@ -57,8 +57,6 @@ class AgentNode(Node):
         self._config = declare_config(self, AgentConfig)
         self._ticks = TickClock(run, self._config.period_s, now_s(self))
         self._agent = Agent(self._config)
-        if self._config.fleet_size > 1:
-            kalman_filter()
         self._navs: dict[int, State] = {}
         self._inboxes: dict[int, Inbox] = {}
         self._tick = 0
@@ -167,9 +165,8 @@ class AgentNode(Node):
             status = convert.control_status(tick, t_s, vehicle_id, agent.holding, agent.law_state)
             self._control_pub.publish(status)
         numbers: list[float] = []
-        for estimate in agent.neighbours:
-            numbers += (estimate.address, *estimate.position, *estimate.velocity)
-            numbers += (*estimate.covariance.ravel().tolist(), estimate.age_s, estimate.sonar_age_s)
+        for address, row in zip(agent.neighbours.addresses, agent.neighbours.rows.tolist(), strict=True):
+            numbers += (address, *row[: AGE + 1], row[SONAR_AGE])
         count = len(agent.neighbours)
         self._neighbours_pub.publish(convert.neighbours_stencil(count).filled(t_s, tick, count, *numbers))
 
@@ -191,7 +188,7 @@ class AgentNode(Node):
 
     def _diagnostics(self, t_s: float) -> DiagnosticArray:
         agent = self._agent
-        oldest_s = max((estimate.age_s for estimate in agent.neighbours), default=math.inf)
+        oldest_s = max(agent.neighbours.column(AGE), default=math.inf)
         missing = self._config.fleet_size - 1 - len(agent.neighbours)
         quiet = missing > 0 or (self._config.fleet_size > 1 and oldest_s > _OLD_S)
         status = DiagnosticStatus(

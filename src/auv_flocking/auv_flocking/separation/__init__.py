@@ -10,5 +10,8 @@ To add one, write one file with ``Params`` and ``Separation(params)`` with ``vel
   are the falls: runs then say whether the flock's potential falls;
 * ``adapt(distances_m, spacing_m, dt_s)``, where it has a memory: called once per control period with the
   distances to the neighbours.  ``Params`` says so with a property ``adapts``: such a law is refused in
-  continuous time.
+  continuous time;
+* ``strength`` and ``numbers``, of `auv_flocking.central`, where it acts along the line between the two: it is
+  then compiled with the loop over all pairs of a flock.  ``obstacle_strength`` and ``obstacle_numbers`` are
+  those of `obstacle_velocity` where that is another law.
 """

@@ -20,16 +20,16 @@ age of acoustic information.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from auv_core.geometry import Vec3
 from auv_core.params import param
+from auv_flocking.central import along
 from auv_flocking.mamdani import Peaks, check_peaks, curve
-
-_NO_DIRECTION_M = 1e-9
-_ZERO: Vec3 = (0.0, 0.0, 0.0)
+from auv_flocking.separation.fuzzy import repulsion, strength
 
 
 @dataclass(frozen=True)
@@ -65,12 +65,25 @@ class Params:
 
 
 class Separation:
-    """Repulsion inside a distance that the law moves until pairs settle at the spacing."""
+    """
+    Repulsion inside a distance that the law moves until pairs settle at the spacing; `numbers` are those of
+    `fuzzy` with the shift of now.
+    """
+
+    strength = staticmethod(strength)
+    obstacle_strength = staticmethod(repulsion)
 
     def __init__(self, params: Params) -> None:
         self._params = params
-        self._curve = curve(params.input_peaks_m, params.output_peaks_mps)
-        self.shift_mps = 0.0
+        self.obstacle_numbers = np.array(
+            (params.gain, 0.0, *curve(params.input_peaks_m, params.output_peaks_mps).table)
+        )
+        self.numbers = self.obstacle_numbers.copy()
+
+    @property
+    def shift_mps(self) -> float:
+        """How far the output peaks have moved (m/s for unit gain)."""
+        return float(self.numbers[1])
 
     @property
     def output_peaks_mps(self) -> Peaks:
@@ -91,13 +104,11 @@ class Separation:
             Safety distance d (m).
 
         """
-        return self._along(own, other, spacing_m, self.shift_mps)
+        return along(own, other, spacing_m, strength, self.numbers)
 
     def obstacle_velocity(self, own: Vec3, obstacle: Vec3, spacing_m: float) -> Vec3:
         """Return the velocity because of an obstacle (m/s; NED): with unmoved peaks, away from it only."""
-        if math.dist(own, obstacle) >= spacing_m:
-            return _ZERO
-        return self._along(own, obstacle, spacing_m, 0.0)
+        return along(own, obstacle, spacing_m, repulsion, self.obstacle_numbers)
 
     def adapt(self, distances_m: Sequence[float], spacing_m: float, dt_s: float) -> None:
         """Move the peaks for one control period of `dt_s` with the distances to the neighbours (m)."""
@@ -108,13 +119,4 @@ class Separation:
             return
         error_m = min(max(sum(near_m) / len(near_m), -p.error_max_m), p.error_max_m)
         shift_mps = self.shift_mps + dt_s * p.adaptation_rate_ps2 * error_m
-        self.shift_mps = min(max(shift_mps, -p.shift_max_mps), p.shift_max_mps)
-
-    def _along(self, own: Vec3, other: Vec3, spacing_m: float, shift_mps: float) -> Vec3:
-        dx, dy, dz = own[0] - other[0], own[1] - other[1], own[2] - other[2]
-        distance_m = math.sqrt(dx * dx + dy * dy + dz * dz)
-        if distance_m < _NO_DIRECTION_M:
-            return _ZERO
-        attraction_mps = self._curve.at(distance_m - spacing_m) + shift_mps
-        factor = -self._params.gain * attraction_mps / distance_m
-        return (factor * dx, factor * dy, factor * dz)
+        self.numbers[1] = min(max(shift_mps, -p.shift_max_mps), p.shift_max_mps)

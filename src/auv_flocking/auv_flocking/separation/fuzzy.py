@@ -20,12 +20,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from auv_core.compiled import entry
 from auv_core.geometry import Vec3
 from auv_core.params import param
-from auv_flocking.mamdani import Peaks, check_peaks, curve
+from auv_flocking.central import STRENGTH, Numbers, along
+from auv_flocking.mamdani import Peaks, check_peaks, curve, interpolated
 
 _NO_DIRECTION_M = 1e-9
-_ZERO: Vec3 = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -49,17 +52,42 @@ class Params:
         check_peaks("output_peaks_mps", self.output_peaks_mps)
 
 
+@entry(STRENGTH)
+def strength(square_m2: float, spacing_m: float, numbers: Numbers) -> float:
+    """
+    Return the factor on (own - other) by `numbers`: gain, shift of the output, table of the curve; zero under
+    a nanometre, where the force has no direction.
+    """
+    distance_m = math.sqrt(square_m2)
+    if distance_m < _NO_DIRECTION_M:
+        return 0.0
+    attraction_mps = interpolated(distance_m - spacing_m, numbers[2:]) + float(numbers[1])
+    return -float(numbers[0]) * attraction_mps / distance_m
+
+
+@entry(STRENGTH)
+def repulsion(square_m2: float, spacing_m: float, numbers: Numbers) -> float:
+    """Return the factor of `strength`, zero from the spacing on."""
+    if square_m2 >= spacing_m * spacing_m:
+        return 0.0
+    return strength(square_m2, spacing_m, numbers)
+
+
 class Separation:
     """Repulsion inside the spacing distance, attraction outside."""
+
+    strength = staticmethod(strength)
 
     def __init__(self, params: Params) -> None:
         self._curve = curve(params.input_peaks_m, params.output_peaks_mps)
         self._gain = params.gain
         self._only_repels = params.obstacles == "repel"
+        self.obstacle_strength = repulsion if self._only_repels else strength
+        self.numbers = np.array((params.gain, 0.0, *self._curve.table))
 
     def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
         """
-        Return the velocity along the pair (m/s; NED); zero under a nanometre, where it has no direction.
+        Return the velocity along the pair (m/s; NED).
 
         Parameters
         ----------
@@ -69,18 +97,11 @@ class Separation:
             Safety distance d (m).
 
         """
-        dx, dy, dz = own[0] - other[0], own[1] - other[1], own[2] - other[2]
-        distance_m = math.sqrt(dx * dx + dy * dy + dz * dz)
-        if distance_m < _NO_DIRECTION_M:
-            return _ZERO
-        factor = -self._gain * self._curve.at(distance_m - spacing_m) / distance_m
-        return (factor * dx, factor * dy, factor * dz)
+        return along(own, other, spacing_m, strength, self.numbers)
 
     def obstacle_velocity(self, own: Vec3, obstacle: Vec3, spacing_m: float) -> Vec3:
         """Return the velocity because of an obstacle (m/s; NED): as `velocity`, away from it only."""
-        if self._only_repels and math.dist(own, obstacle) >= spacing_m:
-            return _ZERO
-        return self.velocity(own, obstacle, spacing_m)
+        return along(own, obstacle, spacing_m, self.obstacle_strength, self.numbers)
 
     def potential(self, distance_m: float, spacing_m: float) -> float:
         """Return the potential of a pair (m^2/s), zero at the spacing, of which `velocity` is the fall."""

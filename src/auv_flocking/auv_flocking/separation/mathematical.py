@@ -13,8 +13,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from auv_core.compiled import entry
 from auv_core.geometry import Vec3
 from auv_core.params import param
+from auv_flocking.central import STRENGTH, Numbers, along
 
 _NO_DIRECTION_M2 = 1e-18
 
@@ -26,16 +30,29 @@ class Params:
     gain: float = param("factor on the velocity (m^2/s per 1/m)", default=1.0, above=0.0)
 
 
+@entry(STRENGTH)
+def strength(square_m2: float, spacing_m: float, numbers: Numbers) -> float:
+    """
+    Return the factor on (own - other); zero at and beyond `spacing_m`, and under a nanometre, where the force
+    has no direction.
+    """
+    if square_m2 >= spacing_m * spacing_m or square_m2 < _NO_DIRECTION_M2:
+        return 0.0
+    return float(numbers[0]) * 2.0 * (spacing_m * spacing_m - square_m2) / (square_m2 * square_m2)
+
+
 class Separation:
     """Repulsion inside the spacing distance, nothing outside."""
 
+    strength = staticmethod(strength)
+
     def __init__(self, params: Params) -> None:
         self._gain = params.gain
+        self.numbers = np.array([params.gain])
 
     def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
         """
-        Return the repulsive velocity (m/s; NED); zero at and beyond `spacing_m`, and under a nanometre, where
-        it has no direction.
+        Return the repulsive velocity (m/s; NED).
 
         Parameters
         ----------
@@ -45,12 +62,7 @@ class Separation:
             Safety distance d (m).
 
         """
-        dx, dy, dz = own[0] - other[0], own[1] - other[1], own[2] - other[2]
-        square = dx * dx + dy * dy + dz * dz
-        if square >= spacing_m * spacing_m or square < _NO_DIRECTION_M2:
-            return (0.0, 0.0, 0.0)
-        factor = self._gain * 2.0 * (spacing_m * spacing_m - square) / (square * square)
-        return (factor * dx, factor * dy, factor * dz)
+        return along(own, other, spacing_m, strength, self.numbers)
 
     def potential(self, distance_m: float, spacing_m: float) -> float:
         """
