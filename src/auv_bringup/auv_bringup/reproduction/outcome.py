@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 from matplotlib.figure import Figure as Canvas
 
+from auv_bringup.failures import Failure
 from auv_bringup.plotting import STYLE
 from auv_bringup.reproduction import Chapter, Figure, Item, Row, Run, Table, Verdict, function_of
-from auv_bringup.reproduction.tally import Tally
-from auv_bringup.reproduction.workers import Advance, Call, Failure, attempt, spread
+from auv_bringup.reproduction.workers import Advance, Call, attempt, spread
+from auv_bringup.tally import Tally
 
 if TYPE_CHECKING:
     from auv_bringup.recording import Recording
