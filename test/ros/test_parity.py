@@ -11,6 +11,7 @@ import pytest
 
 from auv_bringup.bag_reader import compare_bags, read_recording
 from auv_bringup.experiment import run_in_process
+from auv_bringup.layout import LAYOUTS
 from auv_bringup.recording import acoustic_log
 from auv_bringup.scenario import list_scenarios, load_scenario
 from auv_core.messages import Outcome
@@ -78,12 +79,19 @@ def assert_equals_in_process(results_dir):
 
 @pytest.fixture(scope="module")
 def lossy_runs(tmp_path_factory):
-    """Two runs of the main job, 20 s, one seed: a lossy channel and a current."""
-    return [fly("flock_acoustic", tmp_path_factory.mktemp(name), 20, "--seed", "3") for name in ("a", "b")]
+    """
+    Runs of the main job, 20 s, one seed: a lossy channel and a current. Two with a process per node, one of
+    every other layout.
+    """
+    return [
+        fly("flock_acoustic", tmp_path_factory.mktemp(layout), 20, "--seed", "3", "--layout", layout)
+        for layout in ("node", *LAYOUTS)
+    ]
 
 
-def test_two_lockstep_runs_with_one_seed_give_byte_identical_bags(lossy_runs):
-    assert compare_bags(lossy_runs[0] / "bag", lossy_runs[1] / "bag") == []
+@pytest.mark.parametrize("other", range(1, 1 + len(LAYOUTS)), ids=LAYOUTS)
+def test_lockstep_runs_with_one_seed_give_byte_identical_bags_in_all_layouts(lossy_runs, other):
+    assert compare_bags(lossy_runs[0] / "bag", lossy_runs[other] / "bag") == []
 
 
 def test_the_runs_lose_packets_and_feel_a_current(lossy_runs):

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -43,8 +44,8 @@ class RecorderConfig:
 class RecorderNode(Node):
     """Records until it is told to stop, then takes what has already arrived and closes the bag."""
 
-    def __init__(self) -> None:
-        super().__init__("recorder_node")
+    def __init__(self, **options: Any) -> None:
+        super().__init__("recorder_node", **options)
         self.done = False
         self.exit_code = 0
         config = declare_config(self, RecorderConfig)
@@ -164,9 +165,14 @@ def _keep_all(*, latched: bool) -> QoSProfile:
     )
 
 
+def make_nodes(**options: Any) -> Sequence[Node]:
+    """Return the node; `options` are those of `rclpy.node.Node`."""
+    return [RecorderNode(**options)]
+
+
 def main() -> None:
     """Record until stopped."""
-    raise SystemExit(main_loop(lambda: [RecorderNode()]))
+    raise SystemExit(main_loop(make_nodes))
 
 
 if __name__ == "__main__":

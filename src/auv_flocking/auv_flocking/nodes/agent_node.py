@@ -6,6 +6,7 @@ the modem.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -51,8 +52,8 @@ _PATH_SPAN_S = 600.0
 class AgentNode(Node):
     """One `Agent` behind topics."""
 
-    def __init__(self) -> None:
-        super().__init__("agent_node")
+    def __init__(self, **options: Any) -> None:
+        super().__init__("agent_node", **options)
         run = declare_config(self, RunConfig)
         self._config = declare_config(self, AgentConfig)
         self._ticks = TickClock(run, self._config.period_s, now_s(self))
@@ -228,9 +229,14 @@ class AgentNode(Node):
         return Path(header=header, poses=poses)
 
 
+def make_nodes(**options: Any) -> Sequence[Node]:
+    """Return the node; `options` are those of `rclpy.node.Node`."""
+    return [AgentNode(**options)]
+
+
 def main() -> None:
     """Run the node."""
-    raise SystemExit(main_loop(lambda: [AgentNode()]))
+    raise SystemExit(main_loop(make_nodes))
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import product
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
@@ -54,8 +55,8 @@ class FleetConfig:
 class AcousticRelayNode(Node):
     """The `AcousticMedium` behind topics; `clock` is the clock node of the same process."""
 
-    def __init__(self) -> None:
-        super().__init__("acoustic_relay_node")
+    def __init__(self, **options: Any) -> None:
+        super().__init__("acoustic_relay_node", **options)
         run = declare_config(self, RunConfig)
         medium = declare_config(self, MediumConfig)
         watch = declare_config(self, WatchConfig)
@@ -83,6 +84,7 @@ class AcousticRelayNode(Node):
             recorded=run.recorded,
             awaited=self._awaited,
             drop=self._drop,
+            **options,
         )
         self.clock.on_room = self._try_advance
         self._connect()
@@ -284,14 +286,15 @@ class AcousticRelayNode(Node):
         self._marker_pub.publish(MarkerArray(markers=markers))
 
 
-def _make_nodes() -> Sequence[Node]:
-    relay = AcousticRelayNode()
+def make_nodes(**options: Any) -> Sequence[Node]:
+    """Return relay and clock; `options` are those of `rclpy.node.Node`."""
+    relay = AcousticRelayNode(**options)
     return [relay, relay.clock]
 
 
 def main() -> None:
     """Run the relay and the clock."""
-    raise SystemExit(main_loop(_make_nodes))
+    raise SystemExit(main_loop(make_nodes))
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
@@ -56,6 +57,8 @@ class ClockNode(Node):
         Full names of the nodes that owe an answer.
     drop : callable
         Told to go on without what is awaited; returns the ids of the vehicles lost by it.
+    options
+        Those of `rclpy.node.Node`.
 
     """
 
@@ -68,8 +71,9 @@ class ClockNode(Node):
         recorded: bool,
         awaited: Callable[[], list[str]],
         drop: Callable[[], list[str]],
+        **options: Any,
     ) -> None:
-        super().__init__("clock_node")
+        super().__init__("clock_node", **options)
         self._watch = watch
         self._ticks = ticks
         self._fleet_size = fleet_size

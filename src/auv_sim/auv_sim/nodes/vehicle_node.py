@@ -5,6 +5,9 @@ and a marker.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 from geometry_msgs.msg import TwistStamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
@@ -27,8 +30,8 @@ _CATCH_UP_TICKS = 20
 class VehicleNode(Node):
     """One `Vehicle` behind topics."""
 
-    def __init__(self) -> None:
-        super().__init__("vehicle_node")
+    def __init__(self, **options: Any) -> None:
+        super().__init__("vehicle_node", **options)
         run = declare_config(self, RunConfig)
         self._config = declare_config(self, VehicleConfig)
         self._clock_ticks = TickClock(run, self._config.period_s, now_s(self))
@@ -115,9 +118,14 @@ class VehicleNode(Node):
             )
 
 
+def make_nodes(**options: Any) -> Sequence[Node]:
+    """Return the node; `options` are those of `rclpy.node.Node`."""
+    return [VehicleNode(**options)]
+
+
 def main() -> None:
     """Run the node."""
-    raise SystemExit(main_loop(lambda: [VehicleNode()]))
+    raise SystemExit(main_loop(make_nodes))
 
 
 if __name__ == "__main__":
