@@ -102,7 +102,8 @@ examples:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status."""
     make_signals_interrupt()
-    os.environ.update({**ONE_THREAD, **os.environ})
+    for name, value in ONE_THREAD.items():
+        os.environ.setdefault(name, value)  # before numpy is imported; nodes are forks of this process
     place = _TracebackPlace()
     try:
         options = _parser().parse_args(arguments)

@@ -25,6 +25,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from setproctitle import setproctitle, setthreadtitle
+
 from auv_bringup.compose import node_specs
 from auv_bringup.layout import ProcessSpec, process_specs
 from auv_bringup.node_start import (
@@ -172,8 +174,9 @@ def _run_nodes(name: str, parts: Sequence[Part], environ: dict[str, str]) -> int
     """Be a process of nodes."""
     from auv_bringup.nodes.node_container import run
 
+    setproctitle(" ".join(command_line(parts)))  # finds its place by the environment: before that changes
+    setthreadtitle(log_name(name))
     adopt(environ)
-    Path("/proc/self/comm").write_text(log_name(name)[:15])  # what `top` and `pgrep` show
     return run(parts)
 
 

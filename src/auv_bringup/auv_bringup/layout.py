@@ -28,8 +28,8 @@ class ProcessSpec:
     """
     One process to start, with its nodes.
 
-    `role` is that of its first node: relay, vehicle, agent or recorder. `vehicle_id` is empty where it belongs
-    to no single vehicle.
+    `role` is that of its first node: relay, vehicle, agent or recorder. `vehicle_id` is empty where it has
+    the nodes of no single vehicle.
     """
 
     name: str
