@@ -82,29 +82,36 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     given = sys.argv if arguments is None else arguments
     rclpy.init(args=list(given), signal_handler_options=SignalHandlerOptions.NO)
     nodes: Sequence[Node] = ()
+    status = 0
     try:
         nodes = make_nodes()
-        executor = make_executor()
-        for node in nodes:
-            executor.add_node(node)
-        while not stopping and not any(getattr(node, "done", False) for node in nodes):
-            executor.spin_until_future_complete(Future(), timeout_sec=_WAKE_S)
-        for node in nodes:
-            getattr(node, "on_stop", _nothing)()
-        _hand_over(nodes)
-        return max((getattr(node, "exit_code", 0) for node in nodes), default=0)
+        _spin(nodes, lambda: bool(stopping))
     except ConfigError as error:
         sys.stderr.write(f"error: {error}\n")
-        return 2
+        status = 2
     except Exception as error:
         traceback.print_exception(error)
         words = " ".join(str(error).split())
         sys.stderr.write(f"{_raised_in(error)}: {type(error).__name__}: {words}\n")
-        return 1
+        status = 1
+    try:
+        for node in nodes:
+            getattr(node, "on_stop", _nothing)()
+        _hand_over(nodes)
+        return status or max((getattr(node, "exit_code", 0) for node in nodes), default=0)
     finally:
         for node in nodes:
             node.destroy_node()
         rclpy.try_shutdown()
+
+
+def _spin(nodes: Sequence[Node], is_stopped: Callable[[], bool]) -> None:
+    """Run the nodes until told to stop, or one of them is done."""
+    executor = make_executor()
+    for node in nodes:
+        executor.add_node(node)
+    while not is_stopped() and not any(getattr(node, "done", False) for node in nodes):
+        executor.spin_until_future_complete(Future(), timeout_sec=_WAKE_S)
 
 
 def make_executor() -> Executor:
