@@ -239,9 +239,8 @@ def test_a_node_that_raises_in_a_process_of_all_nodes_is_named_in_one_line(start
     run = start("--set", "agent.separation.kind=failing", "--duration", "60", "--layout", "single")
     status, _, errors = run.wait()
     assert status == 3
-    assert errors.splitlines()[-1].startswith(
-        "error: /node_container has ended early (exit status 1): /auv_1/agent_node: RuntimeError: no law today; "
-    )
+    said = "/node_container has ended early (exit status 1): /auv_1/agent_node: RuntimeError: no law today; "
+    assert errors.splitlines()[-1].startswith(f"error: {said}")
     assert (run.folder / "metrics.json").is_file()
     assert recorded_s(run) > 1.5
 

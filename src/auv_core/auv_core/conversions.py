@@ -6,12 +6,16 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, TransformStamped, TwistStamped, Vector3, WrenchStamped
 from nav_msgs.msg import Odometry
+from rclpy.serialization import deserialize_message
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
@@ -28,7 +32,7 @@ from auv_core.messages import (
     VelocityCommand,
     Wrench,
 )
-from auv_core.stencil import Stencil, read_numbers
+from auv_core.stencil import Stencil, content_at, read_numbers
 from auv_msgs.msg import AcousticEvent as AcousticEventMsg
 from auv_msgs.msg import (
     AcousticEvents,
@@ -48,7 +52,8 @@ WORLD_FRAME = "map_ned"
 
 _STATE = struct.Struct("<q?7x15d")
 _SIX = struct.Struct("<6d")
-_NO_COVARIANCE = (0.0,) * 36
+_EMPTY_INBOX = struct.Struct("<q?3xII")
+_EMPTY_OUTBOX = struct.Struct("<qI")
 
 
 def body_frame(vehicle_id: str) -> str:
@@ -105,15 +110,13 @@ def state_from_bytes(data: bytes) -> VehicleState:
 
 
 def odometry_stencil(vehicle_id: str) -> Stencil:
-    """Return nav_msgs/Odometry, pose in map_ned, twist in the body frame; fill it with `odometry_numbers`."""
+    """
+    Return nav_msgs/Odometry, pose in map_ned, twist in the body frame; fill it with both of `state_numbers`.
+
+    The truth has no covariance.
+    """
     message = Odometry(header=header(0.0, WORLD_FRAME), child_frame_id=body_frame(vehicle_id))
-    return Stencil(message, "85d")
-
-
-def odometry_numbers(state: VehicleState) -> tuple[float, ...]:
-    """Return pose, its covariance, twist, its covariance; the truth has none."""
-    numbers = state_numbers(state)
-    return (*numbers[2:9], *_NO_COVARIANCE, *numbers[9:15], *_NO_COVARIANCE)
+    return Stencil(message, "7d288x6d288x")
 
 
 def transform_stencil(vehicle_id: str) -> Stencil:
@@ -150,6 +153,20 @@ def command_from_bytes(data: bytes, *, takes_velocity: bool) -> Command:
     if not all(map(math.isfinite, values)):
         raise ValueError(f"a command with a number that is not finite: {values}")
     return VelocityCommand((x, y, z), n) if takes_velocity else Wrench((x, y, z, k, m, n))
+
+
+def clock_stencil() -> Stencil:
+    """Return rosgraph_msgs/Clock; it has a stamp and no numbers."""
+    return Stencil(Clock(), "")
+
+
+@cache
+def control_stencil(vehicle_id: str, size: int) -> Stencil:
+    """
+    Return auv_msgs/ControlStatus of a law that acts and remembers `size` numbers: tick, 1, 0, size, numbers.
+    """
+    message = control_status(0, 0.0, vehicle_id, "", (0.0,) * size)
+    return Stencil(message, f"qIB3xI4x{size}d")
 
 
 def control_status(tick: int, t_s: float, vehicle_id: str, holding: str, law_state: State) -> ControlStatus:
@@ -190,6 +207,53 @@ def packet_to_msg(packet: Packet) -> AcousticPacket:
 def packet_from_msg(message: AcousticPacket) -> Packet:
     """Return the record of a packet message."""
     return Packet(message.tick, message.source, message.destination, message.sequence, bytes(message.payload))
+
+
+def outbox_maker(vehicle_id: str) -> Callable[[int, list[Packet], float], AcousticOutbox | bytes]:
+    """Return the function that makes the message of an outbox, the usual empty one as bytes."""
+    stencil = Stencil(outbox_to_msg(0, [], 0.0, vehicle_id), "qI")
+
+    def make(tick: int, packets: list[Packet], t_s: float) -> AcousticOutbox | bytes:
+        return outbox_to_msg(tick, packets, t_s, vehicle_id) if packets else stencil.filled(t_s, tick, 0)
+
+    return make
+
+
+def inbox_maker(vehicle_id: str) -> Callable[[Inbox, float], AcousticInbox | bytes]:
+    """Return the function that makes the message of an inbox, the usual empty one as bytes."""
+    stencil = Stencil(inbox_to_msg(Inbox(0, False, (), ()), 0.0, vehicle_id), "q?3xII")
+
+    def make(inbox: Inbox, t_s: float) -> AcousticInbox | bytes:
+        if inbox.receptions or inbox.contacts:
+            return inbox_to_msg(inbox, t_s, vehicle_id)
+        return stencil.filled(t_s, inbox.tick, inbox.transmit_ready, 0, 0)
+
+    return make
+
+
+def inbox_from_bytes(data: bytes) -> Inbox:
+    """Return the record of a serialised inbox message; raise ValueError for bytes that hold none."""
+    at = content_at(data)
+    if len(data) == at + _EMPTY_INBOX.size:
+        tick, is_ready, _, _ = _EMPTY_INBOX.unpack_from(data, at)
+        return Inbox(tick, is_ready, (), ())
+    return inbox_from_msg(_deserialised(data, AcousticInbox))
+
+
+def outbox_from_bytes(data: bytes) -> tuple[int, list[Packet]]:
+    """Return tick and packets of a serialised outbox message; raise ValueError for bytes that hold none."""
+    at = content_at(data)
+    if len(data) == at + _EMPTY_OUTBOX.size:
+        return _EMPTY_OUTBOX.unpack_from(data, at)[0], []
+    message = _deserialised(data, AcousticOutbox)
+    return message.tick, [packet_from_msg(packet) for packet in message.packets]
+
+
+def _deserialised(data: bytes, kind: Any) -> Any:
+    try:
+        return deserialize_message(data, kind)
+    except Exception as error:  # rclpy's own, without a class of their own
+        raise ValueError(f"{len(data)} bytes that are no {kind.__name__}: {error}") from None
 
 
 def outbox_to_msg(tick: int, packets: list[Packet], t_s: float, vehicle_id: str) -> AcousticOutbox:

@@ -13,7 +13,9 @@ from typing import Any
 from rclpy.serialization import serialize_message
 
 _STAMP = struct.Struct("<iI")
+_LENGTH = struct.Struct("<I")
 _HEADER_STAMP_AT = 4
+_FRAME_ID_AT = 16
 _LITTLE_ENDIAN_CDR = b"\x00\x01"
 
 
@@ -63,6 +65,23 @@ def read_numbers(data: bytes, layout: struct.Struct) -> tuple[Any, ...]:
     if data[:2] != _LITTLE_ENDIAN_CDR or len(data) < _HEADER_STAMP_AT + layout.size:
         raise ValueError(f"{len(data)} bytes that are not such a message in little-endian CDR")
     return layout.unpack_from(data, len(data) - layout.size)
+
+
+def content_at(data: bytes) -> int:
+    """
+    Return where the content of a message begins whose header is followed by a number of eight bytes.
+
+    Raises
+    ------
+    ValueError
+        For bytes that are too short or not little-endian.
+
+    """
+    if data[:2] != _LITTLE_ENDIAN_CDR or len(data) < _FRAME_ID_AT:
+        raise ValueError(f"{len(data)} bytes that are no message with a header in little-endian CDR")
+    (length,) = _LENGTH.unpack_from(data, _FRAME_ID_AT - _LENGTH.size)
+    end = _FRAME_ID_AT + int(length)
+    return end + -(end - _HEADER_STAMP_AT) % 8
 
 
 def read_stamp_s(data: bytes) -> float:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -17,7 +18,7 @@ from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
 from auv_core.geometry import Vec3
-from auv_core.markers import MARKER_TICKS, lines, sphere
+from auv_core.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere
 from auv_core.messages import Inbox, Reception, command_numbers
 from auv_core.messages import VehicleState as State
 from auv_core.node_main import (
@@ -70,6 +71,7 @@ class AgentNode(Node):
         self._command_stencil = convert.command_stencil(vehicle_id, takes_velocity=self._agent.takes_velocity)
         self._reference_stencil = convert.velocity_stencil()
         self._centre_stencil = convert.centre_stencil()
+        self._make_outbox = convert.outbox_maker(vehicle_id)
         self._command_pub = self.create_publisher(*command, EVERY_TICK)
         self._outbox_pub = self.create_publisher(AcousticOutbox, "acoustic/tx", EVERY_TICK)
         self._reference_pub = self.create_publisher(TwistStamped, "reference", EVERY_TICK)
@@ -80,7 +82,7 @@ class AgentNode(Node):
         self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
         self._path_pub = self.create_publisher(Path, "path", LATCHED) if self._agent.knows_path else None
         self.create_subscription(VehicleState, "nav", self._on_nav, EVERY_TICK, raw=True)
-        self.create_subscription(AcousticInbox, "acoustic/rx", self._on_inbox, EVERY_TICK)
+        self.create_subscription(AcousticInbox, "acoustic/rx", self._on_inbox, EVERY_TICK, raw=True)
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
         recorder = {"/recorder_node"} if run.recorded else set()
@@ -116,8 +118,9 @@ class AgentNode(Node):
         if self._ticks.lockstep:
             self._step_if_ready()
 
-    def _on_inbox(self, message: AcousticInbox) -> None:
-        self._inboxes[message.tick] = convert.inbox_from_msg(message)
+    def _on_inbox(self, data: bytes) -> None:
+        inbox = convert.inbox_from_bytes(data)
+        self._inboxes[inbox.tick] = inbox
         if self._ticks.lockstep:
             self._step_if_ready()
 
@@ -145,10 +148,10 @@ class AgentNode(Node):
         command, packets = self._agent.step(self._ticks.scenario_s(tick), nav, inbox)
         t_s = self._ticks.stamp_s(tick)
         self._command_pub.publish(self._command_stencil.filled(t_s, *command_numbers(command)))
-        self._outbox_pub.publish(convert.outbox_to_msg(tick, packets, t_s, self._config.vehicle_id))
+        self._outbox_pub.publish(self._make_outbox(tick, packets, t_s))
         self._publish_beliefs(tick, t_s)
-        if tick % MARKER_TICKS == 0:
-            self._marker_pub.publish(MarkerArray(markers=self._markers(tick)))
+        if tick % MARKER_TICKS == 0 and (markers := self._markers(tick)):
+            self._marker_pub.publish(MarkerArray(markers=markers))
         if tick % _DIAGNOSTIC_TICKS == 0:
             self._diagnostics_pub.publish(self._diagnostics(t_s))
 
@@ -162,14 +165,18 @@ class AgentNode(Node):
                 self._centre_stencil.filled(t_s, tick, *agent.centre, *agent.centre_rate)
             )
         if agent.law_state or agent.holding:
-            vehicle_id = self._config.vehicle_id
-            status = convert.control_status(tick, t_s, vehicle_id, agent.holding, agent.law_state)
-            self._control_pub.publish(status)
+            self._control_pub.publish(self._control_status(tick, t_s))
         numbers: list[float] = []
         for address, row in zip(agent.neighbours.addresses, agent.neighbours.rows.tolist(), strict=True):
             numbers += (address, *row[: AGE + 1], row[SONAR_AGE])
         count = len(agent.neighbours)
         self._neighbours_pub.publish(convert.neighbours_stencil(count).filled(t_s, tick, count, *numbers))
+
+    def _control_status(self, tick: int, t_s: float) -> ControlStatus | bytes:
+        vehicle_id, holding, memory = self._config.vehicle_id, self._agent.holding, self._agent.law_state
+        if holding:
+            return convert.control_status(tick, t_s, vehicle_id, holding, memory)
+        return convert.control_stencil(vehicle_id, len(memory)).filled(t_s, tick, 1, 0, len(memory), *memory)
 
     def _markers(self, tick: int) -> list[Any]:
         t_s = self._ticks.stamp_s(tick)
@@ -177,9 +184,16 @@ class AgentNode(Node):
         markers = []
         if self._agent.flocks:
             markers.append(sphere(f"{name} centre", 0, t_s, self._agent.centre, 0.15, (0.9, 0.2, 0.6, 1.0)))
+        if tick % STANDING_MARKER_TICKS == 0:
+            markers += self._standing_markers(t_s)
+        return markers
+
+    def _standing_markers(self, t_s: float) -> list[Any]:
+        name = self._config.vehicle_id
+        markers = []
         if self._agent.knows_path:
             markers.append(
-                lines(f"{name} path", 0, t_s, self._path_points(), (0.3, 0.9, 0.3, 1.0), joined=True)
+                lines(f"{name} path", 0, t_s, self._path_points, (0.3, 0.9, 0.3, 1.0), joined=True)
             )
         if self._config.address == 1:
             for number, (obstacle, safety_distance_m) in enumerate(self._config.obstacles):
@@ -214,6 +228,7 @@ class AgentNode(Node):
         )
         return DiagnosticArray(header=convert.header(t_s, ""), status=[status, law])
 
+    @cached_property
     def _path_points(self) -> list[Vec3]:
         span_s = self._agent.path_period_s or _PATH_SPAN_S
         points = [self._agent.path_point(k * span_s / _PATH_POINTS) for k in range(_PATH_POINTS + 1)]
@@ -222,7 +237,7 @@ class AgentNode(Node):
     def _path(self) -> Path:
         header = convert.header(self._ticks.stamp_s(0), convert.WORLD_FRAME)
         poses = []
-        for place in self._path_points():
+        for place in self._path_points:
             pose = PoseStamped(header=header)
             pose.pose.position = convert.point(place)
             poses.append(pose)

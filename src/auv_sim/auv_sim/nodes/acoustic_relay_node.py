@@ -92,6 +92,7 @@ class AcousticRelayNode(Node):
 
     def _connect(self) -> None:
         self._state_stencil = convert.state_stencil()
+        self._make_inbox = [convert.inbox_maker(name) for name in self._ids]
         self._rx_pubs = [
             self.create_publisher(AcousticInbox, f"/{name}/acoustic/rx", EVERY_TICK) for name in self._ids
         ]
@@ -108,7 +109,7 @@ class AcousticRelayNode(Node):
                 VehicleStateMsg, f"/{name}/state", partial(self._on_state, index), EVERY_TICK, raw=True
             )
             self.create_subscription(
-                AcousticOutbox, f"/{name}/acoustic/tx", partial(self._on_outbox, index), EVERY_TICK
+                AcousticOutbox, f"/{name}/acoustic/tx", partial(self._on_outbox, index), EVERY_TICK, raw=True
             )
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
@@ -139,12 +140,12 @@ class AcousticRelayNode(Node):
             self._next_states[index] = state
             self._try_advance()
 
-    def _on_outbox(self, index: int, message: AcousticOutbox) -> None:
+    def _on_outbox(self, index: int, data: bytes) -> None:
         self._heard_at_s["agent_node", index] = time.monotonic()
-        packets = [convert.packet_from_msg(packet) for packet in message.packets]
+        tick, packets = convert.outbox_from_bytes(data)
         if not self._ticks.lockstep:
             self._transmit({index + 1: packets})
-        elif self._barrier.outbox(index, message.tick):
+        elif self._barrier.outbox(index, tick):
             self._packets[index + 1] = packets
             self._try_advance()
 
@@ -182,8 +183,8 @@ class AcousticRelayNode(Node):
             return
         inboxes = self._medium.exchange(tick, self._fleet())
         t_s = self._ticks.stamp_s(tick)
-        for name, publisher, inbox in zip(self._ids, self._rx_pubs, inboxes, strict=True):
-            publisher.publish(convert.inbox_to_msg(inbox, t_s, name))
+        for make, publisher, inbox in zip(self._make_inbox, self._rx_pubs, inboxes, strict=True):
+            publisher.publish(make(inbox, t_s))
         for index, inbox in enumerate(inboxes):
             self._links += [(tick, reception.packet.source - 1, index) for reception in inbox.receptions]
         if tick % MARKER_TICKS == 0:

@@ -89,6 +89,7 @@ class ClockNode(Node):
         self._moved_at_s = time.monotonic()
         self._ended_at_s = float("inf")
         self.exit_code = 0
+        self._clock_stencil = convert.clock_stencil()
         self.clock_pub = self.create_publisher(Clock, "/clock", EVERY_TICK)
         self._status_pub = self.create_publisher(FlockStatus, "/flock/status", LATCHED)
         self._static_pub = self.create_publisher(TFMessage, "/tf_static", LATCHED)
@@ -118,7 +119,7 @@ class ClockNode(Node):
         self._tick = tick
         self._moved_at_s = time.monotonic()
         if self._ticks.lockstep:
-            self.clock_pub.publish(Clock(clock=convert.stamp(self._ticks.stamp_s(tick))))
+            self.clock_pub.publish(self._clock_stencil.filled(self._ticks.stamp_s(tick)))
         if tick >= self._watch.duration_ticks:
             self._end(FlockStatus.FINISHED, "")
         elif self._state != FlockStatus.RUNNING:

@@ -106,9 +106,10 @@ class VehicleNode(Node):
         state, nav = self._vehicle.state, self._vehicle.nav
         t_s = self._clock_ticks.stamp_s(state.tick)
         numbers = convert.state_numbers(state)
+        nav_numbers = numbers if nav is state else convert.state_numbers(nav)
+        self._nav_pub.publish(self._state_stencil.filled(t_s, *nav_numbers))
         self._state_pub.publish(self._state_stencil.filled(t_s, *numbers))
-        self._nav_pub.publish(self._state_stencil.filled(t_s, *convert.state_numbers(nav)))
-        self._odom_pub.publish(self._odom_stencil.filled(t_s, *convert.odometry_numbers(state)))
+        self._odom_pub.publish(self._odom_stencil.filled(t_s, *numbers[2:15]))
         self._tf_pub.publish(self._tf_stencil.filled(t_s, *numbers[2:9]))
         vehicle_id = self._config.vehicle_id
         if state.tick % MARKER_TICKS == 0:
