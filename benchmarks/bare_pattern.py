@@ -7,7 +7,7 @@ whom; but a node only publishes bytes that were made beforehand, and the recorde
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -15,16 +15,18 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
+from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 from visualization_msgs.msg import MarkerArray
 
 from auv_bringup.compose import NodeSpec
-from auv_bringup.recorded_topics import topics_of_graph
+from auv_bringup.nodes.recorder_node import TICKS_PER_BATCH
+from auv_bringup.recorded_topics import CLOCK_TOPIC, topics_of_graph
 from auv_bringup.ros_types import message_class
 from auv_core import conversions as convert
 from auv_core.markers import HULL, MARKER_TICKS, sphere
 from auv_core.messages import Inbox
-from auv_core.node_main import EVERY_TICK, LATCHED, Audience, Rendezvous, main_loop
+from auv_core.node_main import EVERY_TICK, LATCHED, Audience, Rendezvous, main_loop, publishes_bytes
 
 RELAY, RECORDER = "/acoustic_relay_node", "/recorder_node"
 DIAGNOSTIC_TICKS = 10
@@ -91,15 +93,15 @@ class BareVehicle(_BareNode):
             "odom": self._publisher("odom"),
             "/tf": self._publisher("/tf"),
         }
-        self._out = [(publisher, data[topic]) for topic, publisher in publishers.items()]
+        self._out = [(publishes_bytes(publisher), data[topic]) for topic, publisher in publishers.items()]
         self._markers = partial(self._publisher("/markers").publish, data["/markers"])
         self._tick = 0
         self._listen("cmd_wrench", lambda _: self._answer())
         self._meet(self._answer)
 
     def _answer(self) -> None:
-        for publisher, data in self._out:
-            publisher.publish(data)
+        for publish, data in self._out:
+            publish(data)
         if self._tick % MARKER_TICKS == 0:
             self._markers()
         self._tick += 1
@@ -116,7 +118,7 @@ class BareAgent(_BareNode):
             "acoustic/tx": self._publisher("acoustic/tx", RELAY),
             **{topic: self._publisher(topic) for topic in ("reference", "flocking_centre", "neighbours")},
         }
-        self._out = [(publisher, data[topic]) for topic, publisher in publishers.items()]
+        self._out = [(publishes_bytes(publisher), data[topic]) for topic, publisher in publishers.items()]
         self._rare = [
             (ticks, partial(self._publisher(topic).publish, data[topic]))
             for ticks, topic in ((MARKER_TICKS, "/markers"), (DIAGNOSTIC_TICKS, "/diagnostics"))
@@ -139,8 +141,8 @@ class BareAgent(_BareNode):
         if not self._is_ready or self._heard < 2:
             return
         self._heard -= 2
-        for publisher, data in self._out:
-            publisher.publish(data)
+        for publish, data in self._out:
+            publish(data)
         for ticks, publish in self._rare:
             if self._tick % ticks == 0:
                 publish()
@@ -153,10 +155,11 @@ class BareRelay(_BareNode):
     def __init__(self, spec: NodeSpec, fleet: Sequence[str], on_tick: Callable[[int], None]) -> None:
         super().__init__(spec, fleet)
         data = message_bytes(fleet[0], len(fleet) - 1)
-        self._out = [(self._publisher("/clock"), data["/clock"])] + [
+        publishers = [(self._publisher("/clock"), data["/clock"])] + [
             (self._publisher(f"/{name}/acoustic/rx", f"/{name}/agent_node"), data["acoustic/rx"])
             for name in fleet
         ]
+        self._out = [(publishes_bytes(publisher), content) for publisher, content in publishers]
         self._markers = partial(self._publisher("/markers").publish, data["/markers"])
         self._owed, self._answers_per_tick = len(fleet), 2 * len(fleet)
         self._is_ready, self._tick, self._on_tick = False, 0, on_tick
@@ -178,25 +181,37 @@ class BareRelay(_BareNode):
             return
         self._owed = self._answers_per_tick
         self._on_tick(self._tick)
-        for publisher, data in self._out:
-            publisher.publish(data)
+        for publish, data in self._out:
+            publish(data)
         if self._tick % MARKER_TICKS == 0:
             self._markers()
         self._tick += 1
 
 
 class BareRecorder(_BareNode):
-    """Takes everything and keeps nothing."""
+    """Takes everything, as many messages at once as ours, and keeps nothing."""
 
     def __init__(self, spec: NodeSpec, fleet: Sequence[str]) -> None:
         super().__init__(spec, fleet)
+        self._topics: list[Subscription] = []
+        self._ticks = 0
         for topic in topics_of_graph(fleet, kinematic=False):
             qos = LATCHED if topic.latched else EVERY_TICK
-            self.create_subscription(message_class(topic.type_name), topic.name, _forget, qos, raw=True)
+            kind = message_class(topic.type_name)
+            self._topics.append(self.create_subscription(kind, topic.name, self._hear_clock, qos, raw=True))
 
+    @property
+    def subscriptions(self) -> Iterator[Subscription]:
+        """The clock's."""
+        return (topic for topic in self._topics if topic.topic_name == CLOCK_TOPIC)
 
-def _forget(_: bytes) -> None:
-    pass
+    def _hear_clock(self, _: bytes) -> None:
+        self._ticks += 1
+        if self._ticks % TICKS_PER_BATCH:
+            return
+        for topic in self._topics:
+            while topic.topic_name != CLOCK_TOPIC and topic.handle.take_message(topic.msg_type, True):
+                pass
 
 
 def run(nodes: Sequence[NodeSpec], fleet: Sequence[str], on_tick: Callable[[int], None]) -> int:

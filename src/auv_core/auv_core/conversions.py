@@ -14,7 +14,7 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, TransformStamped, TwistStamped, Vector3, WrenchStamped
 from nav_msgs.msg import Odometry
-from rclpy.serialization import deserialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
@@ -209,23 +209,25 @@ def packet_from_msg(message: AcousticPacket) -> Packet:
     return Packet(message.tick, message.source, message.destination, message.sequence, bytes(message.payload))
 
 
-def outbox_maker(vehicle_id: str) -> Callable[[int, list[Packet], float], AcousticOutbox | bytes]:
-    """Return the function that makes the message of an outbox, the usual empty one as bytes."""
+def outbox_maker(vehicle_id: str) -> Callable[[int, list[Packet], float], bytes]:
+    """Return the function that makes the bytes of an outbox message, of the usual empty one quickly."""
     stencil = Stencil(outbox_to_msg(0, [], 0.0, vehicle_id), "qI")
 
-    def make(tick: int, packets: list[Packet], t_s: float) -> AcousticOutbox | bytes:
-        return outbox_to_msg(tick, packets, t_s, vehicle_id) if packets else stencil.filled(t_s, tick, 0)
+    def make(tick: int, packets: list[Packet], t_s: float) -> bytes:
+        if not packets:
+            return stencil.filled(t_s, tick, 0)
+        return bytes(serialize_message(outbox_to_msg(tick, packets, t_s, vehicle_id)))
 
     return make
 
 
-def inbox_maker(vehicle_id: str) -> Callable[[Inbox, float], AcousticInbox | bytes]:
-    """Return the function that makes the message of an inbox, the usual empty one as bytes."""
+def inbox_maker(vehicle_id: str) -> Callable[[Inbox, float], bytes]:
+    """Return the function that makes the bytes of an inbox message, of the usual empty one quickly."""
     stencil = Stencil(inbox_to_msg(Inbox(0, False, (), ()), 0.0, vehicle_id), "q?3xII")
 
-    def make(inbox: Inbox, t_s: float) -> AcousticInbox | bytes:
+    def make(inbox: Inbox, t_s: float) -> bytes:
         if inbox.receptions or inbox.contacts:
-            return inbox_to_msg(inbox, t_s, vehicle_id)
+            return bytes(serialize_message(inbox_to_msg(inbox, t_s, vehicle_id)))
         return stencil.filled(t_s, inbox.tick, inbox.transmit_ready, 0, 0)
 
     return make

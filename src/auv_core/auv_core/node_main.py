@@ -123,6 +123,17 @@ def make_executor() -> Executor:
     return EventsExecutor()
 
 
+def publishes_bytes(publisher: Publisher) -> Callable[[bytes], None]:
+    """
+    Return what publishes serialised messages, for messages of every tick.
+
+    It is what `Publisher.publish` calls after it has looked at the type of the message and taken a lock that a
+    process of one thread does not need.
+    """
+    publish: Callable[[bytes], None] = publisher.handle.publish_raw
+    return publish
+
+
 def steady_timer(node: Node, period_s: float, callback: Callable[[], None]) -> Any:
     """Return a timer of the node on the steady wall clock, whatever its ROS time is."""
     return node.create_timer(period_s, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))

@@ -8,6 +8,7 @@ serialising it takes fifty. What is published is the same: a test deserialises i
 from __future__ import annotations
 
 import struct
+from functools import lru_cache
 from typing import Any
 
 from rclpy.serialization import serialize_message
@@ -17,6 +18,13 @@ _LENGTH = struct.Struct("<I")
 _HEADER_STAMP_AT = 4
 _FRAME_ID_AT = 16
 _LITTLE_ENDIAN_CDR = b"\x00\x01"
+
+
+@lru_cache(maxsize=16)
+def _stamp_bytes(t_s: float) -> bytes:
+    """Return a time (s), to the nanosecond, as a serialised stamp; a tick has many messages of one stamp."""
+    nanoseconds = round(t_s * 1e9)
+    return _STAMP.pack(nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000)
 
 
 class Stencil:
@@ -40,14 +48,11 @@ class Stencil:
         self._bytes = bytearray(serialize_message(message))
         self._numbers = struct.Struct("<" + numbers)
         self._numbers_at = len(self._bytes) - self._numbers.size
-        self._stamp_at = stamp_at
+        self._stamp = slice(stamp_at, stamp_at + _STAMP.size)
 
     def filled(self, t_s: float, *numbers: float) -> bytes:
         """Return the message with a stamp (s, to the nanosecond) and its numbers, ready to be published."""
-        nanoseconds = round(t_s * 1e9)
-        _STAMP.pack_into(
-            self._bytes, self._stamp_at, nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000
-        )
+        self._bytes[self._stamp] = _stamp_bytes(t_s)
         self._numbers.pack_into(self._bytes, self._numbers_at, *numbers)
         return bytes(self._bytes)
 

@@ -28,6 +28,7 @@ from auv_core.node_main import (
     Rendezvous,
     main_loop,
     now_s,
+    publishes_bytes,
     steady_timer,
     when_running,
 )
@@ -78,6 +79,12 @@ class AgentNode(Node):
         self._centre_pub = self.create_publisher(FlockingCentre, "flocking_centre", EVERY_TICK)
         self._control_pub = self.create_publisher(ControlStatus, "control_status", EVERY_TICK)
         self._neighbours_pub = self.create_publisher(NeighbourEstimates, "neighbours", EVERY_TICK)
+        self._publish_command, self._publish_outbox, self._publish_reference = map(
+            publishes_bytes, (self._command_pub, self._outbox_pub, self._reference_pub)
+        )
+        self._publish_centre, self._publish_neighbours = map(
+            publishes_bytes, (self._centre_pub, self._neighbours_pub)
+        )
         self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
         self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
         self._path_pub = self.create_publisher(Path, "path", LATCHED) if self._agent.knows_path else None
@@ -147,8 +154,8 @@ class AgentNode(Node):
     def _step(self, tick: int, nav: State, inbox: Inbox) -> None:
         command, packets = self._agent.step(self._ticks.scenario_s(tick), nav, inbox)
         t_s = self._ticks.stamp_s(tick)
-        self._command_pub.publish(self._command_stencil.filled(t_s, *command_numbers(command)))
-        self._outbox_pub.publish(self._make_outbox(tick, packets, t_s))
+        self._publish_command(self._command_stencil.filled(t_s, *command_numbers(command)))
+        self._publish_outbox(self._make_outbox(tick, packets, t_s))
         self._publish_beliefs(tick, t_s)
         if tick % MARKER_TICKS == 0 and (markers := self._markers(tick)):
             self._marker_pub.publish(MarkerArray(markers=markers))
@@ -157,20 +164,16 @@ class AgentNode(Node):
 
     def _publish_beliefs(self, tick: int, t_s: float) -> None:
         agent = self._agent
-        self._reference_pub.publish(
-            self._reference_stencil.filled(t_s, *agent.reference.velocity, 0.0, 0.0, 0.0)
-        )
+        self._publish_reference(self._reference_stencil.filled(t_s, *agent.reference.velocity, 0.0, 0.0, 0.0))
         if agent.flocks:
-            self._centre_pub.publish(
-                self._centre_stencil.filled(t_s, tick, *agent.centre, *agent.centre_rate)
-            )
+            self._publish_centre(self._centre_stencil.filled(t_s, tick, *agent.centre, *agent.centre_rate))
         if agent.law_state or agent.holding:
             self._control_pub.publish(self._control_status(tick, t_s))
         numbers: list[float] = []
         for address, row in zip(agent.neighbours.addresses, agent.neighbours.rows.tolist(), strict=True):
             numbers += (address, *row[: AGE + 1], row[SONAR_AGE])
         count = len(agent.neighbours)
-        self._neighbours_pub.publish(convert.neighbours_stencil(count).filled(t_s, tick, count, *numbers))
+        self._publish_neighbours(convert.neighbours_stencil(count).filled(t_s, tick, count, *numbers))
 
     def _control_status(self, tick: int, t_s: float) -> ControlStatus | bytes:
         vehicle_id, holding, memory = self._config.vehicle_id, self._agent.holding, self._agent.law_state

@@ -25,7 +25,15 @@ from auv_core import conversions as convert
 from auv_core.geometry import Vec3
 from auv_core.markers import LINK, LOST_HULL, MARKER_TICKS, lines, sphere
 from auv_core.messages import Packet, VehicleState
-from auv_core.node_main import EVERY_TICK, Audience, Rendezvous, main_loop, now_s, steady_timer
+from auv_core.node_main import (
+    EVERY_TICK,
+    Audience,
+    Rendezvous,
+    main_loop,
+    now_s,
+    publishes_bytes,
+    steady_timer,
+)
 from auv_core.node_params import declare_config
 from auv_core.params import param
 from auv_core.run_config import RunConfig, TickClock
@@ -96,6 +104,7 @@ class AcousticRelayNode(Node):
         self._rx_pubs = [
             self.create_publisher(AcousticInbox, f"/{name}/acoustic/rx", EVERY_TICK) for name in self._ids
         ]
+        self._publish_inbox = [publishes_bytes(publisher) for publisher in self._rx_pubs]
         self._hull_pubs = {
             i: self.create_publisher(VehicleStateMsg, f"/{self._ids[i]}/state", EVERY_TICK)
             for i in self._hulls
@@ -183,8 +192,8 @@ class AcousticRelayNode(Node):
             return
         inboxes = self._medium.exchange(tick, self._fleet())
         t_s = self._ticks.stamp_s(tick)
-        for make, publisher, inbox in zip(self._make_inbox, self._rx_pubs, inboxes, strict=True):
-            publisher.publish(make(inbox, t_s))
+        for make, publish, inbox in zip(self._make_inbox, self._publish_inbox, inboxes, strict=True):
+            publish(make(inbox, t_s))
         for index, inbox in enumerate(inboxes):
             self._links += [(tick, reception.packet.source - 1, index) for reception in inbox.receptions]
         if tick % MARKER_TICKS == 0:

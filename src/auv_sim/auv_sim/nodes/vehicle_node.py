@@ -17,7 +17,16 @@ from visualization_msgs.msg import MarkerArray
 from auv_core import conversions as convert
 from auv_core.markers import HULL, MARKER_TICKS, sphere
 from auv_core.messages import Command
-from auv_core.node_main import EVERY_TICK, Audience, Rendezvous, main_loop, now_s, steady_timer, when_running
+from auv_core.node_main import (
+    EVERY_TICK,
+    Audience,
+    Rendezvous,
+    main_loop,
+    now_s,
+    publishes_bytes,
+    steady_timer,
+    when_running,
+)
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
 from auv_core.stencil import read_stamp_s
@@ -42,6 +51,9 @@ class VehicleNode(Node):
         self._nav_pub = self.create_publisher(VehicleState, "nav", EVERY_TICK)
         self._odom_pub = self.create_publisher(Odometry, "odom", EVERY_TICK)
         self._tf_pub = self.create_publisher(TFMessage, "/tf", EVERY_TICK)
+        self._publish_state, self._publish_nav, self._publish_odom, self._publish_tf = map(
+            publishes_bytes, (self._state_pub, self._nav_pub, self._odom_pub, self._tf_pub)
+        )
         self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
         command = (TwistStamped, "cmd_vel") if self._vehicle.takes_velocity else (WrenchStamped, "cmd_wrench")
         self.create_subscription(*command, self._on_command, EVERY_TICK, raw=True)
@@ -107,10 +119,10 @@ class VehicleNode(Node):
         t_s = self._clock_ticks.stamp_s(state.tick)
         numbers = convert.state_numbers(state)
         nav_numbers = numbers if nav is state else convert.state_numbers(nav)
-        self._nav_pub.publish(self._state_stencil.filled(t_s, *nav_numbers))
-        self._state_pub.publish(self._state_stencil.filled(t_s, *numbers))
-        self._odom_pub.publish(self._odom_stencil.filled(t_s, *numbers[2:15]))
-        self._tf_pub.publish(self._tf_stencil.filled(t_s, *numbers[2:9]))
+        self._publish_nav(self._state_stencil.filled(t_s, *nav_numbers))
+        self._publish_state(self._state_stencil.filled(t_s, *numbers))
+        self._publish_odom(self._odom_stencil.filled(t_s, *numbers[2:15]))
+        self._publish_tf(self._tf_stencil.filled(t_s, *numbers[2:9]))
         vehicle_id = self._config.vehicle_id
         if state.tick % MARKER_TICKS == 0:
             diameter_m = 2.0 * self._config.model.params.hull_radius_m
