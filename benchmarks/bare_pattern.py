@@ -24,6 +24,7 @@ from auv_bringup.nodes.recorder_node import TICKS_PER_BATCH
 from auv_bringup.recorded_topics import CLOCK_TOPIC, topics_of_graph
 from auv_bringup.ros_types import message_class
 from auv_core import conversions as convert
+from auv_core.acoustic_bytes import inbox_bytes, outbox_bytes
 from auv_core.markers import HULL, MARKER_TICKS, sphere
 from auv_core.messages import Inbox
 from auv_core.node_main import EVERY_TICK, LATCHED, Audience, Rendezvous, main_loop, publishes_bytes
@@ -44,8 +45,8 @@ def message_bytes(vehicle_id: str, neighbours: int) -> dict[str, bytes]:
         "odom": convert.odometry_stencil(name).filled(0.0, *[0] * 13),
         "/tf": convert.transform_stencil(name).filled(0.0, *[0] * 7),
         "cmd_wrench": convert.command_stencil(name, takes_velocity=False).filled(0.0, *[0] * 6),
-        "acoustic/tx": serialised(convert.outbox_to_msg(0, [], 0.0, name)),
-        "acoustic/rx": serialised(convert.inbox_to_msg(Inbox(0, False, (), ()), 0.0, name)),
+        "acoustic/tx": outbox_bytes(convert.body_frame(name), 0, [], 0.0),
+        "acoustic/rx": inbox_bytes(convert.body_frame(name), Inbox(0, False, (), ()), 0.0),
         "reference": convert.velocity_stencil().filled(0.0, *[0] * 6),
         "flocking_centre": convert.centre_stencil().filled(0.0, *[0] * 7),
         "neighbours": estimates,

@@ -6,15 +6,11 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable
 from functools import cache
-from typing import Any
 
-import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, TransformStamped, TwistStamped, Vector3, WrenchStamped
 from nav_msgs.msg import Odometry
-from rclpy.serialization import deserialize_message, serialize_message
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
@@ -22,38 +18,24 @@ from tf2_msgs.msg import TFMessage
 from auv_core.geometry import Quat, Vec3
 from auv_core.integrate import State
 from auv_core.messages import (
-    AcousticEvent,
     Command,
-    Inbox,
-    Packet,
-    Reception,
-    SonarContact,
     VehicleState,
     VelocityCommand,
     Wrench,
 )
-from auv_core.stencil import Stencil, content_at, read_numbers
-from auv_msgs.msg import AcousticEvent as AcousticEventMsg
+from auv_core.stencil import Stencil, read_numbers
 from auv_msgs.msg import (
-    AcousticEvents,
-    AcousticInbox,
-    AcousticOutbox,
-    AcousticPacket,
-    AcousticReception,
     ControlStatus,
     FlockingCentre,
     NeighbourEstimate,
     NeighbourEstimates,
 )
-from auv_msgs.msg import SonarContact as SonarContactMsg
 from auv_msgs.msg import VehicleState as VehicleStateMsg
 
 WORLD_FRAME = "map_ned"
 
 _STATE = struct.Struct("<q?7x15d")
 _SIX = struct.Struct("<6d")
-_EMPTY_INBOX = struct.Struct("<q?3xII")
-_EMPTY_OUTBOX = struct.Struct("<qI")
 
 
 def body_frame(vehicle_id: str) -> str:
@@ -191,124 +173,3 @@ def neighbours_stencil(count: int) -> Stencil:
     )
     layouts = ["B3x44d" if index == 0 else "B7x44d" for index in range(count)]
     return Stencil(message, "qI" + "".join(layouts))
-
-
-def packet_to_msg(packet: Packet) -> AcousticPacket:
-    """Return a packet as a message."""
-    return AcousticPacket(
-        tick=packet.tick,
-        source=packet.source,
-        destination=packet.destination,
-        sequence=packet.sequence,
-        payload=np.frombuffer(packet.payload, dtype=np.uint8),
-    )
-
-
-def packet_from_msg(message: AcousticPacket) -> Packet:
-    """Return the record of a packet message."""
-    return Packet(message.tick, message.source, message.destination, message.sequence, bytes(message.payload))
-
-
-def outbox_maker(vehicle_id: str) -> Callable[[int, list[Packet], float], bytes]:
-    """Return the function that makes the bytes of an outbox message, of the usual empty one quickly."""
-    stencil = Stencil(outbox_to_msg(0, [], 0.0, vehicle_id), "qI")
-
-    def make(tick: int, packets: list[Packet], t_s: float) -> bytes:
-        if not packets:
-            return stencil.filled(t_s, tick, 0)
-        return bytes(serialize_message(outbox_to_msg(tick, packets, t_s, vehicle_id)))
-
-    return make
-
-
-def inbox_maker(vehicle_id: str) -> Callable[[Inbox, float], bytes]:
-    """Return the function that makes the bytes of an inbox message, of the usual empty one quickly."""
-    stencil = Stencil(inbox_to_msg(Inbox(0, False, (), ()), 0.0, vehicle_id), "q?3xII")
-
-    def make(inbox: Inbox, t_s: float) -> bytes:
-        if inbox.receptions or inbox.contacts:
-            return bytes(serialize_message(inbox_to_msg(inbox, t_s, vehicle_id)))
-        return stencil.filled(t_s, inbox.tick, inbox.transmit_ready, 0, 0)
-
-    return make
-
-
-def inbox_from_bytes(data: bytes) -> Inbox:
-    """Return the record of a serialised inbox message; raise ValueError for bytes that hold none."""
-    at = content_at(data)
-    if len(data) == at + _EMPTY_INBOX.size:
-        tick, is_ready, _, _ = _EMPTY_INBOX.unpack_from(data, at)
-        return Inbox(tick, is_ready, (), ())
-    return inbox_from_msg(_deserialised(data, AcousticInbox))
-
-
-def outbox_from_bytes(data: bytes) -> tuple[int, list[Packet]]:
-    """Return tick and packets of a serialised outbox message; raise ValueError for bytes that hold none."""
-    at = content_at(data)
-    if len(data) == at + _EMPTY_OUTBOX.size:
-        return _EMPTY_OUTBOX.unpack_from(data, at)[0], []
-    message = _deserialised(data, AcousticOutbox)
-    return message.tick, [packet_from_msg(packet) for packet in message.packets]
-
-
-def _deserialised(data: bytes, kind: Any) -> Any:
-    try:
-        return deserialize_message(data, kind)
-    except Exception as error:  # rclpy's own, without a class of their own
-        raise ValueError(f"{len(data)} bytes that are no {kind.__name__}: {error}") from None
-
-
-def outbox_to_msg(tick: int, packets: list[Packet], t_s: float, vehicle_id: str) -> AcousticOutbox:
-    """Return what an agent hands to its modem in a tick."""
-    return AcousticOutbox(
-        header=header(t_s, body_frame(vehicle_id)),
-        tick=tick,
-        packets=[packet_to_msg(packet) for packet in packets],
-    )
-
-
-def inbox_to_msg(inbox: Inbox, t_s: float, vehicle_id: str) -> AcousticInbox:
-    """Return what a modem tells its vehicle at a tick."""
-    receptions = [
-        AcousticReception(
-            packet=packet_to_msg(r.packet), sent_s=r.sent_s, arrival_s=r.arrival_s, snr_db=r.snr_db
-        )
-        for r in inbox.receptions
-    ]
-    return AcousticInbox(
-        header=header(t_s, body_frame(vehicle_id)),
-        tick=inbox.tick,
-        transmit_ready=inbox.transmit_ready,
-        receptions=receptions,
-        contacts=[
-            SonarContactMsg(range_m=c.range_m, bearing_rad=c.bearing_rad, elevation_rad=c.elevation_rad)
-            for c in inbox.contacts
-        ],
-    )
-
-
-def inbox_from_msg(message: AcousticInbox) -> Inbox:
-    """Return the record of an inbox message."""
-    receptions = tuple(
-        Reception(packet_from_msg(r.packet), r.sent_s, r.arrival_s, r.snr_db) for r in message.receptions
-    )
-    contacts = tuple(SonarContact(c.range_m, c.bearing_rad, c.elevation_rad) for c in message.contacts)
-    return Inbox(message.tick, message.transmit_ready, receptions, contacts)
-
-
-def events_to_msg(tick: int, events: list[AcousticEvent], t_s: float) -> AcousticEvents:
-    """Return lines of the acoustic log as a message."""
-    lines = [
-        AcousticEventMsg(
-            outcome=int(event.outcome),
-            source=event.source,
-            destination=event.destination,
-            sequence=event.sequence,
-            start_s=event.start_s,
-            end_s=event.end_s,
-            snr_db=event.snr_db,
-            size_bytes=event.size_bytes,
-        )
-        for event in events
-    ]
-    return AcousticEvents(header=header(t_s, ""), tick=tick, events=lines)

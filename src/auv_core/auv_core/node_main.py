@@ -127,8 +127,8 @@ def publishes_bytes(publisher: Publisher) -> Callable[[bytes], None]:
     """
     Return what publishes serialised messages, for messages of every tick.
 
-    It is what `Publisher.publish` calls after it has looked at the type of the message and taken a lock that a
-    process of one thread does not need.
+    It is what `Publisher.publish` calls after it has looked at the type of the message and taken a lock that
+    a process of one thread does not need.
     """
     publish: Callable[[bytes], None] = publisher.handle.publish_raw
     return publish

@@ -8,23 +8,14 @@ serialising it takes fifty. What is published is the same: a test deserialises i
 from __future__ import annotations
 
 import struct
-from functools import lru_cache
 from typing import Any
 
 from rclpy.serialization import serialize_message
 
-_STAMP = struct.Struct("<iI")
-_LENGTH = struct.Struct("<I")
+from auv_core.stamp import STAMP_BYTES, read_stamp_s, stamp_bytes
+
 _HEADER_STAMP_AT = 4
-_FRAME_ID_AT = 16
 _LITTLE_ENDIAN_CDR = b"\x00\x01"
-
-
-@lru_cache(maxsize=16)
-def _stamp_bytes(t_s: float) -> bytes:
-    """Return a time (s), to the nanosecond, as a serialised stamp; a tick has many messages of one stamp."""
-    nanoseconds = round(t_s * 1e9)
-    return _STAMP.pack(nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000)
 
 
 class Stencil:
@@ -48,11 +39,11 @@ class Stencil:
         self._bytes = bytearray(serialize_message(message))
         self._numbers = struct.Struct("<" + numbers)
         self._numbers_at = len(self._bytes) - self._numbers.size
-        self._stamp = slice(stamp_at, stamp_at + _STAMP.size)
+        self._stamp = slice(stamp_at, stamp_at + STAMP_BYTES)
 
     def filled(self, t_s: float, *numbers: float) -> bytes:
         """Return the message with a stamp (s, to the nanosecond) and its numbers, ready to be published."""
-        self._bytes[self._stamp] = _stamp_bytes(t_s)
+        self._bytes[self._stamp] = stamp_bytes(t_s)
         self._numbers.pack_into(self._bytes, self._numbers_at, *numbers)
         return bytes(self._bytes)
 
@@ -72,24 +63,6 @@ def read_numbers(data: bytes, layout: struct.Struct) -> tuple[Any, ...]:
     return layout.unpack_from(data, len(data) - layout.size)
 
 
-def content_at(data: bytes) -> int:
-    """
-    Return where the content of a message begins whose header is followed by a number of eight bytes.
-
-    Raises
-    ------
-    ValueError
-        For bytes that are too short or not little-endian.
-
-    """
-    if data[:2] != _LITTLE_ENDIAN_CDR or len(data) < _FRAME_ID_AT:
-        raise ValueError(f"{len(data)} bytes that are no message with a header in little-endian CDR")
-    (length,) = _LENGTH.unpack_from(data, _FRAME_ID_AT - _LENGTH.size)
-    end = _FRAME_ID_AT + int(length)
-    return end + -(end - _HEADER_STAMP_AT) % 8
-
-
-def read_stamp_s(data: bytes) -> float:
+def header_stamp_s(data: bytes) -> float:
     """Return the stamp (s) of a serialised message that begins with a header."""
-    seconds, nanoseconds = _STAMP.unpack_from(data, _HEADER_STAMP_AT)
-    return float(seconds + 1e-9 * nanoseconds)
+    return read_stamp_s(data, _HEADER_STAMP_AT)

@@ -17,6 +17,7 @@ from rclpy.node import Node
 from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
+from auv_core.acoustic_bytes import outbox_bytes, read_inbox
 from auv_core.geometry import Vec3
 from auv_core.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere
 from auv_core.messages import Inbox, Reception, command_numbers
@@ -72,7 +73,7 @@ class AgentNode(Node):
         self._command_stencil = convert.command_stencil(vehicle_id, takes_velocity=self._agent.takes_velocity)
         self._reference_stencil = convert.velocity_stencil()
         self._centre_stencil = convert.centre_stencil()
-        self._make_outbox = convert.outbox_maker(vehicle_id)
+        self._body_frame = convert.body_frame(vehicle_id)
         self._command_pub = self.create_publisher(*command, EVERY_TICK)
         self._outbox_pub = self.create_publisher(AcousticOutbox, "acoustic/tx", EVERY_TICK)
         self._reference_pub = self.create_publisher(TwistStamped, "reference", EVERY_TICK)
@@ -126,7 +127,7 @@ class AgentNode(Node):
             self._step_if_ready()
 
     def _on_inbox(self, data: bytes) -> None:
-        inbox = convert.inbox_from_bytes(data)
+        inbox = read_inbox(data)
         self._inboxes[inbox.tick] = inbox
         if self._ticks.lockstep:
             self._step_if_ready()
@@ -155,7 +156,7 @@ class AgentNode(Node):
         command, packets = self._agent.step(self._ticks.scenario_s(tick), nav, inbox)
         t_s = self._ticks.stamp_s(tick)
         self._publish_command(self._command_stencil.filled(t_s, *command_numbers(command)))
-        self._publish_outbox(self._make_outbox(tick, packets, t_s))
+        self._publish_outbox(outbox_bytes(self._body_frame, tick, packets, t_s))
         self._publish_beliefs(tick, t_s)
         if tick % MARKER_TICKS == 0 and (markers := self._markers(tick)):
             self._marker_pub.publish(MarkerArray(markers=markers))

@@ -22,6 +22,7 @@ from rclpy.node import Node
 from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
+from auv_core.acoustic_bytes import events_bytes, inbox_bytes, read_outbox
 from auv_core.geometry import Vec3
 from auv_core.markers import LINK, LOST_HULL, MARKER_TICKS, lines, sphere
 from auv_core.messages import Packet, VehicleState
@@ -100,7 +101,7 @@ class AcousticRelayNode(Node):
 
     def _connect(self) -> None:
         self._state_stencil = convert.state_stencil()
-        self._make_inbox = [convert.inbox_maker(name) for name in self._ids]
+        self._frames = [convert.body_frame(name) for name in self._ids]
         self._rx_pubs = [
             self.create_publisher(AcousticInbox, f"/{name}/acoustic/rx", EVERY_TICK) for name in self._ids
         ]
@@ -151,7 +152,7 @@ class AcousticRelayNode(Node):
 
     def _on_outbox(self, index: int, data: bytes) -> None:
         self._heard_at_s["agent_node", index] = time.monotonic()
-        tick, packets = convert.outbox_from_bytes(data)
+        tick, packets = read_outbox(data)
         if not self._ticks.lockstep:
             self._transmit({index + 1: packets})
         elif self._barrier.outbox(index, tick):
@@ -192,8 +193,8 @@ class AcousticRelayNode(Node):
             return
         inboxes = self._medium.exchange(tick, self._fleet())
         t_s = self._ticks.stamp_s(tick)
-        for make, publish, inbox in zip(self._make_inbox, self._publish_inbox, inboxes, strict=True):
-            publish(make(inbox, t_s))
+        for frame, publish, inbox in zip(self._frames, self._publish_inbox, inboxes, strict=True):
+            publish(inbox_bytes(frame, inbox, t_s))
         for index, inbox in enumerate(inboxes):
             self._links += [(tick, reception.packet.source - 1, index) for reception in inbox.receptions]
         if tick % MARKER_TICKS == 0:
@@ -215,7 +216,7 @@ class AcousticRelayNode(Node):
     def _publish_events(self, tick: int) -> None:
         events = self._medium.take_events()
         if events:
-            self._events_pub.publish(convert.events_to_msg(tick, events, self._ticks.stamp_s(tick)))
+            self._events_pub.publish(events_bytes(tick, events, self._ticks.stamp_s(tick)))
 
     def _awaited(self) -> list[str]:
         if not self._meeting.ready:

@@ -29,7 +29,7 @@ from auv_core.node_main import (
 )
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
-from auv_core.stencil import read_stamp_s
+from auv_core.stencil import header_stamp_s
 from auv_msgs.msg import VehicleState
 from auv_sim.vehicle import DivergedError, Vehicle, VehicleConfig
 
@@ -90,7 +90,7 @@ class VehicleNode(Node):
             self._command = None
         if not self._clock_ticks.lockstep:
             return
-        tick = self._clock_ticks.tick_of_stamp(read_stamp_s(data))
+        tick = self._clock_ticks.tick_of_stamp(header_stamp_s(data))
         if tick != self._vehicle.state.tick:
             self.get_logger().warning(
                 f"a command for tick {tick}, but this is tick {self._vehicle.state.tick}: not used"
