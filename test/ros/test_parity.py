@@ -39,6 +39,8 @@ AS_OTHERS = {
     "medium_access",
     "range_sweep",
 }
+# All layouts make one bag (a test says so), so most fly in the one that starts and flies fastest.
+WITH_A_PROCESS_PER_NODE = {"ch3_circle", "ch5_one_leader", "flock_drift"}
 SHIPPED = [
     pytest.param(name, marks=pytest.mark.slow if name in AS_OTHERS else ())
     for name, _ in list_scenarios()
@@ -107,7 +109,8 @@ def test_a_lockstep_run_equals_the_run_in_one_process(lossy_runs):
 
 @pytest.mark.parametrize("scenario", SHIPPED)
 def test_every_scenario_in_lockstep_equals_the_run_in_one_process(scenario, tmp_path):
-    assert_equals_in_process(fly(scenario, tmp_path, 20))
+    layout = "node" if scenario in WITH_A_PROCESS_PER_NODE else "single"
+    assert_equals_in_process(fly(scenario, tmp_path, 20, "--layout", layout))
 
 
 @pytest.mark.slow
@@ -120,12 +123,13 @@ def test_every_scenario_in_lockstep_equals_the_run_in_one_process(scenario, tmp_
     ],
 )
 def test_laws_that_no_scenario_names_are_the_same_in_lockstep(scenario, override, tmp_path):
-    assert_equals_in_process(fly(scenario, tmp_path, 10, "--set", override))
+    assert_equals_in_process(fly(scenario, tmp_path, 10, "--set", override, "--layout", "single"))
 
 
 def test_noise_and_failures_of_the_navigation_are_the_same_in_lockstep(tmp_path):
     noisy = "environment.navigation={kind: noisy, params: {failure_prob: 0.1}}"
-    results_dir = fly("ch2_pfpd", tmp_path, 10, "--set", noisy, "--set", "sampling=sampled")
+    options = ("--set", noisy, "--set", "sampling=sampled", "--layout", "vehicle")
+    results_dir = fly("ch2_pfpd", tmp_path, 10, *options)
     assert_equals_in_process(results_dir)
     metrics = json.loads((results_dir / "metrics.json").read_text(encoding="utf-8"))
     assert 0.02 < metrics["safe_command_ratio"] < 0.3
@@ -133,7 +137,7 @@ def test_noise_and_failures_of_the_navigation_are_the_same_in_lockstep(tmp_path)
 
 def test_sound_sonar_and_drift_are_the_same_in_lockstep(tmp_path):
     settings = [word for override in WATER for word in ("--set", override)]
-    recorded = assert_equals_in_process(fly("flock_acoustic", tmp_path, 10, *settings))
+    recorded = assert_equals_in_process(fly("flock_acoustic", tmp_path, 10, *settings, "--layout", "vehicle"))
     outcomes = set(recorded.events[:, 1].tolist())
     assert {Outcome.SENT, Outcome.DELIVERED, Outcome.OUTAGE} <= outcomes
     assert len(recorded.contacts) > 0
@@ -141,5 +145,5 @@ def test_sound_sonar_and_drift_are_the_same_in_lockstep(tmp_path):
 
 
 def test_another_seed_gives_another_bag(lossy_runs, tmp_path):
-    other = fly("flock_acoustic", tmp_path, 2, "--seed", "4")
+    other = fly("flock_acoustic", tmp_path, 2, "--seed", "4", "--layout", "single")
     assert compare_bags(lossy_runs[0] / "bag", other / "bag") != []
