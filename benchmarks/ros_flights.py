@@ -26,10 +26,9 @@ from auv_bringup.processes import ChildProcesses
 from auv_bringup.scenario import SCENARIOS_DIR, Scenario, load_scenario
 
 MAIN_JOB = "flock_acoustic"
-_DURATION_S = 1e5
+DURATION_S = 1e5
 _PATIENCE_S = 120.0
 _WARM_TICKS = 30
-_SPACING_M = 4.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,19 +41,12 @@ class Block:
 
 
 def fleet_scenario(count: int, folder: Path) -> Scenario:
-    """Return the main job with another number of vehicles, on a grid of its spacing."""
+    """Return the main job with another number of vehicles, whose starts are as dense."""
     raw = yaml.safe_load((SCENARIOS_DIR / f"{MAIN_JOB}.yaml").read_text(encoding="utf-8"))
-    first, side = raw["vehicles"][0], int(count**0.5) + 1
-    x, y, z = first["position_ned_m"]
-    raw["vehicles"] = [
-        {
-            **first,
-            "id": f"auv_{k + 1}",
-            "position_ned_m": [x + _SPACING_M * (k % side), y + _SPACING_M * (k // side), z],
-        }
-        for k in range(count)
-    ]
-    raw.update(leaders=["auv_1"], duration_s=_DURATION_S)
+    vehicles = raw["vehicles"]
+    raw["random_starts"]["radius_m"] *= max(1.0, (count / len(vehicles)) ** 0.5)
+    raw["vehicles"] = [{**vehicles[0], "id": f"auv_{k + 1}"} for k in range(count)]
+    raw["duration_s"] = DURATION_S
     path = folder / f"fleet_{count}.yaml"
     path.write_text(yaml.safe_dump(raw), encoding="utf-8")
     return load_scenario(str(path))
@@ -138,8 +130,13 @@ def cpu_us(pid: int) -> float:
 
 
 def pss_mib(pid: int) -> float:
-    """Return the proportional set size of a process (MiB): memory that is shared counts in parts."""
-    for line in Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines():
-        if line.startswith("Pss:"):
-            return int(line.split()[1]) / 1024.0
-    return 0.0
+    """
+    Return the proportional set size of a process (MiB): memory that is shared counts in parts.
+
+    0 for one that has just ended.
+    """
+    try:
+        lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+    except OSError:
+        return 0.0
+    return next((int(line.split()[1]) / 1024.0 for line in lines if line.startswith("Pss:")), 0.0)

@@ -43,7 +43,7 @@ delays and loses packets.
 
 _EPILOG = """\
 three ways to fly the same scenario:
-  lockstep    every vehicle is two ROS 2 processes, and time advances when all have
+  lockstep    every vehicle is two ROS 2 nodes, and time advances when all have
               answered: one seed, one result, to the last bit
   realtime    the same nodes run freely on the wall clock, as on vehicles: every run is
               a little different
