@@ -26,6 +26,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
+            "node_container = auv_bringup.nodes.node_container:main",
             "recorder_node = auv_bringup.nodes.recorder_node:main",
             "run = auv_bringup.cli:main",
             "replay = auv_bringup.replay:main",
