@@ -27,7 +27,7 @@ from typing import Any
 
 from setproctitle import setproctitle, setthreadtitle
 
-from auv_bringup.compose import node_specs
+from auv_bringup.compose import compile_ahead, node_specs
 from auv_bringup.layout import ProcessSpec, process_specs
 from auv_bringup.node_start import (
     CONTAINER_MODULE,
@@ -107,6 +107,8 @@ def fly(
     bag_dir = results_dir / BAG if with_bag else None
     nodes = node_specs(scenario, mode=mode, bag_dir=bag_dir)
     environ = node_environment(os.environ, domain_id=domain_id, discovery=discovery)
+    if threads_allow_fork():
+        compile_ahead(scenario, progress.message)
     return fly_nodes(
         process_specs(nodes, layout),
         on_vehicle_loss=scenario.on_vehicle_loss,
