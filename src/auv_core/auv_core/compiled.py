@@ -4,7 +4,8 @@ One source, two speeds: numeric functions that run as plain Python in a node and
 A function that is marked here stays the plain Python function that it is.  Where `use_compiler` was called,
 `fastest` gives its twin that Numba has compiled from the same source, and what it calls is compiled with it:
 
-* `inner` marks a function that compiled functions may call;
+* `inner` marks a function that compiled functions may call; it becomes part of them, so that a loop over many
+  vehicles can be turned into vector instructions;
 * `entry` marks one that Python calls, with its Numba signature, so that it is compiled once and for all.
 
 An argument of the type ``FUNCTION(...)`` takes another entry: so a plugin's function goes into a compiled
@@ -80,7 +81,7 @@ def _compiled(function: Callable[..., Any]) -> Any:
 
     used = _used(function)
     for other in used - _registered - {function}:
-        register_jitable(other)
+        register_jitable(forceinline=True)(other)
         _registered.add(other)
     folder = _cache_folder(_version(used))
     if folder is not None:

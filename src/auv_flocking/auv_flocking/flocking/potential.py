@@ -70,9 +70,7 @@ class SeparationLaw(Protocol):
 
 
 @inner
-def attraction(
-    own: Vec3, centre: Vec3, path: Vec3, cohesion_gain_ps: float, path_gain_ps: float
-) -> Vec3:
+def attraction(own: Vec3, centre: Vec3, path: Vec3, cohesion_gain_ps: float, path_gain_ps: float) -> Vec3:
     """Return F_c + F_d (m/s; NED) of a vehicle at `own`, for its centre and its path point (m; NED)."""
     return (
         cohesion_gain_ps * (centre[0] - own[0]) + path_gain_ps * (path[0] - own[0]),
