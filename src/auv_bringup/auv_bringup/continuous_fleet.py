@@ -30,11 +30,11 @@ SKIN = 0.3
 
 
 @inner
-def _along(state: Floats, span_s: float, rates: Floats, there: Floats) -> None:
-    """Write state + span * rates."""
+def _along(state: Floats, span_s: float, k: Floats, stage: int, there: Floats) -> None:
+    """Write state + span * rates of a stage."""
     for i in range(state.shape[0]):
         for c in range(state.shape[1]):
-            there[i, c] = state[i, c] + span_s * rates[i, c]
+            there[i, c] = state[i, c] + span_s * k[stage, i, c]
 
 
 @inner
@@ -146,19 +146,19 @@ def fly(
         for stage in range(4):
             if stage > 0:
                 span_s = dt_s if stage == 3 else 0.5 * dt_s
-                _along(motion, span_s, k[stage - 1], there)
-                _along(centres, span_s, k_centres[stage - 1], there_centres)
+                _along(motion, span_s, k, stage - 1, there)
+                _along(centres, span_s, k_centres, stage - 1, there_centres)
             _put_points(there, points)
             if is_listed and _has_moved(points, listed_at, 0.5 * SKIN * reach_m):
                 first, partners = list_pairs(points, (1.0 + SKIN) * reach_m)
                 _copy(points, listed_at)
-            now = paths[2 * step + (stage + 1) // 2]
+            row = 2 * step + (stage + 1) // 2
             flock_rates(
-                points, there_centres, now, path_of, is_listed, first, partners,
+                points, there_centres, paths, row, path_of, is_listed, first, partners,
                 shares, numbers, strength, strength_numbers, obstacle_strength, obstacle_numbers, obstacles,
-                velocities, k_centres[stage],
+                velocities, k_centres, stage,
             )  # fmt: skip
-            vehicle_rates(there, velocities, now, path_of, constants, wanted, k[stage], wrenches)
+            vehicle_rates(there, velocities, paths, row, path_of, constants, wanted, wrenches, k, stage)
             if stage == 0 and step % steps == 0:
                 tick = step // steps
                 _copy(motion, motion_log[tick])

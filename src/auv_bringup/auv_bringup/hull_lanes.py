@@ -25,8 +25,8 @@ Ints = NDArray[np.int64]
 LANES = 16
 ROWS = 16  # 13 of a hull, 3 of the integral of its controller
 VEHICLE_RATES = (
-    "void(float64[:, ::1], float64[:, ::1], float64[:, ::1], int64[::1], float64[::1], float64[:, ::1], "
-    "float64[:, ::1], float64[:, ::1])"
+    "void(float64[:, ::1], float64[:, ::1], float64[:, :, ::1], int64, int64[::1], float64[::1], float64[:, ::1], "
+    "float64[:, ::1], float64[:, :, ::1], int64)"
 )
 _AT_ONCE = 8
 _NOBODY = (0.0, 0.0, 0.0, 1.0, *(12 * (0.0,)))
@@ -53,27 +53,29 @@ def lanes_in_use(count: int, block: int) -> int:
     return (left + _AT_ONCE - 1) // _AT_ONCE * _AT_ONCE
 
 
-@entry(VEHICLE_RATES)
+@entry(VEHICLE_RATES, allocates=False)
 def hull_rates(
     lanes: Floats,
     velocities: Floats,
     paths: Floats,
+    row: int,
     path_of: Ints,
     constants: Floats,
     wanted: Floats,
-    rates: Floats,
     wrenches: Floats,
+    rates: Floats,
+    stage: int,
 ) -> None:
     """
     Write the rates of hulls and of their controllers' integrals, and the wrenches asked for.
 
     Parameters
     ----------
-    lanes, rates : (B, 256) arrays
-        Hulls and their rates in B blocks.
+    lanes : (B, 256) array
+        Hulls in B blocks.
     velocities : (N, 3) array
         Velocity over ground to have (m/s; NED).
-    paths, path_of : (P, 8) array, (N,) array of int64
+    paths, row, path_of
         See `auv_flocking.flock_rates`; only the attitude is looked at.
     constants : (36,) array
         Of the model: 21 of `six_dof.constants` and 6 of `six_dof.limits`; 6 gains of the controller; velocity of
@@ -82,6 +84,8 @@ def hull_rates(
         Room for what is asked of the controllers.
     wrenches : (B, 96) array
         Wrenches that the controllers ask for (N, N m; body).
+    rates, stage : (4, B, 256) array, int
+        Where to write the rates of the hulls.
 
     """
     c = constants
@@ -92,13 +96,13 @@ def hull_rates(
     limits = (c[21], c[22], c[23], c[24], c[25], c[26])
     gains = (c[27], c[28], c[29], c[30], c[31], c[32])
     water = (c[33], c[34], c[35])
-    count = len(velocities)
+    count, now = len(velocities), rates[stage]
     for i in range(count):
         block, lane, path = i // LANES, i % LANES, path_of[i]
         for axis in range(3):
             wanted[block, lane + axis * LANES] = velocities[i, axis]
-        wanted[block, lane + 3 * LANES] = paths[path, 6]
-        wanted[block, lane + 4 * LANES] = paths[path, 7]
+        wanted[block, lane + 3 * LANES] = paths[row, path, 6]
+        wanted[block, lane + 4 * LANES] = paths[row, path, 7]
     for block in range((count + LANES - 1) // LANES):
         for lane in range(lanes_in_use(count, block)):
             x = _plant(lanes, block, lane)
@@ -107,22 +111,24 @@ def hull_rates(
             velocity = _three(wanted, block, lane)
             facing = (wanted[block, lane + 3 * LANES], 0.0, 0.0, wanted[block, lane + 4 * LANES])
             tau, growth = control(attitude, nu, integral, velocity, facing, gains)
-            _put_plant(rates, block, lane, derivative(x, limited_wrench(tau, limits), water, model))
-            _put_three(rates, block, lane + 13 * LANES, growth)
+            _put_plant(now, block, lane, derivative(x, limited_wrench(tau, limits), water, model))
+            _put_three(now, block, lane + 13 * LANES, growth)
             _put_three(wrenches, block, lane, (tau[0], tau[1], tau[2]))
             _put_three(wrenches, block, lane + 3 * LANES, (tau[3], tau[4], tau[5]))
 
 
-@entry(VEHICLE_RATES)
+@entry(VEHICLE_RATES, allocates=False)
 def point_rates(
     motion: Floats,
     velocities: Floats,
     paths: Floats,
+    row: int,
     path_of: Ints,
     constants: Floats,
     wanted: Floats,
-    rates: Floats,
     wrenches: Floats,
+    rates: Floats,
+    stage: int,
 ) -> None:
     """Write the rates of points, (N, 3): what is asked of them."""
     for i in range(len(velocities)):

@@ -33,6 +33,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 _MOST_KEPT = 200
 _inner: set[Callable[..., Any]] = set()
 _registered: set[Callable[..., Any]] = set()
+_makes_no_array: set[Callable[..., Any]] = set()
 _signatures: dict[Callable[..., Any], str] = {}
 _is_on = False
 
@@ -43,9 +44,12 @@ def inner(function: F) -> F:
     return function
 
 
-def entry(signature: str) -> Callable[[F], F]:
+def entry(signature: str, *, allocates: bool = True) -> Callable[[F], F]:
     """
     Mark a function that Python calls, with its signature in Numba's words: ``float64(float64[::1], int64)``.
+
+    One that makes no array (`allocates`) need not count who holds its arguments, which costs more than a short
+    call.
 
     ``TUPLE3``, ``TUPLE6`` and so on stand for tuples of so many floats, ``FUNCTION(signature)`` for another
     entry with that signature.
@@ -53,6 +57,8 @@ def entry(signature: str) -> Callable[[F], F]:
 
     def mark(function: F) -> F:
         _signatures[function] = signature
+        if not allocates:
+            _makes_no_array.add(function)
         return inner(function)
 
     return mark
@@ -87,7 +93,8 @@ def _compiled(function: Callable[..., Any]) -> Any:
     if folder is not None:
         numba.config.CACHE_DIR = str(folder)
     signature = _signature(_signatures[function])
-    return numba.njit(signature, cache=folder is not None, error_model="numpy")(function)
+    counts = {"_nrt": False} if function in _makes_no_array else {}
+    return numba.njit(signature, cache=folder is not None, error_model="numpy", **counts)(function)
 
 
 def _signature(text: str) -> Any:

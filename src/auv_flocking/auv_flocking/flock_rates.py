@@ -32,8 +32,8 @@ LAW = (
     "float64[:, ::1]"
 )
 FLOCK_RATES = (
-    "void(float64[:, ::1], float64[:, ::1], float64[:, ::1], int64[::1], boolean, int64[::1], int64[::1], "
-    f"{LAW}, float64[:, ::1], float64[:, ::1])"
+    "void(float64[:, ::1], float64[:, ::1], float64[:, :, ::1], int64, int64[::1], boolean, int64[::1], int64[::1], "
+    f"{LAW}, float64[:, ::1], float64[:, :, ::1], int64)"
 )
 
 
@@ -122,11 +122,12 @@ def put(rows: Floats, i: int, v: Vec3) -> None:
     rows[i, 0], rows[i, 1], rows[i, 2] = v[0], v[1], v[2]
 
 
-@entry(FLOCK_RATES)
+@entry(FLOCK_RATES, allocates=False)
 def flock_rates(
     points: Floats,
     centres: Floats,
-    paths: Floats,
+    all_paths: Floats,
+    row: int,
     path_of: Ints,
     is_listed: bool,
     first: Ints,
@@ -139,7 +140,8 @@ def flock_rates(
     obstacle_numbers: Numbers,
     obstacles: Floats,
     velocities: Floats,
-    rates: Floats,
+    all_rates: Floats,
+    stage: int,
 ) -> None:
     """
     Write what the law asks of every vehicle into `velocities`, and the rates of the estimates into `rates`.
@@ -148,8 +150,9 @@ def flock_rates(
     ----------
     points, centres : (N, 3) arrays
         Positions of the vehicles and their estimates of the flocking centre (m; NED).
-    paths : (P, 8) array
-        Position (m; NED), velocity (m/s; NED) and first and last component of the attitude of each path.
+    all_paths, row : (R, P, 8) array, int
+        Position (m; NED), velocity (m/s; NED) and first and last component of the attitude of each path at
+        R instants, and which of them it is now.
     path_of : (N,) array of int64
         The path of each vehicle.
     is_listed, first, partners
@@ -157,8 +160,10 @@ def flock_rates(
         pair is looked at.
     shares, ..., obstacles
         `FlockLaw.arguments`.
-    velocities, rates : (N, 3) arrays
-        Velocities over ground that the law asks for, and rates of the estimates (m/s; NED).
+    velocities : (N, 3) array
+        Where to write the velocities over ground that the law asks for (m/s; NED).
+    all_rates, stage : (4, N, 3) array, int
+        Where to write the rates of the estimates (m/s; NED).
 
     """
     cohesion_gain_ps, bandwidth_ratio, correction_limit_mps, spacing_m = (
@@ -168,7 +173,7 @@ def flock_rates(
         numbers[3],
     )
     push_m2, rate_ps, talk_m2 = numbers[4] * numbers[4], numbers[5], numbers[6] * numbers[6]
-    count = len(points)
+    count, paths, rates = len(points), all_paths[row], all_rates[stage]
     for i in range(count):
         own, centre, path = vector(points, i), vector(centres, i), vector(paths, path_of[i])
         put(velocities, i, attraction(own, centre, path, cohesion_gain_ps, shares[i, 0]))
