@@ -1,175 +1,185 @@
-"""
-A flock of any size in continuous time as one compiled loop: laws, vehicles and RK4 steps over arrays.
-
-Everything is evaluated in each of the four stages of a step.  Where vehicles act on near ones only, near pairs
-are kept in a list that reaches a little farther than they act, and are listed anew as soon as somebody has moved
-by half of that: no pair that acts is ever missing.
-"""
+"""A flock in continuous time by the compiled loop of `fleet_loop`: from a scenario to arrays, and back."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_bringup.hull_lanes import LANES, VEHICLE_RATES, normalise
-from auv_core.compiled import entry, inner
-from auv_core.pairs import NEAR_PAIRS
-from auv_flocking.central import Numbers, Strength
-from auv_flocking.flock_rates import FLOCK_RATES, LAW
+from auv_bringup.fleet_loop import fly, lists_pairs
+from auv_bringup.hull_lanes import LANES, from_lanes, hull_rates, point_rates, to_lanes
+from auv_bringup.recording import Recording
+from auv_bringup.scenario import Scenario
+from auv_control.controllers import velocity_pi
+from auv_core.compiled import fastest
+from auv_core.geometry import quaternion_from_heading
+from auv_core.models import kinematic, six_dof
+from auv_core.pairs import near_pairs, no_pairs
+from auv_core.plugins import find_plugin
+from auv_flocking.agent import FLOCKING, SEPARATION, make_consensus
+from auv_flocking.consensus import thesis
+from auv_flocking.flock_rates import FlockLaw, flock_law, flock_rates
+from auv_flocking.flocking import potential
+from auv_sim.vehicle import check_finite
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-NearPairs = Callable[[Floats, float], tuple[Ints, Ints]]
-Rates = Callable[..., None]
 
-FEW = 32
-SKIN = 0.3
+_LOGGED_ROWS = 20_000
+_MOST_TICKS = 100
 
 
-@inner
-def _along(state: Floats, span_s: float, k: Floats, stage: int, there: Floats) -> None:
-    """Write state + span * rates of a stage."""
-    for i in range(state.shape[0]):
-        for c in range(state.shape[1]):
-            there[i, c] = state[i, c] + span_s * k[stage, i, c]
-
-
-@inner
-def _step(state: Floats, dt_s: float, k: Floats) -> None:
-    """Move the state on by one step, of whose stages `k` are the rates."""
-    for i in range(state.shape[0]):
-        for c in range(state.shape[1]):
-            state[i, c] += dt_s / 6.0 * (k[0, i, c] + 2.0 * (k[1, i, c] + k[2, i, c]) + k[3, i, c])
-
-
-@inner
-def _copy(rows: Floats, to: Floats) -> None:
-    """Write `rows` into `to`."""
-    for i in range(rows.shape[0]):
-        for c in range(rows.shape[1]):
-            to[i, c] = rows[i, c]
-
-
-@inner
-def _put_points(motion: Floats, points: Floats) -> None:
-    """Write where the vehicles are."""
-    is_hull = motion.shape[1] > 3
-    for i in range(len(points)):
-        for axis in range(3):
-            points[i, axis] = motion[i // LANES, i % LANES + axis * LANES] if is_hull else motion[i, axis]
-
-
-@inner
-def _has_moved(points: Floats, listed_at: Floats, by_m: float) -> bool:
-    """Return whether a vehicle is farther than `by_m` from where it was listed, or is nowhere."""
-    for i in range(len(points)):
-        dx = points[i, 0] - listed_at[i, 0]
-        dy = points[i, 1] - listed_at[i, 1]
-        dz = points[i, 2] - listed_at[i, 2]
-        if not dx * dx + dy * dy + dz * dz <= by_m * by_m:
-            return True
-    return False
-
-
-@entry(
-    f"void(FUNCTION({NEAR_PAIRS}), FUNCTION({FLOCK_RATES}), FUNCTION({VEHICLE_RATES}), float64[:, ::1], float64[:, ::1], "
-    f"int64, int64, float64, float64[:, :, ::1], int64[::1], {LAW}, float64[::1], "
-    "float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1])"
-)
-def fly(
-    list_pairs: NearPairs,
-    flock_rates: Rates,
-    vehicle_rates: Rates,
-    motion: Floats,
-    centres: Floats,
-    ticks: int,
-    steps: int,
-    dt_s: float,
-    paths: Floats,
-    path_of: Ints,
-    shares: Floats,
-    numbers: Floats,
-    strength: Strength,
-    strength_numbers: Numbers,
-    obstacle_strength: Strength,
-    obstacle_numbers: Numbers,
-    obstacles: Floats,
-    constants: Floats,
-    motion_log: Floats,
-    centre_log: Floats,
-    centre_rate_log: Floats,
-    velocity_log: Floats,
-    wrench_log: Floats,
-) -> None:
+def has_compiled_form(scenario: Scenario) -> bool:
     """
-    Fly a flock of N vehicles through `ticks` control periods of `steps` RK4 steps each.
+    Return whether the compiled loop knows all laws of a flock and its vehicles.
 
-    Parameters
-    ----------
-    list_pairs, flock_rates, vehicle_rates
-        `near_pairs` or `no_pairs`, `auv_flocking.flock_rates`, `hull_rates` or `point_rates`.
-    motion : (N, 3) or (B, 256) array
-        Positions of points (m; NED), or hulls as `hull_lanes` has them; overwritten.
-    centres : (N, 3) array
-        The vehicles' estimates of the flocking centre (m; NED); overwritten.
-    paths : (2 * ticks * steps + 1, P, 8) array
-        The paths at every half step, see `flock_rates`.
-    path_of : (N,) array of int64
-        The path of each vehicle.
-    shares, ..., obstacles
-        `FlockLaw.arguments`.
-    constants : (36,) array
-        Of hulls, see `hull_rates`; of points empty.
-    motion_log, centre_log, centre_rate_log : (ticks + 1, ...) arrays
-        Motion, estimates and their rates at the ticks, the first and the last included.
-    velocity_log : (ticks + 1, N, 3) array
-        What the law asks at the ticks (m/s; NED).
-    wrench_log : (ticks + 1, B, 96) array
-        What the controllers of hulls ask at the ticks (N, N m; body).
+    It knows the flocking law ``potential``, the consensus filter ``thesis``, separation laws with `strength`,
+    and points, or hulls that are all of one ``six_dof`` model under ``velocity_pi``.
+    """
+    agent = scenario.agent
+    if agent.flocking is None or agent.separation is None or agent.consensus is None:
+        return False
+    if (
+        type(agent.flocking.params) is not potential.Params
+        or type(agent.consensus.params) is not thesis.Params
+    ):
+        return False
+    law = find_plugin(SEPARATION, agent.separation.kind).Separation
+    needed = ["velocity", "obstacle_velocity"] if hasattr(law, "obstacle_velocity") else ["velocity"]
+    if not all(hasattr(law(agent.separation.params), n.replace("velocity", "strength")) for n in needed):
+        return False
+    models = [vehicle.model.params for vehicle in scenario.vehicles]
+    if all(type(params) is kinematic.Params for params in models):
+        return True
+    is_hulls = type(models[0]) is six_dof.Params and all(params == models[0] for params in models)
+    return is_hulls and type(agent.controller.params) is velocity_pi.Params
+
+
+class Fleet:
+    """The arrays of a flock, and the loop that flies them."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.count = len(scenario.vehicles)
+        self._law = _law(scenario)
+        references = [vehicle.reference or scenario.reference for vehicle in scenario.vehicles]
+        distinct = [section for i, section in enumerate(references) if section not in references[:i]]
+        self._path_of = np.array([distinct.index(section) for section in references])
+        self._paths: list[Any] = [scenario.reference_of(references.index(section)) for section in distinct]
+        starts = [vehicle.position_ned_m or (0.0, 0.0, 0.0) for vehicle in scenario.vehicles]
+        self.centres = np.array(starts)
+        self.is_hull = not scenario.kinematic
+        if self.is_hull:
+            params = scenario.vehicles[0].model.params
+            model = six_dof.Model(params)
+            hulls = [
+                (*model.initial_state(start, vehicle.heading_rad), 0.0, 0.0, 0.0)
+                for start, vehicle in zip(starts, scenario.vehicles, strict=True)
+            ]
+            self.motion = to_lanes(hulls)
+            gains = scenario.agent.controller.params.gains
+            numbers = (*six_dof.constants(params), *six_dof.limits(params), *gains)
+            self._constants = np.array((*numbers, *scenario.environment.current_ned_mps))
+        else:
+            self.motion, self._constants = self.centres.copy(), np.zeros(0)
+        pairs = near_pairs if lists_pairs(self.count, self._law.numbers) else no_pairs
+        rates = hull_rates if self.is_hull else point_rates
+        self._functions = (fastest(pairs), fastest(flock_rates), fastest(rates))
+        self._fly: Any = fastest(fly)
+
+    def paths(self, first_step: int, steps: int, dt_s: float) -> Floats:
+        """Return the (2 * steps + 1, P, 8) table of the paths every half step, for `fly`."""
+        halves = range(2 * first_step, 2 * (first_step + steps) + 1)
+        return np.array([[_path_row(path.at(0.5 * half * dt_s)) for path in self._paths] for half in halves])
+
+    def fly(self, ticks: int, steps: int, dt_s: float, paths: Floats) -> tuple[Floats, ...]:
+        """
+        Fly so many control periods of so many steps along a table of `paths`.
+
+        Returns
+        -------
+        motion, centres, centre_rates, velocities, wrenches : (ticks + 1, ...) arrays
+            What stands at the ticks, the first and the last included, as `fleet_loop.fly` has it.
+
+        """
+        shapes = (self.motion.shape, (self.count, 3), (self.count, 3), (self.count, 3))
+        logs = [np.empty((ticks + 1, *shape)) for shape in shapes]
+        logs.append(np.empty((ticks + 1, len(self.motion), 6 * LANES) if self.is_hull else (0, 0, 0)))
+        law = self._law.arguments
+        self._fly(
+            *self._functions, self.motion, self.centres, ticks, steps, dt_s, paths, self._path_of, *law,
+            self._constants, *logs,
+        )  # fmt: skip
+        return tuple(logs)
+
+
+def fly_fleet(scenario: Scenario, recording: Recording, on_progress: Callable[[float], None] | None) -> None:
+    """
+    Fly a flock through all its ticks and write them into `recording`.
+
+    Raises
+    ------
+    DivergedError
+        When a motion has no finite solution.
 
     """
-    count, rows, columns = len(path_of), motion.shape[0], motion.shape[1]
-    reach_m = max(numbers[4], numbers[6])
-    is_listed = count > FEW and reach_m < math.inf
-    first, partners = np.zeros(0, np.int64), np.zeros(0, np.int64)
-    listed_at = np.full((count, 3), math.inf)
-    points, velocities = np.empty((count, 3)), np.empty((count, 3))
-    there, there_centres = np.empty((rows, columns)), np.empty((count, 3))
-    k, k_centres = np.zeros((4, rows, columns)), np.zeros((4, count, 3))
-    wanted, wrenches = np.zeros((rows, 5 * LANES)), np.zeros((rows, 6 * LANES))
-    for step in range(ticks * steps + 1):
-        _copy(motion, there)
-        _copy(centres, there_centres)
-        for stage in range(4):
-            if stage > 0:
-                span_s = dt_s if stage == 3 else 0.5 * dt_s
-                _along(motion, span_s, k, stage - 1, there)
-                _along(centres, span_s, k_centres, stage - 1, there_centres)
-            _put_points(there, points)
-            if is_listed and _has_moved(points, listed_at, 0.5 * SKIN * reach_m):
-                first, partners = list_pairs(points, (1.0 + SKIN) * reach_m)
-                _copy(points, listed_at)
-            row = 2 * step + (stage + 1) // 2
-            flock_rates(
-                points, there_centres, paths, row, path_of, is_listed, first, partners,
-                shares, numbers, strength, strength_numbers, obstacle_strength, obstacle_numbers, obstacles,
-                velocities, k_centres, stage,
-            )  # fmt: skip
-            vehicle_rates(there, velocities, paths, row, path_of, constants, wanted, wrenches, k, stage)
-            if stage == 0 and step % steps == 0:
-                tick = step // steps
-                _copy(motion, motion_log[tick])
-                _copy(centres, centre_log[tick])
-                _copy(k_centres[0], centre_rate_log[tick])
-                _copy(velocities, velocity_log[tick])
-                if columns > 3:
-                    _copy(wrenches, wrench_log[tick])
-            if step == ticks * steps:
-                return
-        _step(motion, dt_s, k)
-        _step(centres, dt_s, k_centres)
-        if columns > 3:
-            normalise(count, motion)
+    fleet = Fleet(scenario)
+    steps = round(scenario.period_s / scenario.dt_s)
+    chunk = max(1, min(_MOST_TICKS, _LOGGED_ROWS // fleet.count))
+    for tick in range(0, scenario.ticks, chunk):
+        ticks = min(chunk, scenario.ticks - tick)
+        paths = fleet.paths(tick * steps, ticks * steps, scenario.dt_s)
+        _record(recording, tick, fleet, fleet.fly(ticks, steps, scenario.dt_s, paths))
+        if on_progress is not None:
+            on_progress((tick + ticks) * scenario.period_s)
+
+
+def _record(recording: Recording, tick: int, fleet: Fleet, logs: tuple[Floats, ...]) -> None:
+    """Write a stretch of ticks that begins at `tick`; of its last one only the state."""
+    motion, centres, centre_rates, velocities, wrenches = logs
+    states = slice(tick, tick + len(motion))
+    commands = slice(tick, tick + len(motion) - 1)
+    hulls = from_lanes(motion, fleet.count) if fleet.is_hull else motion
+    _check_finite(recording, tick, hulls)
+    recording.position_ned_m[states] = hulls[..., :3]
+    recording.centre_ned_m[commands] = centres[:-1]
+    recording.centre_velocity_ned_mps[commands] = centre_rates[:-1]
+    recording.reference_velocity_ned_mps[commands] = velocities[:-1]
+    if fleet.is_hull:
+        recording.attitude_quat_wxyz[states] = hulls[..., 3:7]
+        recording.velocity_body[states] = hulls[..., 7:13]
+        recording.command[commands] = from_lanes(wrenches, fleet.count)[:-1]
+    else:
+        recording.attitude_quat_wxyz[states] = (1.0, 0.0, 0.0, 0.0)
+        recording.velocity_body[states, :, :3] = velocities
+        recording.velocity_body[states, :, 3:] = 0.0
+
+
+def _check_finite(recording: Recording, tick: int, states: Floats) -> None:
+    """Raise `DivergedError` for the first state that is not finite."""
+    bad = np.argwhere(~np.isfinite(states).all(axis=-1))
+    if bad.size:
+        late, index = bad[0]
+        name, t_s = recording.vehicle_ids[index], float(recording.t_s[tick + late])
+        check_finite(tuple(states[late, index].tolist()), name, t_s)
+
+
+def _law(scenario: Scenario) -> FlockLaw:
+    agent = scenario.agent
+    assert agent.flocking is not None
+    assert agent.separation is not None
+    separation = find_plugin(SEPARATION, agent.separation.kind).Separation(agent.separation.params)
+    consensus = make_consensus(agent.consensus, len(scenario.vehicles))
+    plugin = find_plugin(FLOCKING, agent.flocking.kind)
+    laws = [
+        plugin.Flocking(agent.flocking.params, separation, vehicle.id in scenario.leaders)
+        for vehicle in scenario.vehicles
+    ]
+    obstacles = tuple((o.position_ned_m, o.safety_distance_m) for o in scenario.environment.obstacles)
+    return flock_law(laws, agent.flocking.params, separation, consensus, obstacles)
+
+
+def _path_row(point: Any) -> tuple[float, ...]:
+    """Return a path point in the eight numbers that `flock_rates` knows."""
+    facing = quaternion_from_heading(point.heading_rad)
+    return (*point.position, *point.velocity, facing[0], facing[3])

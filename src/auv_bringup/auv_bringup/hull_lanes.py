@@ -1,9 +1,9 @@
 """
 Many hulls of one model under one controller, laid out so that vector instructions move several at once.
 
-Hulls fly in blocks of 16 lanes: of a block first the north coordinates of all its hulls, then the east ones, and
-so on.  That the 16 rows of a block are a fixed distance apart is what lets the compiler see that they do not
-overlap.  Lanes in use are filled up to a multiple of eight with hulls that nobody looks at.
+Hulls fly in blocks of 16 lanes: of a block first the north coordinates of all its hulls, then the east ones,
+and so on.  That the 16 rows of a block are a fixed distance apart is what lets the compiler see that they do
+not overlap.  Lanes in use are filled up to a multiple of eight with hulls that nobody looks at.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ Ints = NDArray[np.int64]
 LANES = 16
 ROWS = 16  # 13 of a hull, 3 of the integral of its controller
 VEHICLE_RATES = (
-    "void(float64[:, ::1], float64[:, ::1], float64[:, :, ::1], int64, int64[::1], float64[::1], float64[:, ::1], "
-    "float64[:, ::1], float64[:, :, ::1], int64)"
+    "void(float64[:, ::1], float64[:, ::1], float64[:, :, ::1], int64, int64[::1], float64[::1], "
+    "float64[:, ::1], float64[:, ::1], float64[:, :, ::1], int64)"
 )
 _AT_ONCE = 8
 _NOBODY = (0.0, 0.0, 0.0, 1.0, *(12 * (0.0,)))
@@ -78,8 +78,8 @@ def hull_rates(
     paths, row, path_of
         See `auv_flocking.flock_rates`; only the attitude is looked at.
     constants : (36,) array
-        Of the model: 21 of `six_dof.constants` and 6 of `six_dof.limits`; 6 gains of the controller; velocity of
-        the water (m/s; NED).
+        Of the model: 21 of `six_dof.constants` and 6 of `six_dof.limits`; 6 gains of the controller;
+        velocity of the water (m/s; NED).
     wanted : (B, 80) array
         Room for what is asked of the controllers.
     wrenches : (B, 96) array
@@ -132,11 +132,8 @@ def point_rates(
 ) -> None:
     """Write the rates of points, (N, 3): what is asked of them."""
     for i in range(len(velocities)):
-        rates[3 * i], rates[3 * i + 1], rates[3 * i + 2] = (
-            velocities[i, 0],
-            velocities[i, 1],
-            velocities[i, 2],
-        )
+        for axis in range(3):
+            rates[stage, i, axis] = velocities[i, axis]
 
 
 @inner

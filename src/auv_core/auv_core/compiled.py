@@ -48,8 +48,8 @@ def entry(signature: str, *, allocates: bool = True) -> Callable[[F], F]:
     """
     Mark a function that Python calls, with its signature in Numba's words: ``float64(float64[::1], int64)``.
 
-    One that makes no array (`allocates`) need not count who holds its arguments, which costs more than a short
-    call.
+    One that makes no array (`allocates`) need not count who holds its arguments, which costs more than a
+    short call.
 
     ``TUPLE3``, ``TUPLE6`` and so on stand for tuples of so many floats, ``FUNCTION(signature)`` for another
     entry with that signature.

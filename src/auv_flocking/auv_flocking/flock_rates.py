@@ -1,9 +1,9 @@
 """
 The thesis's flock as one system: flocking law ``potential`` and consensus filter ``thesis`` over arrays.
 
-The arithmetic is that of the laws themselves, in the order in which one vehicle's agent would do it, so that a
-compiled flock and agents that know everything give the same numbers.  A pair of vehicles is visited once: what
-pushes one pushes the other the other way.
+The arithmetic is that of the laws themselves, in the order in which one vehicle's agent would do it, so that
+a compiled flock and agents that know everything give the same numbers.  A pair of vehicles is visited once:
+what pushes one pushes the other the other way.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_core.compiled import entry, inner
+from auv_core.compiled import entry, fastest, inner
 from auv_core.geometry import Vec3, added
 from auv_flocking.central import STRENGTH, Numbers, Strength, along
 from auv_flocking.consensus.thesis import towards
@@ -32,8 +32,8 @@ LAW = (
     "float64[:, ::1]"
 )
 FLOCK_RATES = (
-    "void(float64[:, ::1], float64[:, ::1], float64[:, :, ::1], int64, int64[::1], boolean, int64[::1], int64[::1], "
-    f"{LAW}, float64[:, ::1], float64[:, :, ::1], int64)"
+    "void(float64[:, ::1], float64[:, ::1], float64[:, :, ::1], int64, int64[::1], boolean, "
+    f"int64[::1], int64[::1], {LAW}, float64[:, ::1], float64[:, :, ::1], int64)"
 )
 
 
@@ -102,9 +102,9 @@ def flock_law(
     return FlockLaw(
         shares=np.array([(law.path_gain_ps, law.feedforward_share) for law in laws]),
         numbers=np.array(numbers, dtype=np.float64),
-        strength=separation.strength,
+        strength=fastest(separation.strength),
         strength_numbers=separation.numbers,
-        obstacle_strength=getattr(separation, "obstacle_strength", separation.strength),
+        obstacle_strength=fastest(getattr(separation, "obstacle_strength", separation.strength)),
         obstacle_numbers=getattr(separation, "obstacle_numbers", separation.numbers),
         obstacles=np.array([(*place, safe_m) for place, safe_m in obstacles]).reshape(-1, 4),
     )

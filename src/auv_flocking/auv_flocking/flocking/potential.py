@@ -83,7 +83,7 @@ def attraction(own: Vec3, centre: Vec3, path: Vec3, cohesion_gain_ps: float, pat
 def asked(
     feedback: Vec3, ahead: Vec3, share: float, bandwidth_ratio: float, correction_limit_mps: float
 ) -> Vec3:
-    """Return the velocity of the law (m/s; NED): its feedback, slowed and limited, and its share of `ahead`."""
+    """Return the law's velocity (m/s; NED): its feedback, slowed and limited, and its share of `ahead`."""
     slowed = (bandwidth_ratio * feedback[0], bandwidth_ratio * feedback[1], bandwidth_ratio * feedback[2])
     kept = limited(slowed, correction_limit_mps)
     return (kept[0] + share * ahead[0], kept[1] + share * ahead[1], kept[2] + share * ahead[2])

@@ -13,6 +13,6 @@ To add one, write one file with ``Params`` and ``Separation(params)`` with ``vel
   continuous time;
 * ``strength`` and ``numbers``, of `auv_flocking.central`, where it acts along the line between the two: it is
   then compiled with the loop over all pairs of a flock, over near ones only where there is
-  ``reach_m(spacing_m) -> float``, the distance from which on it is zero (m).  ``obstacle_strength`` and ``obstacle_numbers`` are
-  those of `obstacle_velocity` where that is another law.
+  ``reach_m(spacing_m) -> float``, the distance from which on it is zero (m).  ``obstacle_strength`` and
+  ``obstacle_numbers`` are those of `obstacle_velocity` where that is another law.
 """
