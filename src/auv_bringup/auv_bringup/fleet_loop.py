@@ -82,8 +82,8 @@ def _has_moved(points: Floats, listed_at: Floats, by_m: float) -> bool:
 
 @entry(
     f"void(FUNCTION({NEAR_PAIRS}), FUNCTION({FLOCK_RATES}), FUNCTION({VEHICLE_RATES}), "
-    f"float64[:, ::1], float64[:, ::1], int64, int64, float64, float64[:, :, ::1], int64[::1], {LAW}, float64[::1], "
-    "float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1])"
+    f"float64[:, ::1], float64[:, ::1], int64, int64, float64, float64[:, :, ::1], int64[::1], {LAW}, "
+    f"float64[::1], {', '.join(5 * ['float64[:, :, ::1]'])})"
 )
 def fly(
     list_pairs: NearPairs,

@@ -22,7 +22,7 @@ Ints = NDArray[np.int64]
 
 NEAR_PAIRS = "UniTuple(int64[::1], 2)(float64[:, ::1], float64)"
 
-_FARTHEST_CELL = 2**40
+_FARTHEST_CELL = 2**30
 _PAIRS_PER_POINT = 16
 _WIDER = 1.0 + 1e-6  # so that no rounding puts two near points two cells apart
 
