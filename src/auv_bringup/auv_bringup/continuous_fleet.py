@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,14 +12,14 @@ from numpy.typing import NDArray
 from auv_bringup.fleet_loop import fly, lists_pairs
 from auv_bringup.hull_lanes import LANES, from_lanes, hull_rates, point_rates, to_lanes
 from auv_bringup.recording import Recording
-from auv_bringup.scenario import Scenario
+from auv_bringup.scenario import Scenario, VehicleEntry
 from auv_control.controllers import velocity_pi
 from auv_core.compiled import fastest
-from auv_core.geometry import quaternion_from_heading
+from auv_core.geometry import Vec3, quaternion_from_heading
 from auv_core.models import kinematic, six_dof
 from auv_core.pairs import near_pairs, no_pairs
 from auv_core.plugins import find_plugin
-from auv_flocking.agent import FLOCKING, SEPARATION, make_consensus
+from auv_flocking.agent import FLOCKING, REFERENCES, SEPARATION, make_consensus
 from auv_flocking.consensus import thesis
 from auv_flocking.flock_rates import FlockLaw, flock_law, flock_rates
 from auv_flocking.flocking import potential
@@ -27,7 +28,7 @@ from auv_sim.vehicle import check_finite
 Floats = NDArray[np.float64]
 
 _LOGGED_ROWS = 20_000
-_MOST_TICKS = 100
+_MOST_TICKS = 1000
 
 
 def has_compiled_form(scenario: Scenario) -> bool:
@@ -57,24 +58,39 @@ def has_compiled_form(scenario: Scenario) -> bool:
 
 
 class Fleet:
-    """The arrays of a flock, and the loop that flies them."""
+    """
+    The arrays of a flock, and the loop that flies them.
 
-    def __init__(self, scenario: Scenario) -> None:
-        self.count = len(scenario.vehicles)
-        self._law = _law(scenario)
-        references = [vehicle.reference or scenario.reference for vehicle in scenario.vehicles]
+    Parameters
+    ----------
+    scenario : Scenario
+        Laws, vehicles, path and water.
+    starts : sequence of (3,) tuples, optional
+        Positions (m; NED) of any number of vehicles like the scenario's first, instead of its own vehicles.
+
+    """
+
+    def __init__(self, scenario: Scenario, starts: Sequence[Vec3] | None = None) -> None:
+        vehicles: Sequence[VehicleEntry] = scenario.vehicles
+        if starts is not None:
+            vehicles = [replace(vehicles[0], position_ned_m=start) for start in starts]
+        self.count = len(vehicles)
+        self._law = _law(scenario, [vehicle.id in scenario.leaders for vehicle in vehicles])
+        references = [vehicle.reference or scenario.reference for vehicle in vehicles]
         distinct = [section for i, section in enumerate(references) if section not in references[:i]]
         self._path_of = np.array([distinct.index(section) for section in references])
-        self._paths: list[Any] = [scenario.reference_of(references.index(section)) for section in distinct]
-        starts = [vehicle.position_ned_m or (0.0, 0.0, 0.0) for vehicle in scenario.vehicles]
-        self.centres = np.array(starts)
+        self._paths: list[Any] = [
+            find_plugin(REFERENCES, section.kind).Reference(section.params) for section in distinct if section
+        ]
+        positions = [vehicle.position_ned_m or (0.0, 0.0, 0.0) for vehicle in vehicles]
+        self.centres = np.array(positions)
         self.is_hull = not scenario.kinematic
         if self.is_hull:
-            params = scenario.vehicles[0].model.params
+            params = vehicles[0].model.params
             model = six_dof.Model(params)
             hulls = [
                 (*model.initial_state(start, vehicle.heading_rad), 0.0, 0.0, 0.0)
-                for start, vehicle in zip(starts, scenario.vehicles, strict=True)
+                for start, vehicle in zip(positions, vehicles, strict=True)
             ]
             self.motion = to_lanes(hulls)
             gains = scenario.agent.controller.params.gains
@@ -164,17 +180,14 @@ def _check_finite(recording: Recording, tick: int, states: Floats) -> None:
         check_finite(tuple(states[late, index].tolist()), name, t_s)
 
 
-def _law(scenario: Scenario) -> FlockLaw:
+def _law(scenario: Scenario, is_leader: Sequence[bool]) -> FlockLaw:
     agent = scenario.agent
     assert agent.flocking is not None
     assert agent.separation is not None
     separation = find_plugin(SEPARATION, agent.separation.kind).Separation(agent.separation.params)
-    consensus = make_consensus(agent.consensus, len(scenario.vehicles))
+    consensus = make_consensus(agent.consensus, len(is_leader))
     plugin = find_plugin(FLOCKING, agent.flocking.kind)
-    laws = [
-        plugin.Flocking(agent.flocking.params, separation, vehicle.id in scenario.leaders)
-        for vehicle in scenario.vehicles
-    ]
+    laws = [plugin.Flocking(agent.flocking.params, separation, leads) for leads in is_leader]
     obstacles = tuple((o.position_ned_m, o.safety_distance_m) for o in scenario.environment.obstacles)
     return flock_law(laws, agent.flocking.params, separation, consensus, obstacles)
 

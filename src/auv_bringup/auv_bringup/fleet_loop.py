@@ -26,7 +26,7 @@ NearPairs = Callable[[Floats, float], tuple[Ints, Ints]]
 Rates = Callable[..., None]
 
 FEW = 32
-SKIN = 0.3
+SKIN = 0.1
 
 
 @inner
