@@ -3,8 +3,8 @@ Other programs on the same work, each in a Python of its own.
 
     python -m benchmarks --peers        makes .venv-peers from requirements/peers.lock first
 
-Run as a program, with the peers' Python, this file is the peer: it answers every line on its standard input with
-its vehicle-steps per second of processor time.
+Run as a program, with the peers' Python, this file is the peer: it answers every line on its standard input
+with its vehicle-steps per second of processor time.
 """
 
 from __future__ import annotations
