@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import importlib
-import importlib.util
 import json
 import os
 import sys
@@ -27,7 +26,7 @@ HEADS = ("figure", "measured", "beside", "ratio", "bar", "kept")
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, print and write the table; return the exit status."""
-    found = [name for name, module in PARTS.items() if importlib.util.find_spec(f"benchmarks.{module}")]
+    found = [name for name, module in PARTS.items() if Path(__file__).with_name(f"{module}.py").exists()]
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -9,7 +9,6 @@ Rates are vehicle-steps per second of processor time, which other work on the ma
 
 from __future__ import annotations
 
-import resource
 import statistics
 import subprocess
 import sys
@@ -41,11 +40,11 @@ class Flight:
     10 m and keep 4 m apart; every block flies the same ten seconds from there, fewer than 40 vehicles longer.
     """
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, ticks: int | None = None) -> None:
         overrides = ["vehicles.count=1", f"agent.consensus.params.reach_m={REACH_M}"]
         one = load_scenario("swarm", overrides=[*overrides, "agent.flocking.params.path_gain_ps=0.0"])
         self.count = count
-        self._ticks = max(LEAST_TICKS, FEW_VEHICLE_TICKS // count)
+        self._ticks = ticks or max(LEAST_TICKS, FEW_VEHICLE_TICKS // count)
         self._fleet = Fleet(one, _grid(count))
         self._paths = self._fleet.paths(0, self._ticks * STEPS, DT_S)
         self._start = self._fleet.motion.copy(), self._fleet.centres.copy()
@@ -81,8 +80,7 @@ def beside_peers(blocks: int, block_s: float, peers: Path | None) -> Iterator[Ro
         for peer in ("auv_sim_bench", "vmas"):
             with Peer(peer, count, peers) as other:
                 if other.absent:
-                    (rates,) = taking_turns([lambda: flight.rate(block_s)], blocks)  # noqa: B023
-                    yield Row(name, spread(rates), f"{peer}: {other.absent}")
+                    yield Row(name, "", f"{peer}: {other.absent}")
                     continue
                 measures = [lambda: flight.rate(block_s), lambda: other.rate(block_s)]  # noqa: B023
                 rates, theirs = taking_turns(measures, blocks)
@@ -134,7 +132,7 @@ def whole_runs(blocks: int, duration_s: float) -> Iterator[Row]:
 
 
 def memory(count: int) -> Row:
-    """Return how much memory a vehicle more takes, by two processes that fly few and many."""
+    """Return how much memory a vehicle more takes in flight, by two processes that fly few and many."""
     least, most = (_peak_kib(n) for n in (COUNTS[0], count))
     each_kib = (most - least) / (count - COUNTS[0])
     return Row(
@@ -153,10 +151,11 @@ def _peak_kib(count: int) -> int:
 
 
 def print_peak(count: int) -> None:
-    """Fly so many vehicles and print the most memory that this process ever had (KiB)."""
+    """Fly so many vehicles for one tick and print the most memory that this process ever had (KiB)."""
     use_compiler()
-    Flight(count).fly()
-    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+    Flight(count, ticks=1).fly()
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    print(next(line.split()[1] for line in status.splitlines() if line.startswith("VmHWM")))
 
 
 def noise(blocks: int) -> Row:
