@@ -18,3 +18,6 @@ set +u
 source "$root/install/setup.bash"
 # Ten processes import the same modules at every start: let Python keep what it compiled.
 unset PYTHONDONTWRITEBYTECODE
+# All matrices here are small: threads of the linear algebra would only wait for each other (on a busy machine the inverse
+# of six rows and columns takes twenty times as long), and may give other last bits than the nodes, which have one thread.
+export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1

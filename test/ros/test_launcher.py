@@ -13,6 +13,7 @@ import pytest
 from auv_bringup import processes, supervision
 from auv_bringup.compose import node_specs
 from auv_bringup.launcher import fly_nodes
+from auv_bringup.layout import process_specs
 from auv_bringup.node_start import node_environment
 from auv_bringup.processes import Interrupts
 from auv_bringup.progress import Progress
@@ -42,7 +43,8 @@ class Stage:
         self.interrupts = Interrupts()
         scenario = load_scenario("flock_acoustic")
         specs = node_specs(scenario, mode="lockstep", bag_dir=folder / "bag")
-        self.specs = [spec for spec in specs if spec.vehicle_id in ("", "auv_1", "auv_2")]
+        wanted = [spec for spec in specs if spec.vehicle_id in ("", "auv_1", "auv_2")]
+        self.specs = process_specs(wanted, "node")
 
     def fly(self, *, policy="stop", **behaviours):
         """Fly with the behaviours given by role, or by full name with slashes left out."""
@@ -59,7 +61,9 @@ class Stage:
                     environ=environ,
                     interrupts=self.interrupts,
                     progress=Progress(2.0, self.said),
-                    arguments=lambda spec, _: self.command(spec, behaviours),
+                    start=lambda children, process, parts, log, environ: children.start(
+                        process.name, self.command(process, behaviours), log=log, environ=environ
+                    ),
                 )
         finally:
             os.environ.clear()

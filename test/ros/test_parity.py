@@ -11,6 +11,7 @@ import pytest
 
 from auv_bringup.bag_reader import compare_bags, read_recording
 from auv_bringup.experiment import run_in_process
+from auv_bringup.layout import LAYOUTS
 from auv_bringup.recording import acoustic_log
 from auv_bringup.scenario import list_scenarios, load_scenario
 from auv_core.messages import Outcome
@@ -38,6 +39,8 @@ AS_OTHERS = {
     "medium_access",
     "range_sweep",
 }
+# All layouts make one bag (a test says so), so most fly in the one that starts and flies fastest.
+WITH_A_PROCESS_PER_NODE = {"ch3_circle", "ch5_one_leader", "flock_drift"}
 SHIPPED = [
     pytest.param(name, marks=pytest.mark.slow if name in AS_OTHERS else ())
     for name, _ in list_scenarios()
@@ -78,12 +81,19 @@ def assert_equals_in_process(results_dir):
 
 @pytest.fixture(scope="module")
 def lossy_runs(tmp_path_factory):
-    """Two runs of the main job, 20 s, one seed: a lossy channel and a current."""
-    return [fly("flock_acoustic", tmp_path_factory.mktemp(name), 20, "--seed", "3") for name in ("a", "b")]
+    """
+    Runs of the main job, 20 s, one seed: a lossy channel and a current. Two with a process per node, one of
+    every other layout.
+    """
+    return [
+        fly("flock_acoustic", tmp_path_factory.mktemp(layout), 20, "--seed", "3", "--layout", layout)
+        for layout in ("node", *LAYOUTS)
+    ]
 
 
-def test_two_lockstep_runs_with_one_seed_give_byte_identical_bags(lossy_runs):
-    assert compare_bags(lossy_runs[0] / "bag", lossy_runs[1] / "bag") == []
+@pytest.mark.parametrize("other", range(1, 1 + len(LAYOUTS)), ids=LAYOUTS)
+def test_lockstep_runs_with_one_seed_give_byte_identical_bags_in_all_layouts(lossy_runs, other):
+    assert compare_bags(lossy_runs[0] / "bag", lossy_runs[other] / "bag") == []
 
 
 def test_the_runs_lose_packets_and_feel_a_current(lossy_runs):
@@ -99,7 +109,8 @@ def test_a_lockstep_run_equals_the_run_in_one_process(lossy_runs):
 
 @pytest.mark.parametrize("scenario", SHIPPED)
 def test_every_scenario_in_lockstep_equals_the_run_in_one_process(scenario, tmp_path):
-    assert_equals_in_process(fly(scenario, tmp_path, 20))
+    layout = "node" if scenario in WITH_A_PROCESS_PER_NODE else "single"
+    assert_equals_in_process(fly(scenario, tmp_path, 20, "--layout", layout))
 
 
 @pytest.mark.slow
@@ -112,12 +123,13 @@ def test_every_scenario_in_lockstep_equals_the_run_in_one_process(scenario, tmp_
     ],
 )
 def test_laws_that_no_scenario_names_are_the_same_in_lockstep(scenario, override, tmp_path):
-    assert_equals_in_process(fly(scenario, tmp_path, 10, "--set", override))
+    assert_equals_in_process(fly(scenario, tmp_path, 10, "--set", override, "--layout", "single"))
 
 
 def test_noise_and_failures_of_the_navigation_are_the_same_in_lockstep(tmp_path):
     noisy = "environment.navigation={kind: noisy, params: {failure_prob: 0.1}}"
-    results_dir = fly("ch2_pfpd", tmp_path, 10, "--set", noisy, "--set", "sampling=sampled")
+    options = ("--set", noisy, "--set", "sampling=sampled", "--layout", "vehicle")
+    results_dir = fly("ch2_pfpd", tmp_path, 10, *options)
     assert_equals_in_process(results_dir)
     metrics = json.loads((results_dir / "metrics.json").read_text(encoding="utf-8"))
     assert 0.02 < metrics["safe_command_ratio"] < 0.3
@@ -125,7 +137,7 @@ def test_noise_and_failures_of_the_navigation_are_the_same_in_lockstep(tmp_path)
 
 def test_sound_sonar_and_drift_are_the_same_in_lockstep(tmp_path):
     settings = [word for override in WATER for word in ("--set", override)]
-    recorded = assert_equals_in_process(fly("flock_acoustic", tmp_path, 10, *settings))
+    recorded = assert_equals_in_process(fly("flock_acoustic", tmp_path, 10, *settings, "--layout", "vehicle"))
     outcomes = set(recorded.events[:, 1].tolist())
     assert {Outcome.SENT, Outcome.DELIVERED, Outcome.OUTAGE} <= outcomes
     assert len(recorded.contacts) > 0
@@ -133,5 +145,5 @@ def test_sound_sonar_and_drift_are_the_same_in_lockstep(tmp_path):
 
 
 def test_another_seed_gives_another_bag(lossy_runs, tmp_path):
-    other = fly("flock_acoustic", tmp_path, 2, "--seed", "4")
+    other = fly("flock_acoustic", tmp_path, 2, "--seed", "4", "--layout", "single")
     assert compare_bags(lossy_runs[0] / "bag", other / "bag") != []

@@ -31,6 +31,27 @@ NODES = [
 ]
 
 
+FAILING_LAW = """
+from dataclasses import dataclass
+
+@dataclass(frozen=True)
+class Params:
+    pass
+
+class Separation:
+    calls = 0
+
+    def __init__(self, params):
+        pass
+
+    def velocity(self, own, other, spacing_m):
+        Separation.calls += 1
+        if Separation.calls > 40:
+            raise RuntimeError("no law today")
+        return (0.0, 0.0, 0.0)
+"""
+
+
 @pytest.fixture
 def scenario_file(tmp_path):
     """Two kinematic vehicles, long enough to be interrupted."""
@@ -197,8 +218,9 @@ def test_a_frozen_node_is_named_and_stops_the_flight(start):
     assert "/auv_2/agent_node" in errors.splitlines()[-1]
 
 
-def test_a_flight_goes_on_without_a_killed_vehicle(start):
-    run = start("--set", "on_vehicle_loss=continue", "--duration", "100").wait_until_up()
+@pytest.mark.parametrize("layout", ["node", "vehicle"])
+def test_a_flight_goes_on_without_a_killed_vehicle(start, layout):
+    run = start("--set", "on_vehicle_loss=continue", "--duration", "100", "--layout", layout).wait_until_up()
     os.kill(run.node("auv_2.agent_node"), signal.SIGKILL)
     status, output, errors = run.wait()
     metrics = json.loads((run.folder / "metrics.json").read_text())
@@ -207,6 +229,28 @@ def test_a_flight_goes_on_without_a_killed_vehicle(start):
     assert "lost on the way: auv_2" in output
     assert metrics["lost_vehicles"] == ["auv_2"]
     assert metrics["duration_s"] == pytest.approx(100.0)
+
+
+def test_a_node_that_raises_in_a_process_of_all_nodes_is_named_in_one_line(start, monkeypatch, tmp_path):
+    law = tmp_path / "plugins" / "separation" / "failing.py"
+    law.parent.mkdir(parents=True)
+    law.write_text(FAILING_LAW)
+    monkeypatch.setenv("SHOAL_PLUGINS", str(tmp_path / "plugins"))
+    run = start("--set", "agent.separation.kind=failing", "--duration", "60", "--layout", "single")
+    status, _, errors = run.wait()
+    assert status == 3
+    said = "/node_container has ended early (exit status 1): /auv_1/agent_node: RuntimeError: no law today; "
+    assert errors.splitlines()[-1].startswith(f"error: {said}")
+    assert (run.folder / "metrics.json").is_file()
+    assert recorded_s(run) > 1.5
+
+
+def test_a_run_may_have_few_processes(start):
+    run = start("--layout", "vehicle").wait_until_up()
+    assert len(run.watches) == 4
+    run.process.send_signal(signal.SIGINT)
+    assert run.wait()[0] == 130
+    assert recorded_s(run) > 0.0
 
 
 def test_nodes_die_with_a_killed_launcher(start):

@@ -66,7 +66,7 @@ def test_odometry_and_transform_say_what_the_state_says():
     @settings(deadline=None)
     @given(state=states(), t_s=times_s)
     def check(state, t_s):
-        message = read(odometry.filled(t_s, *convert.odometry_numbers(state)), Odometry)
+        message = read(odometry.filled(t_s, *convert.state_numbers(state)[2:15]), Odometry)
         assert_stamped(message.header, t_s, "map_ned")
         assert message.child_frame_id == "auv_1/base_link_frd"
         assert message.pose.pose.position.y == state.position[1]
@@ -89,7 +89,7 @@ def test_commands_survive_the_way_through_their_messages():
 
     from auv_core import conversions as convert
     from auv_core.messages import VelocityCommand, Wrench, command_numbers
-    from auv_core.stencil import read_stamp_s
+    from auv_core.stencil import header_stamp_s
 
     @settings(deadline=None)
     @given(tau=vec6, t_s=times_s)
@@ -102,7 +102,7 @@ def test_commands_survive_the_way_through_their_messages():
             stencil = convert.command_stencil("auv_2", takes_velocity=velocity)
             data = stencil.filled(t_s, *command_numbers(command))
             assert_stamped(read(data, kind).header, t_s, frame)
-            assert read_stamp_s(data) == pytest.approx(t_s, abs=1e-6)
+            assert header_stamp_s(data) == pytest.approx(t_s, abs=1e-6)
             assert convert.command_from_bytes(data, takes_velocity=velocity) == command
 
     check()
@@ -150,3 +150,111 @@ def test_a_flocking_centre_holds_every_number():
     position, velocity = message.position, message.velocity
     assert (message.tick, position.x, position.y, position.z) == (25, 1.0, 2.0, 3.0)
     assert (velocity.x, velocity.y, velocity.z) == (4.0, 5.0, 6.0)
+
+
+def receptions():
+    from auv_core.messages import Packet, Reception
+
+    packet = st.builds(
+        Packet, st.integers(0, 9), st.integers(1, 9), st.just(0), st.integers(1, 9), st.binary()
+    )
+    return st.builds(Reception, packet, numbers, numbers, numbers)
+
+
+def again(data, kind):
+    """Return what ROS makes of a message that it has read."""
+    from rclpy.serialization import serialize_message
+
+    return serialize_message(read(data, kind))
+
+
+def test_inbox_and_outbox_survive_the_way_through_their_messages():
+    from auv_bringup.cdr_padding import padding_zeroer
+    from auv_bringup.message_definitions import load_message_type
+    from auv_core.acoustic_bytes import inbox_bytes, outbox_bytes, read_inbox, read_outbox
+    from auv_core.messages import Inbox, SonarContact
+    from auv_msgs.msg import AcousticInbox, AcousticOutbox
+
+    contacts = st.builds(SonarContact, numbers, numbers, numbers)
+    few = st.lists(receptions(), max_size=2).map(tuple)
+    seen = st.lists(contacts, max_size=2).map(tuple)
+    inboxes = st.builds(Inbox, st.integers(0, 2**40), st.booleans(), few, seen)
+    clean_inbox = padding_zeroer(load_message_type("auv_msgs/msg/AcousticInbox"))
+    clean_outbox = padding_zeroer(load_message_type("auv_msgs/msg/AcousticOutbox"))
+
+    @settings(deadline=None)
+    @given(inbox=inboxes, frame=st.sampled_from(["", "a/base", "auv_1/base_link_frd"]), t_s=times_s)
+    def check(inbox, frame, t_s):
+        data = inbox_bytes(frame, inbox, t_s)
+        assert read_inbox(data) == inbox
+        assert data == clean_inbox(again(data, AcousticInbox))
+        message = read(data, AcousticInbox)
+        assert_stamped(message.header, t_s, frame)
+        assert (message.tick, message.transmit_ready) == (inbox.tick, inbox.transmit_ready)
+        for ours, theirs in zip(inbox.receptions, message.receptions, strict=True):
+            assert (ours.sent_s, ours.arrival_s, ours.snr_db) == (
+                theirs.sent_s,
+                theirs.arrival_s,
+                theirs.snr_db,
+            )
+            assert (ours.packet.source, ours.packet.payload) == (
+                theirs.packet.source,
+                bytes(theirs.packet.payload),
+            )
+        for ours, theirs in zip(inbox.contacts, message.contacts, strict=True):
+            assert (ours.range_m, ours.elevation_rad) == (theirs.range_m, theirs.elevation_rad)
+        packets = [reception.packet for reception in inbox.receptions]
+        data = outbox_bytes(frame, inbox.tick, packets, t_s)
+        assert read_outbox(data) == (inbox.tick, packets)
+        assert data == clean_outbox(again(data, AcousticOutbox))
+        message = read(data, AcousticOutbox)
+        assert [packet.sequence for packet in message.packets] == [packet.sequence for packet in packets]
+
+    check()
+
+
+def test_the_acoustic_log_holds_every_number():
+    from auv_bringup.cdr_padding import padding_zeroer
+    from auv_bringup.message_definitions import load_message_type
+    from auv_core.acoustic_bytes import events_bytes
+    from auv_core.messages import AcousticEvent, Outcome
+    from auv_msgs.msg import AcousticEvents
+
+    events = [AcousticEvent(Outcome(k + 1), k, 9, 7 + k, 1.0 + k, 2.0 + k, 3.0 + k, 32) for k in range(3)]
+    for count in range(4):
+        data = events_bytes(25, events[:count], 2.5)
+        assert data == padding_zeroer(load_message_type("auv_msgs/msg/AcousticEvents"))(
+            again(data, AcousticEvents)
+        )
+        message = read(data, AcousticEvents)
+        assert_stamped(message.header, 2.5, "")
+        assert message.tick == 25
+        for ours, theirs in zip(events[:count], message.events, strict=True):
+            fields = AcousticEvent.__dataclass_fields__
+            assert [getattr(ours, name) for name in fields] == [getattr(theirs, name) for name in fields]
+
+
+@given(data=st.binary(max_size=60))
+def test_bytes_that_are_no_inbox_or_outbox_are_refused(data):
+    from auv_core.acoustic_bytes import inbox_bytes, outbox_bytes, read_inbox, read_outbox
+    from auv_core.messages import Inbox, Packet, Reception
+
+    reception = Reception(Packet(1, 2, 0, 3, b"payload"), 1.0, 2.0, 3.0)
+    inbox = inbox_bytes("a", Inbox(1, True, (reception,), ()), 1.0)
+    outbox = outbox_bytes("a", 1, [reception.packet], 1.0)
+    for read_it, whole in ((read_inbox, inbox), (read_outbox, outbox)):
+        for broken in (data, whole[: len(data)], whole[:-1]):
+            with pytest.raises(ValueError, match="bytes that are no"):
+                read_it(broken)
+
+
+@pytest.mark.parametrize("size", [0, 1, 4])
+def test_a_control_status_holds_what_the_law_remembers(size):
+    from auv_core import conversions as convert
+    from auv_msgs.msg import ControlStatus
+
+    memory = [1.5 * k for k in range(1, size + 1)]
+    data = convert.control_stencil("auv_1", size).filled(2.5, 25, 1, 0, size, *memory)
+    message = read(data, ControlStatus)
+    assert_stamped(message.header, 2.5, "auv_1/base_link_frd")
+    assert (message.tick, message.holding, list(message.law_state)) == (25, "", memory)

@@ -15,6 +15,7 @@ Padding is zeroed, see :mod:`auv_bringup.cdr_padding`.
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import itemgetter
 
 from auv_bringup.bag_writer import BagWriter, Qos, Topic
 from auv_bringup.cdr_padding import padding_zeroer
@@ -47,8 +48,9 @@ class BagRecorder:
         self._first_ns: int | None = None
         self._now_ns = 0
         self._untimed: list[tuple[int, bytes]] = []
+        self._taken: list[tuple[int, int, bytes]] = []
         self.ticks = 0
-        """Number of /clock messages in the bag."""
+        """Number of /clock messages taken."""
 
     @property
     def now_ns(self) -> int:
@@ -85,9 +87,22 @@ class BagRecorder:
 
         return take
 
+    def flush(self) -> None:
+        """
+        Write what was taken since the last call, in order of time.
+
+        Messages may be taken topic by topic, many at once; in the bag those of one time stand together.
+        """
+        taken, self._taken = self._taken, []
+        taken.sort(key=itemgetter(0))
+        write = self._writer.write
+        for time_ns, channel, data in taken:
+            write(channel, data, time_ns)
+
     def finish(self) -> None:
-        """Write what still waits for a first stamp and close the bag."""
+        """Write all that was taken, also what still waits for a first stamp, and close the bag."""
         self._release_untimed(0)
+        self.flush()
         self._writer.close()
 
     def _write_timed(self, channel: int, data: bytes, stamp_ns: int, *, is_clock: bool) -> None:
@@ -95,7 +110,7 @@ class BagRecorder:
         time_ns = max(stamp_ns, 0)
         if self._first_ns is None:
             self._release_untimed(time_ns)
-        self._writer.write(channel, data, time_ns)
+        self._taken.append((time_ns, channel, data))
         if is_clock:
             self.ticks += 1
             self._now_ns = time_ns
@@ -107,13 +122,13 @@ class BagRecorder:
         if self._first_ns is None:
             self._untimed.append((channel, data))
         else:
-            self._writer.write(channel, data, self._first_ns if at_start else self._now_ns)
+            self._taken.append((self._first_ns if at_start else self._now_ns, channel, data))
 
     def _release_untimed(self, first_ns: int) -> None:
         """Write the messages that came before the first stamp."""
         self._first_ns = first_ns
         for channel, data in self._untimed:
-            self._writer.write(channel, data, first_ns)
+            self._taken.append((first_ns, channel, data))
         self._untimed.clear()
 
 

@@ -18,7 +18,9 @@ from __future__ import annotations
 
 import os
 import textwrap
+import threading
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -135,7 +137,8 @@ class BagWriter:
         self._mcap = Writer(self._file, chunk_size=chunk_bytes, compression=CompressionType.ZSTD)
         self._mcap.start(profile="ros2", library="shoal")
         self._add_metadata_record()
-        self._write_metadata_file()
+        self._replacing: threading.Thread | None = None
+        self._replace_metadata(self._metadata_text())
 
     @property
     def message_count(self) -> int:
@@ -188,9 +191,17 @@ class BagWriter:
             tally.last_ns = time_ns
 
     def checkpoint(self) -> None:
-        """Bring everything taken so far to the file and bring metadata.yaml up to date."""
+        """
+        Bring everything taken so far to the file and bring metadata.yaml up to date.
+
+        The latter in a thread, since a disk that is busy takes long to replace a file, and a flight would
+        wait.
+        """
         self._mcap.flush()
-        self._write_metadata_file()
+        if self._replacing is None or not self._replacing.is_alive():
+            text = self._metadata_text()
+            self._replacing = threading.Thread(target=self._try_replace_metadata, args=(text,), daemon=True)
+            self._replacing.start()
 
     def close(self) -> None:
         """Finish the file with its summary and write the last metadata.yaml."""
@@ -198,7 +209,9 @@ class BagWriter:
         self._add_metadata_record()
         self._mcap.finish()
         self._file.close()
-        self._write_metadata_file()
+        if self._replacing is not None:
+            self._replacing.join()
+        self._replace_metadata(self._metadata_text())
 
     def abandon(self) -> None:
         """Close the file as it is, after a write error: what is in it can be read."""
@@ -249,12 +262,18 @@ class BagWriter:
         """Put what metadata.yaml says into the MCAP file too, where rosbag2 looks for it."""
         self._mcap.add_metadata("rosbag2", {"serialized_metadata": self._information()})
 
-    def _write_metadata_file(self) -> None:
+    def _metadata_text(self) -> str:
+        return f"rosbag2_bagfile_information:\n{textwrap.indent(self._information(), '  ')}\n"
+
+    def _replace_metadata(self, text: str) -> None:
         """Replace metadata.yaml in one step."""
         temporary = self._dir / f".{METADATA_FILE}.{os.getpid()}"
-        body = textwrap.indent(self._information(), "  ")
-        temporary.write_text(f"rosbag2_bagfile_information:\n{body}\n")
+        temporary.write_text(text)
         temporary.replace(self._dir / METADATA_FILE)
+
+    def _try_replace_metadata(self, text: str) -> None:
+        with suppress(OSError):  # who writes the next chunk finds out
+            self._replace_metadata(text)
 
 
 def _topic_text(topic: Topic) -> str:

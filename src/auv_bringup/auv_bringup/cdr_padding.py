@@ -1,9 +1,9 @@
 """
-Zeros in the padding of serialised messages.
+Zeros in the padding of serialised messages, and none at their end.
 
 CDR aligns numbers to their size.  The bytes skipped mean nothing, and the middleware leaves in them whatever
-its buffer held before, so two equal messages can differ there.  A bag that shall repeat to the byte needs
-them to be zero.
+its buffer held before, so two equal messages can differ there, and in how far their end is padded.  A bag
+that shall repeat to the byte needs gaps of zeros and no padding at the end.
 
 Alignment counts from the end of the 4-byte encapsulation header; numbers of 8 bytes align to 8 (plain CDR,
 XCDR1).
@@ -55,68 +55,105 @@ class _List:
 _Step = _Numbers | _Text | _List
 
 
+@dataclass(frozen=True)
+class _Shape:
+    """
+    Where padding is in all messages that have these lengths of strings and sequences at these places.
+
+    Messages of one topic have few shapes, mostly one: a message is compared with the last shape of its size
+    before it is walked through.
+    """
+
+    lengths: tuple[tuple[slice, bytes], ...]
+    padding: tuple[slice, ...]
+    end: int
+
+    def fits(self, data: bytes) -> bool:
+        return all(data[place] == length for place, length in self.lengths)
+
+
 def padding_zeroer(message_type: MessageType) -> Callable[[bytes], bytes]:
     """
-    Return the function that zeroes the padding of messages of one type.
+    Return the function that zeroes the padding of messages of one type and cuts what pads their end.
 
-    It never changes anything else: bytes that do not fit the definition come back as they are.
+    A network pads messages to multiples of four bytes, delivery inside a process does not. The function never
+    changes anything else: bytes that do not fit the definition come back as they are.
     """
     steps = _steps(message_type)
+    shapes: dict[int, _Shape] = {}
 
     def zeroed(data: bytes) -> bytes:
         if data[:2] != _LITTLE_ENDIAN_CDR:
             return data
-        content = bytearray(data[_HEADER_BYTES:])
-        try:
-            end = _walk(content, 0, steps)
-        except (struct.error, IndexError):
-            return data
-        if not 0 <= len(content) - end < _HEADER_BYTES:
-            return data
-        content[end:] = bytes(len(content) - end)
-        return data[:_HEADER_BYTES] + bytes(content)
+        size = len(data)
+        shape = shapes.get(size)
+        if shape is None or not shape.fits(data):
+            try:
+                shape = _Walk(data).shape(steps)
+            except (struct.error, IndexError):
+                return data
+            if not 0 <= size - shape.end < _HEADER_BYTES:
+                return data
+            shapes[size] = shape
+        if any(map(any, map(data.__getitem__, shape.padding))):
+            clean = bytearray(data)
+            for gap in shape.padding:
+                clean[gap] = bytes(gap.stop - gap.start)
+            data = bytes(clean)
+        return data if shape.end == size else data[: shape.end]
 
     return zeroed
 
 
-def _walk(content: bytearray, position: int, steps: Sequence[_Step]) -> int:
-    """Zero the padding before every step from `position` on; return the position behind the last one."""
-    for step in steps:
-        if type(step) is _Numbers:
-            position = _aligned(content, position, step.size) + step.size * step.count
-            continue
-        position = _aligned(content, position, 4)
-        (length,) = _LENGTH.unpack_from(content, position)
-        position += 4
-        if type(step) is _Text:
-            position += length
-        elif type(step) is _List:
-            position = _walk_list(content, position, step.steps, length)
-        if position > len(content):
-            raise IndexError(position)
-    return position
+class _Walk:
+    """The way through one message, noting its lengths and its padding."""
 
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+        self._lengths: list[tuple[slice, bytes]] = []
+        self._padding: list[slice] = []
 
-def _walk_list(content: bytearray, position: int, steps: tuple[_Step, ...], length: int) -> int:
-    only = steps[0]
-    if len(steps) == 1 and type(only) is _Numbers:
-        return (
-            _aligned(content, position, only.size) + only.size * only.count * length if length else position
-        )
-    for _ in range(length):
-        position = _walk(content, position, steps)
-    return position
+    def shape(self, steps: Sequence[_Step]) -> _Shape:
+        """Return the shape of the message."""
+        end = self._walk(_HEADER_BYTES, steps)
+        return _Shape(tuple(self._lengths), tuple(self._padding), end)
 
+    def _walk(self, position: int, steps: Sequence[_Step]) -> int:
+        """Note the padding before every step from `position` on; return the position behind the last one."""
+        for step in steps:
+            if type(step) is _Numbers:
+                position = self._aligned(position, step.size) + step.size * step.count
+                continue
+            position = self._aligned(position, 4)
+            (length,) = _LENGTH.unpack_from(self._data, position)
+            place = slice(position, position + 4)
+            self._lengths.append((place, self._data[place]))
+            position += 4
+            if type(step) is _Text:
+                position += length
+            elif type(step) is _List:
+                position = self._walk_list(position, step.steps, length)
+            if position > len(self._data):
+                raise IndexError(position)
+        return position
 
-def _aligned(content: bytearray, position: int, size: int) -> int:
-    padding = -position % size
-    if padding:
-        end = position + padding
-        if end > len(content):
-            raise IndexError(end)
-        content[position:end] = bytes(padding)
-        position = end
-    return position
+    def _walk_list(self, position: int, steps: tuple[_Step, ...], length: int) -> int:
+        only = steps[0]
+        if len(steps) == 1 and type(only) is _Numbers:
+            return (
+                self._aligned(position, only.size) + only.size * only.count * length if length else position
+            )
+        for _ in range(length):
+            position = self._walk(position, steps)
+        return position
+
+    def _aligned(self, position: int, size: int) -> int:
+        end = position + -(position - _HEADER_BYTES) % size
+        if end > position:
+            if end > len(self._data):
+                raise IndexError(end)
+            self._padding.append(slice(position, end))
+        return end
 
 
 def _steps(message_type: MessageType) -> tuple[_Step, ...]:

@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING, Any
 from auv_bringup import results
 from auv_bringup.domains import DomainClaim, DomainError, claim_domain
 from auv_bringup.interrupts import make_signals_interrupt
+from auv_bringup.layout import LAYOUTS
+from auv_bringup.node_start import ONE_THREAD
 from auv_bringup.one_line_parser import OneLineParser, fail
 from auv_bringup.plan import DEFAULT_SCENARIO, MODES, ROS_MODES, Plan, make_plan, start_results
 
@@ -41,15 +43,23 @@ delays and loses packets.
 
 _EPILOG = """\
 three ways to fly the same scenario:
-  lockstep    every vehicle is two ROS 2 processes, and time advances when all have
+  lockstep    every vehicle is two ROS 2 nodes, and time advances when all have
               answered: one seed, one result, to the last bit
   realtime    the same nodes run freely on the wall clock, as on vehicles: every run is
               a little different
   inprocess   the same objects in one process, without ROS: the numbers of lockstep,
               much faster
-  A scenario with `sampling: continuous` is flown in one process unless --mode says
+  A scenario with `sampling: continuous` is flown `inprocess` unless --mode says
   otherwise; in lockstep or realtime its laws are held over the control period
   (sampling: sampled).
+
+three layouts of the nodes of lockstep and realtime, with the same names, topics and
+numbers; only the processes differ:
+  node        a process per node: what you would see on vehicles, and the slowest
+  vehicle     a process per vehicle, with its simulator and its agent; one more for
+              relay and clock, one for the recorder
+  single      one process for all nodes: the fastest, and for many vehicles; a node
+              that fails ends the run, so not with on_vehicle_loss: continue
 
 results:
   DIR/<scenario>-<seed>-<mode>, with -<hash of the overrides> when --set or --duration
@@ -92,6 +102,8 @@ examples:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status."""
     make_signals_interrupt()
+    for name, value in ONE_THREAD.items():
+        os.environ.setdefault(name, value)  # before numpy is imported; nodes are forks of this process
     place = _TracebackPlace()
     try:
         options = _parser().parse_args(arguments)
@@ -127,6 +139,11 @@ def _parser() -> argparse.ArgumentParser:
         "--mode",
         choices=MODES,
         help="how to fly it (default: lockstep; inprocess for a scenario with sampling: continuous)",
+    )
+    parser.add_argument(
+        "--layout",
+        choices=LAYOUTS,
+        help="which nodes share a process, in lockstep and realtime (default: node)",
     )
     parser.add_argument(
         "--seed", type=int, metavar="N", help="seed of every random number (default: the scenario's)"
@@ -174,6 +191,7 @@ def _run(options: argparse.Namespace, place: _TracebackPlace) -> int:
     plan = make_plan(
         options.scenario,
         mode=options.mode,
+        layout=options.layout,
         seed=options.seed,
         overrides=options.overrides,
         duration_s=options.duration,
@@ -222,8 +240,10 @@ def _introduce(plan: Plan, folder: Path) -> None:
 def _fly_in_process(plan: Plan, folder: Path, options: argparse.Namespace) -> int:
     from auv_bringup.experiment import run_in_process
     from auv_bringup.progress import Progress
+    from auv_core.compiled import use_compiler
     from auv_sim.vehicle import DivergedError
 
+    use_compiler(tell=lambda line: print(line, flush=True))
     with Progress(plan.scenario.duration_s) as progress:
         start_s = time.monotonic()
         try:
@@ -252,6 +272,7 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
         flight = fly(
             plan.scenario,
             mode=plan.mode,
+            layout=plan.layout,
             results_dir=folder,
             with_bag=not options.no_bag,
             domain_id=domain_id,

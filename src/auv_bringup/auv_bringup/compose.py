@@ -5,15 +5,17 @@ nodes alike.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from auv_bringup.scenario import Scenario
+from auv_core.compiled import use_compiler
 from auv_core.params import dump
-from auv_flocking.agent import AgentConfig
-from auv_sim.vehicle import VehicleConfig
+from auv_flocking.agent import Agent, AgentConfig
+from auv_sim.streams import Purpose, uniform
+from auv_sim.vehicle import Vehicle, VehicleConfig
 
 START_TIMEOUT_S = 60.0
 
@@ -80,6 +82,18 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
         )
         for index, vehicle in enumerate(scenario.vehicles)
     ]
+
+
+def compile_ahead(scenario: Scenario, tell: Callable[[str], None]) -> None:
+    """
+    Compile what the vehicles, agents and modems of a scenario call, so that processes forked from this one
+    have it; `tell` gets a line for the user where that takes a while.
+    """
+    use_compiler(tell)
+    for vehicle, agent in zip(vehicle_configs(scenario), agent_configs(scenario), strict=True):
+        Vehicle(vehicle)
+        Agent(agent)
+    uniform(scenario.seed, Purpose.OUTAGE, 1, 2, 1)
 
 
 def node_specs(scenario: Scenario, *, mode: str, bag_dir: Path | None) -> list[NodeSpec]:

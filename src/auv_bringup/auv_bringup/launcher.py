@@ -1,32 +1,44 @@
 """
 Flying a scenario as ROS 2 nodes: start them, watch them, end them.
 
-Every node is a process of its own (the relay's holds the clock too). The launcher starts them all at once,
-listens to ``/flock/status`` with a small node of its own, asks the `Supervisor` what to make of what it
-sees, and ends the processes in order: vehicles, agents and relay first, which hand over their last
-messages, then the recorder, which writes what it has received and closes the bag. No wait in here is
-without an end.
+Which nodes share a process is the layout's word. The launcher starts all processes at once, listens to
+``/flock/status`` with a small node of its own, asks the `Supervisor` what to make of what it sees, and ends
+the processes in order: vehicles, agents and relay first, which hand over their last messages, then the
+recorder, which writes what it has received and closes the bag. No wait in here is without an end.
+
+The processes are forked from this one after it has imported what they need, once for all of them, and before
+it has anything of ROS running: that is most of their start-up and half of their memory. Where this process
+has threads, which a fork would lose, they are started anew from their command lines.
 """
 
 from __future__ import annotations
 
+import gc
 import math
 import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from auv_bringup.compose import NodeSpec, node_specs
+from setproctitle import setproctitle, setthreadtitle
+
+from auv_bringup.compose import compile_ahead, node_specs
+from auv_bringup.layout import ProcessSpec, process_specs
 from auv_bringup.node_start import (
+    CONTAINER_MODULE,
+    Part,
+    adopt,
     command_line,
     log_name,
     node_environment,
-    write_params_file,
+    parts_of,
 )
-from auv_bringup.processes import ChildProcesses, Interrupts, last_lines
+from auv_bringup.processes import ChildProcesses, Interrupts, last_lines, threads_allow_fork
 from auv_bringup.progress import Progress
 from auv_bringup.results import BAG, LOGS
 from auv_bringup.scenario import Scenario
@@ -61,6 +73,7 @@ def fly(
     scenario: Scenario,
     *,
     mode: str,
+    layout: str,
     results_dir: Path,
     with_bag: bool,
     domain_id: int,
@@ -77,6 +90,8 @@ def fly(
         Resolved, sampled scenario.
     mode : str
         'lockstep' or 'realtime'.
+    layout : str
+        Which nodes share a process, one of `layout.LAYOUTS`.
     results_dir : Path
         The run's folder, which gets `bag/` and `logs/`.
     with_bag : bool
@@ -90,10 +105,12 @@ def fly(
 
     """
     bag_dir = results_dir / BAG if with_bag else None
-    specs = node_specs(scenario, mode=mode, bag_dir=bag_dir)
+    nodes = node_specs(scenario, mode=mode, bag_dir=bag_dir)
     environ = node_environment(os.environ, domain_id=domain_id, discovery=discovery)
+    if threads_allow_fork():
+        compile_ahead(scenario, progress.message)
     return fly_nodes(
-        specs,
+        process_specs(nodes, layout),
         on_vehicle_loss=scenario.on_vehicle_loss,
         logs_dir=results_dir / LOGS,
         environ=environ,
@@ -102,30 +119,39 @@ def fly(
     )
 
 
+def start_process(
+    children: ChildProcesses, process: ProcessSpec, parts: Sequence[Part], log: Path, environ: dict[str, str]
+) -> None:
+    """Start a process of nodes, by a fork where that can be."""
+    if threads_allow_fork():
+        children.fork(process.name, partial(_run_nodes, process.name, parts, environ), log=log)
+    else:
+        children.start(process.name, command_line(parts), log=log, environ=environ)
+
+
 def fly_nodes(
-    specs: Sequence[NodeSpec],
+    processes: Sequence[ProcessSpec],
     *,
     on_vehicle_loss: str,
     logs_dir: Path,
     environ: dict[str, str],
     interrupts: Interrupts,
     progress: Progress,
-    arguments: Callable[[NodeSpec, Path], list[str]] = command_line,
+    start: Callable[
+        [ChildProcesses, ProcessSpec, Sequence[Part], Path, dict[str, str]], None
+    ] = start_process,
 ) -> Flight:
-    """Start nodes, watch them until the flight is over, end them; `arguments` makes their command lines."""
+    """Start processes of nodes, watch them until the flight is over, end them; `start` starts one."""
     params_dir = logs_dir / "params"
     params_dir.mkdir(parents=True, exist_ok=True)
     start_s = time.monotonic()
+    _import_nodes(processes)
     with ChildProcesses() as children:
-        for spec in specs:
-            children.start(
-                spec.name,
-                arguments(spec, write_params_file(spec, params_dir)),
-                log=logs_dir / f"{log_name(spec)}.log",
-                environ=environ,
-            )
-        supervisor = Supervisor(specs, on_vehicle_loss=on_vehicle_loss)
-        # rclpy comes after the children are started: it brings threads, and forking is for processes without.
+        for process in processes:
+            log = logs_dir / f"{log_name(process.name)}.log"
+            start(children, process, parts_of(process, params_dir), log, environ)
+        supervisor = Supervisor(processes, on_vehicle_loss=on_vehicle_loss)
+        # A node of its own comes after the children are started: it brings threads, and a fork loses them.
         with StatusListener(environ) as listener:
             start_up_s = _watch(supervisor, children, listener, interrupts, progress, start_s)
             was_interrupted = interrupts.count > 0 and not supervisor.is_over
@@ -133,8 +159,27 @@ def fly_nodes(
                 progress.message("ending the run; press Ctrl-C again to hurry it")
             elif supervisor.reason:
                 progress.message(f"{supervisor.reason}: ending the run")
-            bag_is_closed = _end_in_order(specs, children, interrupts, progress)
+            bag_is_closed = _end_in_order(processes, children, interrupts, progress)
     return _flight(supervisor, was_interrupted, bag_is_closed, start_up_s)
+
+
+def _import_nodes(processes: Sequence[ProcessSpec]) -> None:
+    """Import once what the processes to be forked need; their memory is then shared, too."""
+    for module in sorted({node.module for process in processes for node in process.nodes}):
+        import_module(module)
+    import_module(CONTAINER_MODULE)
+    gc.collect()
+    gc.freeze()
+
+
+def _run_nodes(name: str, parts: Sequence[Part], environ: dict[str, str]) -> int:
+    """Be a process of nodes."""
+    from auv_bringup.nodes.node_container import run
+
+    setproctitle(" ".join(command_line(parts)))  # finds its place by the environment: before that changes
+    setthreadtitle(log_name(name))
+    adopt(environ)
+    return run(parts)
 
 
 def _watch(
@@ -171,11 +216,11 @@ def _watch(
 
 
 def _end_in_order(
-    specs: Sequence[NodeSpec], children: ChildProcesses, interrupts: Interrupts, progress: Progress
+    processes: Sequence[ProcessSpec], children: ChildProcesses, interrupts: Interrupts, progress: Progress
 ) -> bool:
     """End all nodes, the recorder last; return whether every recorder closed its bag."""
-    first = [spec.name for spec in specs if spec.role != "recorder"]
-    recorders = [spec.name for spec in specs if spec.role == "recorder"]
+    first = [process.name for process in processes if not process.records]
+    recorders = [process.name for process in processes if process.records]
     exits = children.end(first, is_hurried=lambda: interrupts.is_hurried)
     recorder_exits = children.end(
         recorders, grace_s=RECORDER_GRACE_S, is_hurried=lambda: interrupts.is_hurried
@@ -213,7 +258,7 @@ class StatusListener:
         self._heard: list[Status] = []
 
     def __enter__(self) -> StatusListener:
-        _adopt(self._environ)
+        adopt(self._environ)
         import rclpy
         from rclpy.executors import SingleThreadedExecutor
         from rclpy.signals import SignalHandlerOptions
@@ -256,10 +301,3 @@ class StatusListener:
                 detail=message.detail,
             )
         )
-
-
-def _adopt(environ: dict[str, str]) -> None:
-    """Give this process the environment of the nodes: DDS reads it when the first participant is made."""
-    for name in set(os.environ) - set(environ):
-        del os.environ[name]
-    os.environ.update(environ)

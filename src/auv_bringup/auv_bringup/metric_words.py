@@ -111,6 +111,11 @@ def _meaning_of_name(key: str) -> Meaning:
     return Meaning(unit, key.replace("_", " "), 4)
 
 
+def is_share(key: str) -> bool:
+    """Tell whether a metric lies between 0 and 1 whatever happens."""
+    return key.endswith("_ratio") and key in MEANINGS and key != "acoustic_load_ratio"
+
+
 def value_text(value: Any, digits: int) -> str:
     """Return a metric as text; a dash for what does not exist."""
     if value is None:

@@ -1,5 +1,5 @@
 """
-How a node process is started: its command line, its parameters file, its environment.
+How a process of nodes is started: its command line, its parameters files, its environment.
 
 The launcher and the launch file both use this, so that a node gets the same from either. No ROS is imported
 here.
@@ -8,33 +8,65 @@ here.
 from __future__ import annotations
 
 import json
+import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, MutableMapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from auv_bringup.compose import NodeSpec
+    from auv_bringup.layout import ProcessSpec
+
+# One vehicle's matrices are small: threads of the linear algebra would only fight over the cores.
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+CONTAINER_MODULE = "auv_bringup.nodes.node_container"
 
 
-def command_line(spec: NodeSpec, params_file: Path) -> list[str]:
-    """Return the command that starts a node with the Python that runs this."""
-    namespace = [] if spec.namespace == "/" else ["-r", f"__ns:={spec.namespace}"]
-    # The log of a node is what it prints; ROS keeps a second one elsewhere unless told not to.
-    ros_arguments = ["--disable-external-lib-logs", *namespace, "--params-file", str(params_file)]
-    return [sys.executable, "-m", spec.module, "--ros-args", *ros_arguments]
+@dataclass(frozen=True)
+class Part:
+    """One module of nodes, with the namespace and the parameters file of its nodes."""
+
+    module: str
+    namespace: str
+    params_file: str
 
 
-def log_name(spec: NodeSpec) -> str:
-    """Return a node's file name without suffix: auv_1.agent_node for /auv_1/agent_node."""
-    return spec.name.strip("/").replace("/", ".")
+def parts_of(process: ProcessSpec, params_dir: Path) -> list[Part]:
+    """Write the parameters of the nodes of a process; return what its container is told."""
+    return [
+        Part(node.module, node.namespace, str(write_params_file(node, params_dir))) for node in process.nodes
+    ]
+
+
+def container_arguments(parts: Sequence[Part]) -> list[str]:
+    """Return the arguments of a node container."""
+    return [word for part in parts for word in ("--node", part.module, part.namespace, part.params_file)]
+
+
+def command_line(parts: Sequence[Part]) -> list[str]:
+    """Return the command that starts a process with the Python that runs this."""
+    return [sys.executable, "-m", CONTAINER_MODULE, *container_arguments(parts)]
+
+
+def log_name(name: str) -> str:
+    """Return the file name without suffix of a node or process: auv_1.agent_node for /auv_1/agent_node."""
+    return name.strip("/").replace("/", ".")
+
+
+def adopt(environ: Mapping[str, str], own: MutableMapping[str, str] = os.environ) -> None:
+    """Give this process another environment; DDS reads it when the first participant is made."""
+    for name in set(own) - set(environ):
+        del own[name]
+    own.update(environ)
 
 
 def write_params_file(spec: NodeSpec, folder: Path) -> Path:
     """Write the parameters of a node as ROS 2 reads them, and return the file."""
     # The relay's process holds two nodes, relay and clock: what it is given is for both.
     key = "/**" if spec.role == "relay" else spec.name
-    path = folder / f"{log_name(spec)}.yaml"
+    path = folder / f"{log_name(spec.name)}.yaml"
     # JSON is YAML with every word in quotes: without them ROS reads a vehicle called `y` as true.
     path.write_text(json.dumps({key: {"ros__parameters": spec.params}}, indent=2) + "\n", encoding="utf-8")
     return path
@@ -65,10 +97,7 @@ def node_environment(environ: Mapping[str, str], *, domain_id: int, discovery: s
         ROS_AUTOMATIC_DISCOVERY_RANGE=discovery.upper(),
         PYTHONUNBUFFERED="1",
         RCUTILS_COLORIZED_OUTPUT="0",
-        # One vehicle's matrices are small: threads of the linear algebra would only fight over the cores.
-        OMP_NUM_THREADS="1",
-        OPENBLAS_NUM_THREADS="1",
-        MKL_NUM_THREADS="1",
+        **ONE_THREAD,
     )
     if not ("FASTRTPS_DEFAULT_PROFILES_FILE" in environ or "FASTDDS_DEFAULT_PROFILES_FILE" in environ):
         result["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(config_file("fastdds.xml"))

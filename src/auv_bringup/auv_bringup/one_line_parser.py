@@ -10,6 +10,8 @@ from auv_core.params import shown
 
 BAD_ARGUMENTS = 2
 """Exit status of a command whose arguments are not allowed."""
+MOST_WORKERS = 256
+"""Most processes that a command starts on this machine."""
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -23,6 +25,18 @@ class OneLineParser(argparse.ArgumentParser):
 def refusal(text: str, allowed: str) -> argparse.ArgumentTypeError:
     """Return what an argument's type function raises: the value that was given, and what is allowed."""
     return argparse.ArgumentTypeError(f"{shown(text)} is not allowed; allowed: {allowed}")
+
+
+def whole_number(text: str, most: int) -> int:
+    """Return a whole number from 1 to `most`; for the type function of an argument."""
+    allowed = f"a whole number from 1 to {most}"
+    try:
+        value = int(text)
+    except ValueError:
+        raise refusal(text, allowed) from None
+    if not 1 <= value <= most:
+        raise refusal(text, allowed)
+    return value
 
 
 def fail(status: int, line: str) -> int:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from auv_bringup import results
+from auv_bringup.layout import check_layout
 from auv_core.params import ConfigError
 
 if TYPE_CHECKING:
@@ -28,12 +29,14 @@ class Plan:
     """
     A validated run.
 
+    `layout` says which nodes share a process; it is no part of the scenario, since no number depends on it.
     `overrides` and `duration_s` are what the user asked for on top of the scenario's file; `is_switched`
     tells that a continuous scenario is flown sampled, since nodes can only sample.
     """
 
     scenario: Scenario
     mode: str
+    layout: str
     overrides: tuple[str, ...]
     duration_s: float | None
     is_switched: bool
@@ -49,6 +52,7 @@ def make_plan(
     name_or_path: str,
     *,
     mode: str | None = None,
+    layout: str | None = None,
     seed: int | None = None,
     overrides: Sequence[str] = (),
     duration_s: float | None = None,
@@ -62,6 +66,8 @@ def make_plan(
         Scenario, as `load_scenario` takes it.
     mode : str, optional
         One of `MODES`; by default lockstep, and inprocess for a continuous scenario.
+    layout : str, optional
+        One of `layout.LAYOUTS`, for a mode with nodes.
     seed, overrides, duration_s
         As `load_scenario` takes them.
 
@@ -82,7 +88,8 @@ def make_plan(
     if is_switched:
         sampled = [*overrides, "sampling=sampled"]
         scenario = load_scenario(name_or_path, overrides=sampled, seed=seed, duration_s=duration_s)
-    return Plan(scenario, mode, tuple(overrides), duration_s, is_switched)
+    layout = check_layout(layout, mode=mode, on_vehicle_loss=scenario.on_vehicle_loss)
+    return Plan(scenario, mode, layout, tuple(overrides), duration_s, is_switched)
 
 
 def start_results(plan: Plan, parent: Path) -> Path:
@@ -93,6 +100,8 @@ def start_results(plan: Plan, parent: Path) -> Path:
     record = results.provenance(
         plan.scenario, mode=plan.mode, overrides=plan.overrides, duration_s=plan.duration_s
     )
+    if plan.mode in ROS_MODES:
+        record["layout"] = plan.layout
     folder = results.make_results_dir(parent, plan.name)
     (folder / results.LOGS).mkdir()
     (folder / results.SCENARIO_FILE).write_text(text, encoding="utf-8")

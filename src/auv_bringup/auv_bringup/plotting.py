@@ -194,14 +194,16 @@ def two_sigma_handle() -> Any:
     return Patch(facecolor="0.78", linewidth=0.0)
 
 
-def legend_below(canvas: Canvas, handles: list[Any], labels: list[str] | None = None) -> None:
+def legend_below(
+    canvas: Canvas, handles: list[Any], labels: list[str] | None = None, *, columns: int = 4
+) -> None:
     """Put a legend below all axes of a figure; labels default to those of the handles."""
     if not handles:
         return
     names = labels if labels is not None else [str(handle.get_label()) for handle in handles]
-    columns = min(len(names), 4)
     is_free = canvas.get_layout_engine() is None
-    canvas.legend(handles, names, loc="lower center" if is_free else "outside lower center", ncols=columns)
+    place = "lower center" if is_free else "outside lower center"
+    canvas.legend(handles, names, loc=place, ncols=min(len(names), columns))
 
 
 def wilson_interval(successes: NDArray[Any], trials: NDArray[Any]) -> tuple[FloatArray, FloatArray]:

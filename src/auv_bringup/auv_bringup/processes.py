@@ -9,16 +9,19 @@ here knows ROS.
 from __future__ import annotations
 
 import ctypes
+import multiprocessing
 import os
 import signal
 import subprocess
+import sys
+import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType, TracebackType
-from typing import Any
+from typing import Any, NoReturn
 
 SIGINT_GRACE_S = 6.0
 SIGTERM_GRACE_S = 2.0
@@ -44,11 +47,24 @@ class Exit:
         return f"exit status {self.returncode}"
 
 
+class _Fork(multiprocessing.get_context("fork").Process):  # type: ignore[misc]
+    """A forked child in the words of `subprocess.Popen`."""
+
+    def poll(self) -> int | None:
+        return self.exitcode
+
+    def wait(self, timeout: float) -> int:
+        self.join(timeout)
+        if self.exitcode is None:
+            raise subprocess.TimeoutExpired(self.name, timeout)
+        return int(self.exitcode)
+
+
 class ChildProcesses:
     """The children of this process, by name. A context manager: on leaving, whatever still runs is killed."""
 
     def __init__(self) -> None:
-        self._running: dict[str, subprocess.Popen[bytes]] = {}
+        self._running: dict[str, subprocess.Popen[bytes] | _Fork] = {}
         self._logs: dict[str, Path] = {}
 
     def start(self, name: str, arguments: Sequence[str], *, log: Path, environ: Mapping[str, str]) -> None:
@@ -63,6 +79,17 @@ class ChildProcesses:
                 start_new_session=True,
                 preexec_fn=_child_setup(os.getpid()),
             )
+        self._logs[name] = log
+
+    def fork(self, name: str, run: Callable[[], int], *, log: Path) -> None:
+        """
+        Start a child that has imported already what this process has; `run` gives its exit status.
+
+        This process must have no threads that could hold a lock, see `threads_allow_fork`.
+        """
+        process = _Fork(target=_run_forked, args=(run, os.getpid(), log), name=name)
+        process.start()
+        self._running[name] = process
         self._logs[name] = log
 
     @property
@@ -138,8 +165,8 @@ class ChildProcesses:
         for name in names:
             process = self._running.get(name)
             # A child that was not reaped keeps its process id, so the group cannot be somebody else's.
-            if process is not None and process.poll() is None:
-                os.killpg(process.pid, number)
+            if process is not None and process.poll() is None and process.pid is not None:
+                _signal_group(process.pid, number)
 
     def _wait(self, names: Iterable[str], grace_s: float, is_hurried: Callable[[], bool]) -> list[Exit]:
         """Wait until the children have ended, at most `grace_s`; return those that did."""
@@ -196,6 +223,24 @@ class Interrupts:
         self.count += 1
 
 
+def threads_allow_fork() -> bool:
+    """Return whether this process has no Python thread but this one: a fork would lose the others."""
+    return threading.active_count() == 1
+
+
+def _run_forked(run: Callable[[], int], parent_pid: int, log: Path) -> NoReturn:
+    """Be a child: a session of its own, output to its log, this process's death its own."""
+    os.setsid()
+    _child_setup(parent_pid)()
+    with log.open("ab", buffering=0) as output, Path(os.devnull).open("rb") as nothing:
+        os.dup2(nothing.fileno(), 0)
+        os.dup2(output.fileno(), 1)
+        os.dup2(output.fileno(), 2)
+    sys.stdout = os.fdopen(1, "w", buffering=1)
+    sys.stderr = os.fdopen(2, "w", buffering=1)
+    raise SystemExit(run())
+
+
 def signal_name(number: int) -> str:
     """Return 'SIGKILL' for 9, and so on."""
     try:
@@ -214,6 +259,14 @@ def last_lines(log: Path, count: int = 5, most_bytes: int = 8192) -> list[str]:
     except OSError:
         return []
     return list(deque((line.rstrip() for line in text.splitlines() if line.strip()), maxlen=count))
+
+
+def _signal_group(pid: int, number: signal.Signals) -> None:
+    """Signal a child and what it has started; a fork that has no session yet gets it alone."""
+    try:
+        os.killpg(pid, number)
+    except ProcessLookupError:
+        os.kill(pid, number)
 
 
 def _child_setup(parent_pid: int) -> Callable[[], None]:

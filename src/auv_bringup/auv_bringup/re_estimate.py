@@ -17,8 +17,9 @@ from numpy.typing import ArrayLike
 from auv_bringup.bag import Bag
 from auv_bringup.bag_writer import BagError
 from auv_core.messages import SonarContact, VehicleState, is_usable
+from auv_flocking.estimates import NeighbourEstimate
 from auv_flocking.neighbour_filter import with_rounding
-from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable, is_plausible
+from auv_flocking.neighbours import NeighbourConfig, NeighbourTable, is_plausible
 from auv_flocking.report import ReportError
 
 TOLERANCE = 1e-9
@@ -98,7 +99,7 @@ class _Repeat:
     address: int
     fleet_size: int
 
-    def estimates(self, t_s: float, inbox: Any, nav: VehicleState) -> list[NeighbourEstimate]:
+    def estimates(self, t_s: float, inbox: Any, nav: VehicleState) -> Sequence[NeighbourEstimate]:
         """Return the estimates of one tick, as `auv_flocking.agent.Agent.step` makes them."""
         for reception in inbox.receptions:
             try:

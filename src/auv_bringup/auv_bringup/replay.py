@@ -122,6 +122,7 @@ def _re_estimate(bag: Bag) -> int:
     """Run the filters again and report the differences."""
     from auv_bringup.re_estimate import re_estimate
     from auv_bringup.scenario import load_scenario
+    from auv_core.compiled import use_compiler
     from auv_flocking.agent import make_consensus, make_format
 
     scenario_file = bag.folder.parent / "scenario.yaml"
@@ -131,6 +132,7 @@ def _re_estimate(bag: Bag) -> int:
     vehicle_ids = [vehicle.id for vehicle in scenario.vehicles]
     settings = scenario.agent
     report_format = make_format(settings.report, make_consensus(settings.consensus, len(vehicle_ids)))
+    use_compiler(print)
     result = re_estimate(bag, vehicle_ids, settings.neighbours, report_format, scenario.period_s)
     _report_comparison(result, len(vehicle_ids))
     return EXIT_DONE if result.agrees else EXIT_DIFFERENT

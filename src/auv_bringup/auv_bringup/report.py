@@ -33,7 +33,7 @@ REPORT_FILE = "report.html"
 
 _CLOSE_LIMIT_M = 4.0
 _CONSISTENT_SHARE = (0.90, 0.985)
-_SHOWN_PACKAGES = ("numpy", "scipy", "filterpy", "matplotlib", "mcap", "rosbags", "ros-jazzy-rclpy")
+_SHOWN_PACKAGES = ("numpy", "scipy", "numba", "matplotlib", "mcap", "rosbags", "ros-jazzy-rclpy")
 
 
 # Continuous-time solution of the same equations (RK4, 0.01 s, 650 s) and, where printed, the thesis's value.

@@ -106,6 +106,17 @@ def make_results_dir(parent: Path, name: str) -> Path:
         raise ResultsError(f"--out {str(parent)!r}: cannot be written ({error.strerror or error})") from None
 
 
+def make_folder(folder: Path) -> None:
+    """Make the folder that `--out` names, if it is not there; raise ResultsError if it cannot be written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".writable"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise ResultsError(f"--out {str(folder)!r}: cannot be written ({error.strerror or error})") from None
+
+
 def provenance(
     scenario: Scenario, *, mode: str, overrides: Sequence[str] = (), duration_s: float | None = None
 ) -> dict[str, Any]:

@@ -8,8 +8,9 @@ files of ``auv_bringup/scenarios``; a new file there is a new scenario.
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -264,6 +265,40 @@ def load_scenario(
         With one line for the user.
 
     """
+    return _with_starts(_undrawn(name_or_path, overrides, seed=seed, duration_s=duration_s))
+
+
+def load_for_seeds(
+    name_or_path: str, *, overrides: Sequence[str] = (), seeds: Iterable[int]
+) -> Iterator[Scenario]:
+    """
+    Yield what `load_scenario` returns for each of the seeds; the file is read once.
+
+    Raises
+    ------
+    ConfigError
+        With one line for the user; seeds are taken to be allowed.
+
+    """
+    undrawn = _undrawn(name_or_path, overrides)
+    for seed in seeds:
+        yield _with_starts(replace(undrawn, seed=seed))
+
+
+def scenario_to_json(scenario: Scenario) -> str:
+    """Return the scenario as JSON on one line, from which `scenario_from_json` makes an equal one."""
+    return json.dumps(dump(scenario), allow_nan=False)
+
+
+def scenario_from_json(text: str) -> Scenario:
+    """Return what `scenario_to_json` was given; raise ConfigError where its plugins are not here."""
+    return load(Scenario, json.loads(text), "scenario")
+
+
+def _undrawn(
+    name_or_path: str, overrides: Sequence[str], *, seed: int | None = None, duration_s: float | None = None
+) -> Scenario:
+    """Return the scenario with its random starts yet to be drawn."""
     raw = read_raw(find_file(name_or_path))
     for text in overrides:
         override(raw, text)
@@ -271,8 +306,7 @@ def load_scenario(
         raw["seed"] = seed
     if duration_s is not None:
         raw["duration_s"] = duration_s
-    scenario = load(Scenario, with_presets(raw), "scenario")
-    return _with_starts(scenario)
+    return load(Scenario, with_presets(raw), "scenario")
 
 
 def list_scenarios() -> list[tuple[str, str]]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import copy
 import re
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -89,6 +90,12 @@ def to_yaml(plain: Any) -> str:
 
 
 def _parse_yaml(text: str, where: str) -> Any:
+    """Return what a text says; presets and overrides of many runs are the same few texts."""
+    return copy.deepcopy(_parsed(text, where))
+
+
+@lru_cache(maxsize=128)
+def _parsed(text: str, where: str) -> Any:
     try:
         return yaml.load(text, Loader=_StrictYaml)  # noqa: S506 (a SafeLoader)
     except yaml.MarkedYAMLError as error:
@@ -103,9 +110,14 @@ def _parse_yaml(text: str, where: str) -> Any:
         raise ConfigError(f"{where}: not YAML: a value that does not fit its type") from None
 
 
-def find_file(name_or_path: str) -> Path:
+def is_path(name_or_path: str) -> bool:
+    """Tell a path, which has a slash or ends in .yaml or .yml, from the name of a built-in file."""
+    return "/" in name_or_path or name_or_path.endswith((".yaml", ".yml"))
+
+
+def find_file(name_or_path: str, *, folder: Path = SCENARIOS_DIR, what: str = "scenario") -> Path:
     """
-    Return the file of a scenario: a path, or the name of a built-in one.
+    Return the file of a scenario or a study: a path, or the name of a built-in one, which is in `folder`.
 
     Raises
     ------
@@ -113,18 +125,18 @@ def find_file(name_or_path: str) -> Path:
         For a name that is not built in.
 
     """
-    if "/" in name_or_path or name_or_path.endswith((".yaml", ".yml")):
+    if is_path(name_or_path):
         return Path(name_or_path)
-    path = SCENARIOS_DIR / f"{name_or_path}.yaml"
+    path = folder / f"{name_or_path}.yaml"
     if not ID.match(name_or_path) or not path.is_file():
-        names = ", ".join(sorted(p.stem for p in SCENARIOS_DIR.glob("*.yaml")))
+        names = ", ".join(sorted(p.stem for p in folder.glob("*.yaml")))
         raise ConfigError(
-            f"scenario: {name_or_path!r} is not allowed; allowed: {names}, or the path of a .yaml file"
+            f"{what}: {name_or_path!r} is not allowed; allowed: {names}, or the path of a .yaml file"
         )
     return path
 
 
-def read_raw(path: Path) -> dict[str, Any]:
+def read_raw(path: Path, what: str = "scenario") -> dict[str, Any]:
     """
     Return the mapping in a YAML file.
 
@@ -139,11 +151,11 @@ def read_raw(path: Path) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "not UTF-8 text"
         raise ConfigError(
-            f"scenario: {str(path)!r} cannot be read ({reason}); allowed: a readable YAML file"
+            f"{what}: {str(path)!r} cannot be read ({reason}); allowed: a readable YAML file"
         ) from None
-    raw = _parse_yaml(text, "scenario")
+    raw = _parse_yaml(text, what)
     if not isinstance(raw, dict):
-        raise ConfigError(f"scenario: {shown(raw)} is not allowed; allowed: a mapping of scenario keys")
+        raise ConfigError(f"{what}: {shown(raw)} is not allowed; allowed: a mapping of {what} keys")
     return raw
 
 

@@ -5,8 +5,9 @@ Fed with what the launcher sees (processes that ended, status messages of the cl
 decides and keeps what to tell the user. It starts nothing, ends nothing and knows no ROS, so every case is
 tested without a process.
 
-The rules: losing a vehicle (its vehicle_node or agent_node) stops the flight or takes that vehicle out of
-it, as the scenario says; losing relay, clock or recorder always stops it.
+The rules: losing a vehicle (a process of its vehicle_node or agent_node) stops the flight or takes that
+vehicle out of it, as the scenario says; losing relay, clock or recorder always stops it, and so does losing
+the process that holds all nodes.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from auv_bringup.compose import NodeSpec
+from auv_bringup.layout import ProcessSpec
 from auv_bringup.processes import Exit
 
 NO_STATUS_S = 60.0
@@ -64,8 +65,9 @@ class Supervisor:
 
     """
 
-    def __init__(self, specs: Sequence[NodeSpec], *, on_vehicle_loss: str) -> None:
-        self._specs = {spec.name: spec for spec in specs}
+    def __init__(self, processes: Sequence[ProcessSpec], *, on_vehicle_loss: str) -> None:
+        self._processes = {process.name: process for process in processes}
+        self._process_of = {node.name: process for process in processes for node in process.nodes}
         self._goes_on = on_vehicle_loss == "continue"
         self._stopwatch = _Stopwatch()
         self._messages: list[str] = []
@@ -128,15 +130,18 @@ class Supervisor:
 
     def process_ended(self, exit_: Exit, log_lines: Sequence[str], log: str) -> None:
         """Take the end of a process, with the last lines and the path of its log."""
-        spec = self._specs[exit_.name]
-        if spec.vehicle_id in self.lost_vehicles or (self.is_finished and exit_.returncode == 0):
+        process = self._processes[exit_.name]
+        if process.vehicle_id in self.lost_vehicles or (self.is_finished and exit_.returncode == 0):
             return
-        if spec.role == "relay" and exit_.returncode == 0 and self._relay_exit is None:
+        if process.role == "relay" and exit_.returncode == 0 and self._relay_exit is None:
             self._relay_exit = exit_
             return
         self._messages.append(f"{exit_.name} has ended early: {exit_.words}; its log is {log}")
         self._messages += [f"    {line}" for line in log_lines]
-        self._lose(spec, f"{exit_.name} has ended early ({exit_.words})")
+        why = f"{exit_.name} has ended early ({exit_.words})"
+        if len(process.nodes) > 1 and log_lines:
+            why += f": {log_lines[-1]}"  # it names the node
+        self._lose(process, why)
 
     def time_passed(self, awake_s: float) -> None:
         """Let `awake_s` of wall time pass in which a status could have been seen (s)."""
@@ -179,12 +184,12 @@ class Supervisor:
             self._stop(f"{_listed(status.waiting_for)} stopped answering")
 
     def _is_vital(self, name: str) -> bool:
-        spec = self._specs.get(name)
-        return spec is None or not spec.vehicle_id
+        process = self._process_of.get(name)
+        return process is None or not process.vehicle_id
 
-    def _lose(self, spec: NodeSpec, why: str) -> None:
-        if spec.vehicle_id and self._goes_on:
-            self._lose_vehicle(spec.vehicle_id, why)
+    def _lose(self, process: ProcessSpec, why: str) -> None:
+        if process.vehicle_id and self._goes_on:
+            self._lose_vehicle(process.vehicle_id, why)
         else:
             self._stop(why)
 
@@ -192,7 +197,9 @@ class Supervisor:
         if vehicle_id in self.lost_vehicles:
             return
         self.lost_vehicles.append(vehicle_id)
-        self._to_end += [name for name, spec in self._specs.items() if spec.vehicle_id == vehicle_id]
+        self._to_end += [
+            name for name, process in self._processes.items() if process.vehicle_id == vehicle_id
+        ]
         self._messages.append(
             f"{why}: {vehicle_id} is lost at {self.simulated_s:.1f} s; the flight goes on without it"
         )

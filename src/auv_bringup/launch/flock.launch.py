@@ -3,6 +3,7 @@ Fly a scenario with `ros2 launch`: the nodes of `./scripts/run`, started the ROS
 
     ros2 launch auv_bringup flock.launch.py
     ros2 launch auv_bringup flock.launch.py scenario:=flock_acoustic seed:=7 mode:=realtime
+    ros2 launch auv_bringup flock.launch.py layout:=vehicle
     ros2 launch auv_bringup flock.launch.py set:='acoustics.outage.params.loss_prob=0.5; duration_s=60'
 
 It takes a ROS domain as `./scripts/run` does: $ROS_DOMAIN_ID, or the next that no other run holds.
@@ -32,7 +33,14 @@ from launch_ros.actions import Node
 from auv_bringup import results
 from auv_bringup.compose import NodeSpec, node_specs
 from auv_bringup.domains import DomainClaim, claim_domain
-from auv_bringup.node_start import export_line, node_environment, write_params_file
+from auv_bringup.layout import DEFAULT_LAYOUT, LAYOUTS, ProcessSpec, process_specs
+from auv_bringup.node_start import (
+    container_arguments,
+    export_line,
+    node_environment,
+    parts_of,
+    write_params_file,
+)
 from auv_bringup.plan import DEFAULT_SCENARIO, ROS_MODES, make_plan, start_results
 from auv_core.params import ConfigError
 
@@ -50,6 +58,12 @@ def generate_launch_description() -> LaunchDescription:
             ),
             DeclareLaunchArgument(
                 "mode", default_value="lockstep", choices=list(ROS_MODES), description="how time passes"
+            ),
+            DeclareLaunchArgument(
+                "layout",
+                default_value=DEFAULT_LAYOUT,
+                choices=list(LAYOUTS),
+                description="which nodes share a process",
             ),
             DeclareLaunchArgument("seed", default_value="", description="seed; empty: the scenario's"),
             DeclareLaunchArgument(
@@ -74,11 +88,12 @@ def start_flight(context: LaunchContext) -> list[Action]:
     """Return the actions that start, watch and end a flight."""
     given = {
         name: LaunchConfiguration(name).perform(context).strip()
-        for name in ("scenario", "mode", "seed", "set", "bag", "out", "discovery")
+        for name in ("scenario", "mode", "layout", "seed", "set", "bag", "out", "discovery")
     }
     plan = make_plan(
         given["scenario"],
         mode=given["mode"],
+        layout=given["layout"],
         seed=seed_of(given["seed"]),
         overrides=[part.strip() for part in given["set"].split(";") if part.strip()],
     )
@@ -92,14 +107,14 @@ def start_flight(context: LaunchContext) -> list[Action]:
         mode=plan.mode,
         bag_dir=folder / results.BAG if given["bag"] == "true" else None,
     )
-    actions = {spec.role: [] for spec in specs}
-    for spec in specs:
-        actions[spec.role].append(node_action(spec, write_params_file(spec, params_dir)))
+    actions = {role: [] for role in ("relay", "vehicle", "agent", "recorder")}
+    for process in process_specs(specs, plan.layout):
+        actions[process.role].append(process_action(process, params_dir))
     nodes = [action for group in actions.values() for action in group]
     ending = Ending(
         relays=actions["relay"],
         others=[*actions["vehicle"], *actions["agent"]],
-        recorders=actions.get("recorder", []),
+        recorders=actions["recorder"],
     )
     return [
         LogInfo(msg=f"{plan.scenario.name}: {plan.scenario.title}; results go to {folder}"),
@@ -139,6 +154,19 @@ def environment_actions(domain_id: int, discovery: str) -> list[Action]:
         *(UnsetEnvironmentVariable(name) for name in unwanted),
         *(SetEnvironmentVariable(name, wanted[name]) for name in changed),
     ]
+
+
+def process_action(process: ProcessSpec, params_dir: Path) -> Node:
+    """Return the action that starts a process: a node by itself, or a container of several."""
+    if len(process.nodes) == 1:
+        return node_action(process.nodes[0], write_params_file(process.nodes[0], params_dir))
+    return Node(
+        package="auv_bringup",
+        executable="node_container",
+        arguments=container_arguments(parts_of(process, params_dir)),
+        output="screen",
+        **({"sigterm_timeout": RECORDER_GRACE_S} if process.records else {}),
+    )
 
 
 def node_action(spec: NodeSpec, params_file: Path) -> Node:

@@ -77,6 +77,11 @@ def test_help_names_every_option_and_exit_status(capsys):
         (["--duration", "0"], "duration"),
         (["--duration", "nan"], "duration"),
         (["--duration", "0.05"], "duration"),
+        (["--layout", "single", "--mode", "inprocess"], "inprocess"),
+        (
+            ["--layout", "single", "--mode", "lockstep", "--set", "on_vehicle_loss=continue"],
+            "on_vehicle_loss",
+        ),
     ],
 )
 def test_bad_input_is_one_line_status_2_and_no_folder(tmp_path, capsys, arguments, word):
@@ -93,6 +98,7 @@ def test_bad_input_is_one_line_status_2_and_no_folder(tmp_path, capsys, argument
     "arguments",
     [
         ["--mode", "fast"],
+        ["--layout", "pair"],
         ["--seed", "x"],
         ["--duration", "x"],
         ["--nonesuch"],

@@ -111,7 +111,7 @@ def start(launch_file, claims, tmp_path):
 
 def test_the_arguments_have_defaults_and_descriptions(launch_file):
     declared, _ = arguments_of(launch_file.generate_launch_description())
-    assert set(declared) == {"scenario", "mode", "seed", "set", "bag", "out", "discovery"}
+    assert set(declared) == {"scenario", "mode", "layout", "seed", "set", "bag", "out", "discovery"}
     assert declared["scenario"]["default_value"] == "flock_acoustic"
     assert declared["mode"]["choices"] == ["lockstep", "realtime"]
     for options in declared.values():
@@ -146,6 +146,21 @@ def test_every_node_gets_its_parameters(start):
         assert content["ros__parameters"]
 
 
+@pytest.mark.parametrize(("layout", "sizes"), [("vehicle", [2, 2, 2, 2]), ("single", [10])])
+def test_nodes_that_share_a_process_are_in_a_container(start, layout, sizes):
+    nodes = of_kind(start(layout=layout), "Node")
+    containers = [node for node in nodes if node.options["executable"] == "node_container"]
+    words = [container.options["arguments"] for container in containers]
+    assert [each.count("--node") for each in words] == sizes
+    modules = [word for each in words for word in each[1::4]]
+    assert modules.count("auv_flocking.nodes.agent_node") == 4
+    for path in (word for each in words for word in each[3::4]):
+        assert "ros__parameters" in Path(path).read_text()
+    with_time = [node for node in nodes if node.options.get("sigterm_timeout") == "30"]
+    assert len(with_time) == 1
+    assert (with_time[0] in containers) == (layout == "single")
+
+
 def test_overrides_are_separated_by_semicolons(start, tmp_path):
     start(set="acoustics.outage.params.loss_prob=0.5; duration_s=20")
     (folder,) = (tmp_path / "results").iterdir()
@@ -158,7 +173,15 @@ def test_without_a_bag_there_is_no_recorder(start):
     assert "recorder_node" not in {n.options["executable"] for n in of_kind(start(bag="false"), "Node")}
 
 
-@pytest.mark.parametrize("given", [{"seed": "x"}, {"scenario": "nonesuch"}, {"set": "a=1"}])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"seed": "x"},
+        {"scenario": "nonesuch"},
+        {"set": "a=1"},
+        {"layout": "single", "set": "on_vehicle_loss=continue"},
+    ],
+)
 def test_bad_arguments_start_nothing_and_leave_no_folder(start, tmp_path, given):
     with pytest.raises(ValueError, match="allowed"):
         start(**given)
@@ -257,6 +280,11 @@ def test_the_end_of_a_vehicle_is_left_to_the_clock(start):
     for node in [*nodes["vehicle_node"], *nodes["agent_node"]]:
         assert ended(node) == []
     assert [kind(event) for event in ended(nodes["acoustic_relay_node"][0])] == ["Shutdown"]
+
+
+def test_the_end_of_the_process_of_all_nodes_ends_the_flight(start):
+    nodes, ended = flight(start(layout="single"))
+    assert [kind(event) for event in ended(nodes["node_container"][0])] == ["Shutdown"]
 
 
 def test_the_end_of_the_recorder_ends_the_flight(start):

@@ -5,6 +5,7 @@ import json
 import re
 import signal
 import types
+from functools import cache
 from html.parser import HTMLParser
 
 import pytest
@@ -59,7 +60,7 @@ FIGURES = (
     Figure("5.5", "track of <one> & all", (FOUR,), draw_track, "the thesis's & ours"),
     Figure("5.6", "two tracks", (FOUR, ONE), draw_track, "caption"),
 )
-TABLES = (Table("5.A", "distances", (FOUR, ONE), distances),)
+TABLES = (Table("5.A", "distances", (FOUR, ONE), distances, "asked <for>"),)
 CLAIMS = (
     Claim("5.8", "they fly", (ONE,), lambda runs: Verdict("holds", "they do")),
     Claim("5.8", "they are far apart", (FOUR,), judge_distance),
@@ -154,6 +155,10 @@ def test_what_chapters_say_is_escaped(made):
     assert "&lt;one&gt; &amp; all" in text
 
 
+def test_a_table_says_what_its_numbers_stand_beside(made):
+    assert "<th scope='col'>asked &lt;for&gt;</th>" in (made[1] / "index.html").read_text(encoding="utf-8")
+
+
 def test_the_summary_says_the_same_in_json(made):
     summary = json.loads((made[1] / "summary.json").read_text(encoding="utf-8"))
     assert summary["counts"]["claims"] == {"holds": 1, "holds in part": 0, "does not hold": 1}
@@ -181,6 +186,33 @@ def test_what_fails_is_told_and_touches_nothing_else(made, tmp_path, capfd):
     assert "in raise_in_two_lines" in (tmp_path / "failures.txt").read_text(encoding="utf-8")
     *_, last = capfd.readouterr().err.splitlines()
     assert last.startswith("error: 5 of its parts could not be made; see ")
+
+
+def test_items_of_one_file_without_runs_share_a_study_and_fail_alone(tmp_path):
+    studied = tmp_path / "studied"
+
+    @cache
+    def study():
+        with studied.open("a") as stream:
+            stream.write("once ")
+        return 2.0
+
+    def fail(_runs):
+        raise ValueError(f"{study()} is no verdict")
+
+    chapter = Chapter(
+        "study",
+        "Study",
+        (Figure("S.1", "line", (), lambda canvas, _runs: canvas.subplots().plot([study()]), "caption"),),
+        (Table("S.1", "rows", (), lambda _runs: [Row("two", "2", str(study()), "agrees")]),),
+        (Claim("S.1", "text", (), fail),),
+    )
+    assert cli.main(["--out", str(tmp_path / "page"), "--workers", "3"], [chapter]) == cli.FAILED
+    assert studied.read_text() == "once "
+    failures = (tmp_path / "page" / "failures.txt").read_text()
+    assert failures.count("== ") == 1
+    assert "== claim S.1" in failures
+    assert "ValueError: 2.0 is no verdict" in failures
 
 
 def test_list_flies_nothing(tmp_path, capsys, monkeypatch):

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from auv_bringup import experiment
+from auv_bringup import experiment, run_key
 from auv_bringup.recording import RecordingError
-from auv_bringup.reproduction import RunSpec, runner, store, workers
+from auv_bringup.reproduction import RunSpec, runner, workers
 from auv_bringup.reproduction.store import Store, plan_run
-from auv_bringup.reproduction.tally import Tally
+from auv_bringup.tally import Tally
 
 FOUR = RunSpec("ch5_four_leaders", ("dt_s=0.1",), 1.0)
 ONE = RunSpec("ch5_one_leader", ("dt_s=0.1",), 1.0)
@@ -78,7 +78,7 @@ def test_fresh_flies_everything_again(tmp_path, flights):
 
 def test_another_source_is_another_run(tmp_path, flights, monkeypatch):
     fly([FOUR], tmp_path)
-    monkeypatch.setattr(store, "source_version", lambda: "other")
+    monkeypatch.setattr(run_key, "source_version", lambda: "other")
     fly([FOUR], tmp_path)
     assert flights() == ["ch5_four_leaders 1"] * 2
     assert Store(tmp_path).forget_old() == 1
@@ -86,7 +86,7 @@ def test_another_source_is_another_run(tmp_path, flights, monkeypatch):
 
 
 def test_the_source_of_runs_is_what_they_import():
-    files = {"/".join(path.parts[-2:]) for path in store._source_files()}
+    files = {"/".join(path.parts[-2:]) for path in run_key._source_files()}
     assert files >= {
         "auv_bringup/experiment.py",
         "auv_bringup/metrics.py",
@@ -104,7 +104,7 @@ def test_plugins_from_elsewhere_belong_to_the_source(tmp_path, monkeypatch):
     for file in ("separation/gentle.py", "scenarios/mine.yaml", "reproduction/mine.py"):
         (tmp_path / file).parent.mkdir()
         (tmp_path / file).touch()
-    files = store._source_files()
+    files = run_key._source_files()
     assert {path for path in files if path.is_relative_to(tmp_path)} == {tmp_path / "separation/gentle.py"}
 
 

@@ -8,7 +8,7 @@ import pytest
 from auv_bringup.recording import RecordingError
 from auv_bringup.reproduction import NO_NUMBER, Chapter, Row, RunSpec, Table, cli, runner, with_seeds
 from auv_bringup.reproduction.store import Store
-from auv_bringup.reproduction.tally import Tally
+from auv_bringup.tally import Tally
 
 ONE = RunSpec("ch5_one_leader", ("dt_s=0.1",), 1.0)
 FIRST = replace(ONE, keep_recording=False)

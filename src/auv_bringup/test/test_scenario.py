@@ -33,6 +33,20 @@ def _changed(tmp_path, **changes):
     return _written(tmp_path, json.dumps({**read_raw(SCENARIOS_DIR / "flock_acoustic.yaml"), **changes}))
 
 
+@pytest.mark.parametrize(
+    ("preset", "law"),
+    [
+        ("ideal", "potential"),
+        *((p, "communication_aware") for p in ("lossy", "fast", "micromodem_psk", "evologics_s2c")),
+    ],
+)
+def test_who_names_no_law_gets_the_one_for_his_modem(tmp_path, preset, law):
+    agent = {"controller": {"kind": "velocity_pi"}}
+    scenario = load_scenario(_changed(tmp_path, agent=agent, acoustics={"preset": preset}))
+    assert scenario.agent.flocking.kind == law
+    assert (scenario.agent.hold_s > 0.0) == (law == "communication_aware")
+
+
 def test_the_scenarios_of_the_thesis_and_the_main_job_are_built_in():
     wanted = {"flock_acoustic", "ch5_four_leaders", "ch5_one_leader", "ch5_one_leader_blind", "ch5_obstacles"}
     assert wanted <= set(BUILT_IN)

@@ -6,6 +6,7 @@ import pytest
 
 from auv_bringup import supervision
 from auv_bringup.compose import node_specs
+from auv_bringup.layout import process_specs
 from auv_bringup.processes import Exit
 from auv_bringup.scenario import load_scenario
 from auv_bringup.supervision import Status, Supervisor
@@ -20,8 +21,12 @@ def policy(request):
     return request.param
 
 
-def make(policy="stop", tmp_dir="bag"):
-    supervisor = Supervisor(node_specs(SCENARIO, mode="lockstep", bag_dir=tmp_dir), on_vehicle_loss=policy)
+def processes(bag_dir, layout="node"):
+    return process_specs(node_specs(SCENARIO, mode="lockstep", bag_dir=bag_dir), layout)
+
+
+def make(policy="stop", tmp_dir="bag", layout="node"):
+    supervisor = Supervisor(processes(tmp_dir, layout), on_vehicle_loss=policy)
     supervisor.status_arrived(running(1.0), 100.0)
     return supervisor
 
@@ -91,6 +96,33 @@ def test_a_vehicle_that_the_clock_gave_up_is_lost_too():
     assert supervisor.lost_vehicles == ["auv_3"]
     assert sorted(supervisor.take_processes_to_end()) == ["/auv_3/agent_node", "/auv_3/vehicle_node"]
     assert "/auv_3/agent_node: no answer" in "\n".join(supervisor.take_messages())
+
+
+def test_a_process_of_two_nodes_that_ends_is_the_loss_of_its_vehicle():
+    supervisor = make("continue", layout="vehicle")
+    end(supervisor, "/auv_2")
+    assert (supervisor.is_over, supervisor.lost_vehicles) == (False, ["auv_2"])
+    assert supervisor.take_processes_to_end() == ["/auv_2"]
+    assert "ValueError: no: auv_2 is lost" in "\n".join(supervisor.take_messages())
+
+
+def test_a_vehicle_that_the_clock_gave_up_loses_the_process_of_both_nodes():
+    supervisor = make("continue", layout="vehicle")
+    supervisor.status_arrived(running(5.0, lost_vehicles=("auv_3",)), 104.0)
+    assert supervisor.take_processes_to_end() == ["/auv_3"]
+
+
+def test_a_process_of_all_nodes_that_ends_stops_the_flight_and_says_which_node_failed():
+    supervisor = make("stop", layout="single")
+    supervisor.process_ended(Exit("/node_container", 1), [f"{AGENT_2}: ValueError: no"], "logs/x.log")
+    assert (supervisor.is_over, supervisor.exit_status) == (True, 3)
+    assert f"(exit status 1): {AGENT_2}: ValueError: no" in supervisor.reason
+
+
+def test_a_stalled_node_of_a_process_of_all_nodes_stops_the_flight():
+    supervisor = make("stop", layout="single")
+    supervisor.status_arrived(Status("stalled", 50, 5.0, 650.0, waiting_for=(AGENT_2,)), 104.0)
+    assert (supervisor.exit_status, supervisor.reason) == (3, f"{AGENT_2} stopped answering")
 
 
 def test_losing_the_recorder_always_stops_the_flight(policy):
@@ -171,7 +203,7 @@ def test_a_silent_clock_is_named_within_5_s(policy):
 
 
 def test_no_word_at_all_ends_the_wait():
-    supervisor = Supervisor(node_specs(SCENARIO, mode="lockstep", bag_dir=None), on_vehicle_loss="stop")
+    supervisor = Supervisor(processes(None), on_vehicle_loss="stop")
     waited_s = 0.0
     while not supervisor.is_over:
         supervisor.time_passed(0.5)
@@ -181,7 +213,7 @@ def test_no_word_at_all_ends_the_wait():
 
 
 def test_a_slow_start_says_once_for_whom_it_waits():
-    supervisor = Supervisor(node_specs(SCENARIO, mode="lockstep", bag_dir=None), on_vehicle_loss="stop")
+    supervisor = Supervisor(processes(None), on_vehicle_loss="stop")
     for _ in range(100):
         supervisor.status_arrived(Status("waiting", waiting_for=(AGENT_2,)), 1.0)
         supervisor.time_passed(0.2)

@@ -26,6 +26,7 @@ import sys
 from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
+from types import FunctionType
 from typing import Any, TypeVar
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -36,6 +37,7 @@ _registered: set[Callable[..., Any]] = set()
 _makes_no_array: set[Callable[..., Any]] = set()
 _signatures: dict[Callable[..., Any], str] = {}
 _is_on = False
+_tell: Callable[[str], None] | None = None
 
 
 def inner(function: F) -> F:
@@ -64,9 +66,33 @@ def entry(signature: str, *, allocates: bool = True) -> Callable[[F], F]:
     return mark
 
 
-def use_compiler() -> None:
-    """From now on `fastest` compiles. Nodes do not call this: one vehicle would wait longer than it gains."""
-    global _is_on
+@cache
+def specialised(function: F, **names: Callable[..., Any]) -> F:
+    """
+    Return a copy of an entry that finds other functions under the global names given.
+
+    So a plugin's function comes into a compiled loop: each kind gets a loop of its own, compiled and kept,
+    and a call costs no more for it.
+    """
+    found = {**function.__globals__, **names}
+    copy = FunctionType(function.__code__, found, function.__name__, function.__defaults__)
+    copy.__module__, copy.__doc__ = function.__module__, function.__doc__
+    return entry(_signatures[function])(copy)  # type: ignore[return-value]
+
+
+def use_compiler(tell: Callable[[str], None] | None = None) -> None:
+    """
+    From now on `fastest` compiles. Nodes do not call this: one vehicle would wait longer than it gains.
+
+    Parameters
+    ----------
+    tell : callable, optional
+        Told, once, in a line for the user, when something is about to be compiled that is not kept yet.
+
+    """
+    global _is_on, _tell
+    if tell is not None:
+        _tell = tell
     _is_on = not os.environ.get("NUMBA_DISABLE_JIT", "0").strip("0")
 
 
@@ -90,11 +116,20 @@ def _compiled(function: Callable[..., Any]) -> Any:
         register_jitable(forceinline=True)(other)
         _registered.add(other)
     folder = _cache_folder(_version(used))
+    if folder is None or not any(folder.iterdir()):
+        _say_that_it_takes_a_while()
     if folder is not None:
         numba.config.CACHE_DIR = str(folder)
     signature = _signature(_signatures[function])
     counts = {"_nrt": False} if function in _makes_no_array else {}
     return numba.njit(signature, cache=folder is not None, error_model="numpy", **counts)(function)
+
+
+def _say_that_it_takes_a_while() -> None:
+    global _tell
+    if _tell is not None and _is_on:
+        _tell("compiling the numeric code, once; this takes some ten seconds and is kept")
+        _tell = None
 
 
 def _signature(text: str) -> Any:

@@ -8,47 +8,34 @@ import math
 import struct
 from functools import cache
 
-import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, TransformStamped, TwistStamped, Vector3, WrenchStamped
 from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from auv_core.geometry import Quat, Vec3
 from auv_core.integrate import State
 from auv_core.messages import (
-    AcousticEvent,
     Command,
-    Inbox,
-    Packet,
-    Reception,
-    SonarContact,
     VehicleState,
     VelocityCommand,
     Wrench,
 )
 from auv_core.stencil import Stencil, read_numbers
-from auv_msgs.msg import AcousticEvent as AcousticEventMsg
 from auv_msgs.msg import (
-    AcousticEvents,
-    AcousticInbox,
-    AcousticOutbox,
-    AcousticPacket,
-    AcousticReception,
     ControlStatus,
     FlockingCentre,
     NeighbourEstimate,
     NeighbourEstimates,
 )
-from auv_msgs.msg import SonarContact as SonarContactMsg
 from auv_msgs.msg import VehicleState as VehicleStateMsg
 
 WORLD_FRAME = "map_ned"
 
 _STATE = struct.Struct("<q?7x15d")
 _SIX = struct.Struct("<6d")
-_NO_COVARIANCE = (0.0,) * 36
 
 
 def body_frame(vehicle_id: str) -> str:
@@ -105,15 +92,13 @@ def state_from_bytes(data: bytes) -> VehicleState:
 
 
 def odometry_stencil(vehicle_id: str) -> Stencil:
-    """Return nav_msgs/Odometry, pose in map_ned, twist in the body frame; fill it with `odometry_numbers`."""
+    """
+    Return nav_msgs/Odometry, pose in map_ned, twist in the body frame; fill it with both of `state_numbers`.
+
+    The truth has no covariance.
+    """
     message = Odometry(header=header(0.0, WORLD_FRAME), child_frame_id=body_frame(vehicle_id))
-    return Stencil(message, "85d")
-
-
-def odometry_numbers(state: VehicleState) -> tuple[float, ...]:
-    """Return pose, its covariance, twist, its covariance; the truth has none."""
-    numbers = state_numbers(state)
-    return (*numbers[2:9], *_NO_COVARIANCE, *numbers[9:15], *_NO_COVARIANCE)
+    return Stencil(message, "7d288x6d288x")
 
 
 def transform_stencil(vehicle_id: str) -> Stencil:
@@ -152,6 +137,20 @@ def command_from_bytes(data: bytes, *, takes_velocity: bool) -> Command:
     return VelocityCommand((x, y, z), n) if takes_velocity else Wrench((x, y, z, k, m, n))
 
 
+def clock_stencil() -> Stencil:
+    """Return rosgraph_msgs/Clock; it has a stamp and no numbers."""
+    return Stencil(Clock(), "")
+
+
+@cache
+def control_stencil(vehicle_id: str, size: int) -> Stencil:
+    """
+    Return auv_msgs/ControlStatus of a law that acts and remembers `size` numbers: tick, 1, 0, size, numbers.
+    """
+    message = control_status(0, 0.0, vehicle_id, "", (0.0,) * size)
+    return Stencil(message, f"qIB3xI4x{size}d")
+
+
 def control_status(tick: int, t_s: float, vehicle_id: str, holding: str, law_state: State) -> ControlStatus:
     """Return what a law remembers and why its agent holds, if it does."""
     return ControlStatus(
@@ -174,75 +173,3 @@ def neighbours_stencil(count: int) -> Stencil:
     )
     layouts = ["B3x44d" if index == 0 else "B7x44d" for index in range(count)]
     return Stencil(message, "qI" + "".join(layouts))
-
-
-def packet_to_msg(packet: Packet) -> AcousticPacket:
-    """Return a packet as a message."""
-    return AcousticPacket(
-        tick=packet.tick,
-        source=packet.source,
-        destination=packet.destination,
-        sequence=packet.sequence,
-        payload=np.frombuffer(packet.payload, dtype=np.uint8),
-    )
-
-
-def packet_from_msg(message: AcousticPacket) -> Packet:
-    """Return the record of a packet message."""
-    return Packet(message.tick, message.source, message.destination, message.sequence, bytes(message.payload))
-
-
-def outbox_to_msg(tick: int, packets: list[Packet], t_s: float, vehicle_id: str) -> AcousticOutbox:
-    """Return what an agent hands to its modem in a tick."""
-    return AcousticOutbox(
-        header=header(t_s, body_frame(vehicle_id)),
-        tick=tick,
-        packets=[packet_to_msg(packet) for packet in packets],
-    )
-
-
-def inbox_to_msg(inbox: Inbox, t_s: float, vehicle_id: str) -> AcousticInbox:
-    """Return what a modem tells its vehicle at a tick."""
-    receptions = [
-        AcousticReception(
-            packet=packet_to_msg(r.packet), sent_s=r.sent_s, arrival_s=r.arrival_s, snr_db=r.snr_db
-        )
-        for r in inbox.receptions
-    ]
-    return AcousticInbox(
-        header=header(t_s, body_frame(vehicle_id)),
-        tick=inbox.tick,
-        transmit_ready=inbox.transmit_ready,
-        receptions=receptions,
-        contacts=[
-            SonarContactMsg(range_m=c.range_m, bearing_rad=c.bearing_rad, elevation_rad=c.elevation_rad)
-            for c in inbox.contacts
-        ],
-    )
-
-
-def inbox_from_msg(message: AcousticInbox) -> Inbox:
-    """Return the record of an inbox message."""
-    receptions = tuple(
-        Reception(packet_from_msg(r.packet), r.sent_s, r.arrival_s, r.snr_db) for r in message.receptions
-    )
-    contacts = tuple(SonarContact(c.range_m, c.bearing_rad, c.elevation_rad) for c in message.contacts)
-    return Inbox(message.tick, message.transmit_ready, receptions, contacts)
-
-
-def events_to_msg(tick: int, events: list[AcousticEvent], t_s: float) -> AcousticEvents:
-    """Return lines of the acoustic log as a message."""
-    lines = [
-        AcousticEventMsg(
-            outcome=int(event.outcome),
-            source=event.source,
-            destination=event.destination,
-            sequence=event.sequence,
-            start_s=event.start_s,
-            end_s=event.end_s,
-            snr_db=event.snr_db,
-            size_bytes=event.size_bytes,
-        )
-        for event in events
-    ]
-    return AcousticEvents(header=header(t_s, ""), tick=tick, events=lines)

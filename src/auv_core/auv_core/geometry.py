@@ -34,11 +34,13 @@ def ned_to_body(q: Quat, v: Vec3) -> Vec3:
     return body_to_ned((q[0], -q[1], -q[2], -q[3]), v)
 
 
+@inner
 def quaternion_from_heading(heading_rad: float) -> Quat:
     """Return the attitude of a level vehicle with the given heading (rad, from north towards east)."""
     return (math.cos(0.5 * heading_rad), 0.0, 0.0, math.sin(0.5 * heading_rad))
 
 
+@inner
 def heading_from_quaternion(q: Quat) -> float:
     """Return the heading (rad, in (-pi, pi], from north towards east) of the body's forward axis."""
     w, x, y, z = q
@@ -56,6 +58,7 @@ def quaternion_product(a: Quat, b: Quat) -> Quat:
     )
 
 
+@inner
 def distance(a: Vec3, b: Vec3) -> float:
     """Return the Euclidean distance of two points (m)."""
     x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]

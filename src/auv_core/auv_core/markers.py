@@ -11,6 +11,8 @@ from auv_core.conversions import WORLD_FRAME, header, point
 from auv_core.geometry import Vec3
 
 MARKER_TICKS = 5
+STANDING_MARKER_TICKS = 50
+"""What does not move (path, obstacles) is drawn again for those who come later, and that takes no hurry."""
 
 Colour = tuple[float, float, float, float]
 HULL: Colour = (0.95, 0.75, 0.1, 1.0)

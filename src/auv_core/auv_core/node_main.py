@@ -12,6 +12,7 @@ from __future__ import annotations
 import signal
 import sys
 import time
+import traceback
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -56,7 +57,7 @@ LATCHED = QoSProfile(
 )
 
 
-def main_loop(make_nodes: Callable[[], Sequence[Node]]) -> int:
+def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str] | None = None) -> int:
     """
     Run nodes until a signal comes or one of them is done; return the exit status.
 
@@ -65,37 +66,52 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]]) -> int:
     make_nodes : callable
         Makes the nodes, after ``rclpy.init``.  A node may have ``done`` (true when the process shall end),
         ``exit_code`` and ``on_stop()``, which is called once, before the node is destroyed.
+    arguments : sequence of str, optional
+        ROS arguments of all nodes; those of the command line if left out.
 
     Returns
     -------
     status : int
-        2 after a parameter that cannot be used (one line on standard error), else the largest ``exit_code``
-        of the nodes.
+        2 after a parameter that cannot be used (one line on standard error), 1 after an exception (whose last
+        line on standard error names the node), else the largest ``exit_code`` of the nodes.
 
     """
     stopping: list[int] = []
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda received, _frame: stopping.append(received))
-    rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
+    given = sys.argv if arguments is None else arguments
+    rclpy.init(args=list(given), signal_handler_options=SignalHandlerOptions.NO)
     nodes: Sequence[Node] = ()
+    status = 0
     try:
         nodes = make_nodes()
-        executor = make_executor()
-        for node in nodes:
-            executor.add_node(node)
-        while not stopping and not any(getattr(node, "done", False) for node in nodes):
-            executor.spin_until_future_complete(Future(), timeout_sec=_WAKE_S)
+        _spin(nodes, lambda: bool(stopping))
+    except ConfigError as error:
+        sys.stderr.write(f"error: {error}\n")
+        status = 2
+    except Exception as error:
+        traceback.print_exception(error)
+        words = " ".join(str(error).split())
+        sys.stderr.write(f"{_raised_in(error)}: {type(error).__name__}: {words}\n")
+        status = 1
+    try:
         for node in nodes:
             getattr(node, "on_stop", _nothing)()
         _hand_over(nodes)
-        return max((getattr(node, "exit_code", 0) for node in nodes), default=0)
-    except ConfigError as error:
-        sys.stderr.write(f"error: {error}\n")
-        return 2
+        return status or max((getattr(node, "exit_code", 0) for node in nodes), default=0)
     finally:
         for node in nodes:
             node.destroy_node()
         rclpy.try_shutdown()
+
+
+def _spin(nodes: Sequence[Node], is_stopped: Callable[[], bool]) -> None:
+    """Run the nodes until told to stop, or one of them is done."""
+    executor = make_executor()
+    for node in nodes:
+        executor.add_node(node)
+    while not is_stopped() and not any(getattr(node, "done", False) for node in nodes):
+        executor.spin_until_future_complete(Future(), timeout_sec=_WAKE_S)
 
 
 def make_executor() -> Executor:
@@ -105,6 +121,17 @@ def make_executor() -> Executor:
     except ImportError:
         return SingleThreadedExecutor()
     return EventsExecutor()
+
+
+def publishes_bytes(publisher: Publisher) -> Callable[[bytes], None]:
+    """
+    Return what publishes serialised messages, for messages of every tick.
+
+    It is what `Publisher.publish` calls after it has looked at the type of the message and taken a lock that
+    a process of one thread does not need.
+    """
+    publish: Callable[[bytes], None] = publisher.handle.publish_raw
+    return publish
 
 
 def steady_timer(node: Node, period_s: float, callback: Callable[[], None]) -> Any:
@@ -201,6 +228,15 @@ def _hand_over(nodes: Sequence[Node]) -> None:
             left_s = deadline - time.monotonic()
             if left_s > 0.0:
                 publisher.wait_for_all_acked(Duration(nanoseconds=int(left_s * 1e9)))
+
+
+def _raised_in(error: BaseException) -> str:
+    """Return the full name of the node in whose method an exception was raised."""
+    for frame, _ in traceback.walk_tb(error.__traceback__):
+        owner = frame.f_locals.get("self")
+        if isinstance(owner, Node):
+            return str(owner.get_fully_qualified_name())
+    return "error"
 
 
 def _nothing() -> None:

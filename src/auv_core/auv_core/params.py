@@ -18,6 +18,7 @@ import reprlib
 import types
 import typing
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, TypeVar
 
 from auv_core.plugins import PluginError, find_plugin, list_plugins
@@ -107,7 +108,7 @@ def load(cls: type[T], raw: object, path: str) -> T:
     unknown = [key for key in raw if key not in fields]
     if unknown:
         raise ConfigError(f"{path}: unknown key {shown(unknown[0])}; allowed: {_keys(cls)}")
-    hints = typing.get_type_hints(cls)
+    hints = _type_hints(cls)  # type: ignore[arg-type]
     values = {}
     for name, field in fields.items():
         if name in raw:
@@ -128,6 +129,8 @@ def dump(value: object) -> Any:
         return {field.name: dump(getattr(value, field.name)) for field in dataclasses.fields(value)}
     if isinstance(value, tuple | list):
         return [dump(item) for item in value]
+    if isinstance(value, dict):
+        return {key: dump(item) for key, item in value.items()}
     return value
 
 
@@ -169,6 +172,11 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+@cache
+def _type_hints(cls: type) -> dict[str, Any]:
+    return typing.get_type_hints(cls)
+
+
 def _value(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> Any:
     origin = typing.get_origin(hint)
     if origin in (typing.Union, types.UnionType):
@@ -182,6 +190,10 @@ def _value(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> An
         return load(typing.cast(type, hint), raw, path)
     if origin is tuple:
         return _tuple(hint, raw, path, metadata)
+    if origin is dict:
+        return _mapping(hint, raw, path, metadata)
+    if hint is Any:
+        return raw
     return _scalar(hint, raw, path, metadata)
 
 
@@ -219,6 +231,14 @@ def _tuple(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> tu
         _value(item_hint, item, f"{path}[{index}]", metadata)
         for index, (item_hint, item) in enumerate(zip(hints, raw, strict=True))
     )
+
+
+def _mapping(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a mapping of free words to items of one type."""
+    if not isinstance(raw, Mapping) or not all(isinstance(key, str) for key in raw):
+        raise ConfigError(f"{path}: {shown(raw)} is not allowed; allowed: a mapping with words for keys")
+    item = typing.get_args(hint)[1]
+    return {key: _value(item, value, f"{path}.{key}", metadata) for key, value in raw.items()}
 
 
 def _scalar(hint: Any, raw: object, path: str, metadata: Mapping[str, Any]) -> Any:

@@ -12,6 +12,7 @@ import importlib
 import os
 import pkgutil
 import re
+import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -62,6 +63,10 @@ def find_plugin(folder: str, kind: object) -> ModuleType:
         When `kind` is not a word that names a file of the folder.
 
     """
+    if isinstance(kind, str) and _WORD.match(kind):
+        loaded = sys.modules.get(f"{folder}.{kind}")
+        if loaded is not None:
+            return loaded
     kinds = list_plugins(folder)
     if not isinstance(kind, str) or not _WORD.match(kind) or kind not in kinds:
         raise PluginError(f"{kind!r} is not allowed; allowed: {', '.join(kinds)}")

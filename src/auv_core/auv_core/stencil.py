@@ -12,7 +12,8 @@ from typing import Any
 
 from rclpy.serialization import serialize_message
 
-_STAMP = struct.Struct("<iI")
+from auv_core.stamp import STAMP_BYTES, read_stamp_s, stamp_bytes
+
 _HEADER_STAMP_AT = 4
 _LITTLE_ENDIAN_CDR = b"\x00\x01"
 
@@ -38,14 +39,11 @@ class Stencil:
         self._bytes = bytearray(serialize_message(message))
         self._numbers = struct.Struct("<" + numbers)
         self._numbers_at = len(self._bytes) - self._numbers.size
-        self._stamp_at = stamp_at
+        self._stamp = slice(stamp_at, stamp_at + STAMP_BYTES)
 
     def filled(self, t_s: float, *numbers: float) -> bytes:
         """Return the message with a stamp (s, to the nanosecond) and its numbers, ready to be published."""
-        nanoseconds = round(t_s * 1e9)
-        _STAMP.pack_into(
-            self._bytes, self._stamp_at, nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000
-        )
+        self._bytes[self._stamp] = stamp_bytes(t_s)
         self._numbers.pack_into(self._bytes, self._numbers_at, *numbers)
         return bytes(self._bytes)
 
@@ -65,7 +63,6 @@ def read_numbers(data: bytes, layout: struct.Struct) -> tuple[Any, ...]:
     return layout.unpack_from(data, len(data) - layout.size)
 
 
-def read_stamp_s(data: bytes) -> float:
+def header_stamp_s(data: bytes) -> float:
     """Return the stamp (s) of a serialised message that begins with a header."""
-    seconds, nanoseconds = _STAMP.unpack_from(data, _HEADER_STAMP_AT)
-    return float(seconds + 1e-9 * nanoseconds)
+    return read_stamp_s(data, _HEADER_STAMP_AT)

@@ -85,3 +85,25 @@ def test_tuples_have_short_names(n):
     numba = pytest.importorskip("numba")
     signature = compiled._signature(f"float64(TUPLE{n})")
     assert signature.args == (numba.types.UniTuple(numba.types.float64, n),)
+
+
+def test_who_waits_for_the_compiler_is_told_once(tmp_path):
+    program = (
+        "from auv_core import compiled\n"
+        "from auv_core.models.six_dof import advance, limited_wrench\n"
+        "compiled.use_compiler(tell=print)\n"
+        "compiled.fastest(limited_wrench), compiled.fastest(advance)\n"
+    )
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env={**os.environ, "XDG_CACHE_HOME": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=True,
+        ).stdout
+        for _ in range(2)
+    ]
+    assert len(said[0].splitlines()) == 1
+    assert said[1] == ""

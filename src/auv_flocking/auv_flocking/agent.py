@@ -28,11 +28,12 @@ from auv_core.messages import (
 )
 from auv_core.params import Section, param
 from auv_core.plugins import find_plugin
+from auv_flocking.estimates import Estimates
 from auv_flocking.flock_task import FlockTask, Obstacles
 from auv_flocking.flocking import FlockVelocity
 from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbour_filter import with_rounding
-from auv_flocking.neighbours import NeighbourConfig, NeighbourEstimate, NeighbourTable, is_plausible
+from auv_flocking.neighbours import NeighbourConfig, NeighbourTable, is_plausible
 from auv_flocking.report import Report, ReportError
 from auv_flocking.reports import compact
 
@@ -172,7 +173,7 @@ class Agent:
         self.rejected = 0
         self.unsent = 0
         self.holding = ""
-        self.neighbours: list[NeighbourEstimate] = []
+        self.neighbours = Estimates.of(())
 
     def _make_task(self, consensus: Any) -> FlockTask | MotionTask:
         config = self._config

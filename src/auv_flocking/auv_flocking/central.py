@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_core.compiled import inner
+from auv_core.compiled import entry, inner
 from auv_core.geometry import Vec3
 
 STRENGTH = "float64(float64, float64, float64[::1])"
@@ -28,3 +28,9 @@ def along(own: Vec3, other: Vec3, spacing_m: float, strength: Strength, numbers:
     dx, dy, dz = own[0] - other[0], own[1] - other[1], own[2] - other[2]
     factor = strength(dx * dx + dy * dy + dz * dz, spacing_m, numbers)
     return (factor * dx, factor * dy, factor * dz)
+
+
+@entry(STRENGTH)
+def no_strength(square_m2: float, spacing_m: float, numbers: Numbers) -> float:
+    """Return the factor of a law without force."""
+    return 0.0

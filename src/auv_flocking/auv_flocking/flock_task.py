@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,9 +9,8 @@ from auv_control.controllers import VelocityReference
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
 from auv_core.messages import Command, VehicleState
-from auv_flocking.consensus import Heard
+from auv_flocking.estimates import Estimates, NeighbourEstimate
 from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View
-from auv_flocking.neighbours import NeighbourEstimate
 
 Obstacles = tuple[tuple[Vec3, float], ...]
 
@@ -52,20 +50,18 @@ class FlockTask:
         is_waiting: bool,
     ) -> Command:
         """Return the command of one control period; while `is_waiting` the vehicle holds its station."""
-        law, consensus, estimates = self._law, self._consensus, tuple(neighbours)
+        law, consensus, estimates = self._law, self._consensus, Estimates.of(neighbours)
         law.hear(estimates, self._period_s)
-        heard = [_heard(estimate) for estimate in estimates if estimate.age_s < math.inf]
-        self.centre = consensus.centre(nav.position, heard)
+        self.centre = consensus.centre(nav.position, estimates)
         self.flock_velocity = law.flock_velocity(t_s, path, self.centre, self.flock_velocity, estimates)
-        positions = tuple([estimate.position for estimate in estimates])
-        view = self._view(path, nav.position, self.centre, positions, estimates)
+        view = self._view(path, nav.position, self.centre, estimates.positions(), estimates)
         velocity = law.velocity(view)
         if not is_waiting:
             law.adapt(view, self._period_s)
         self.reference = VelocityReference(_ZERO if is_waiting else velocity, path.heading_rad)
         command: Command = self._controller.step(nav, self.reference)
         self.centre_rate = consensus.advance(
-            nav.position, heard, self.flock_velocity.velocity, self._period_s
+            nav.position, estimates, self.flock_velocity.velocity, self._period_s
         )
         return command
 
@@ -88,7 +84,7 @@ class FlockTask:
         position: Vec3,
         centre: Vec3,
         neighbours: tuple[Vec3, ...],
-        estimates: tuple[NeighbourEstimate, ...],
+        estimates: Sequence[NeighbourEstimate],
     ) -> View:
         flock_velocity = self.flock_velocity.velocity
         return View(position, centre, flock_velocity, neighbours, self._obstacles, path, estimates)
@@ -99,15 +95,3 @@ class FlockTask:
             position, centre, neighbour_centres, self.flock_velocity.velocity
         )
         return rate
-
-
-def _heard(estimate: NeighbourEstimate) -> Heard:
-    return Heard(
-        estimate.address,
-        estimate.time_s,
-        estimate.age_s,
-        estimate.position,
-        estimate.centre,
-        estimate.flock_velocity,
-        estimate.shared,
-    )

@@ -8,16 +8,19 @@ half-space for each neighbour (Ames et al. 2019, Control Barrier Functions: Theo
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import numpy as np
+from numpy.typing import NDArray
 
+from auv_core.compiled import inner
 from auv_core.geometry import Vec3
 
-HalfSpace = tuple[Vec3, float]
+HalfSpaces = NDArray[np.float64]
 
 _PASSES = 8
 
 
-def into_half_spaces(velocity: Vec3, half_spaces: Sequence[HalfSpace]) -> Vec3:
+@inner
+def into_half_spaces(velocity: Vec3, half_spaces: HalfSpaces) -> Vec3:
     """
     Return a velocity near `velocity` that lies in all half-spaces (m/s; same frame).
 
@@ -29,15 +32,16 @@ def into_half_spaces(velocity: Vec3, half_spaces: Sequence[HalfSpace]) -> Vec3:
     ----------
     velocity : (3,) tuple
         What is wanted (m/s).
-    half_spaces : sequence of (n, b)
-        Unit normals, and least velocities along them (m/s).
+    half_spaces : (k, 4) array
+        Unit normals n, and least velocities b along them (m/s).
 
     """
     x, y, z = velocity
     for _ in range(_PASSES):
         is_inside = True
-        for (nx, ny, nz), bound_mps in half_spaces:
-            short_mps = bound_mps - (nx * x + ny * y + nz * z)
+        for k in range(len(half_spaces)):
+            nx, ny, nz = float(half_spaces[k, 0]), float(half_spaces[k, 1]), float(half_spaces[k, 2])
+            short_mps = float(half_spaces[k, 3]) - (nx * x + ny * y + nz * z)
             if short_mps > 1e-12:
                 x, y, z = x + short_mps * nx, y + short_mps * ny, z + short_mps * nz
                 is_inside = False

@@ -58,7 +58,7 @@ def infer(x: float, input_peaks: Peaks, output_peaks: Peaks) -> float:
 
 @inner
 def interpolated(x: float, table: NDArray[np.float64]) -> float:
-    """Return the output at an input from a curve's table; beyond it the output stays what it is there."""
+    """Return the output at an input by a curve's table; beyond it the output stays what it is there."""
     count = len(table) // 2
     if x < table[0]:
         return float(table[count])

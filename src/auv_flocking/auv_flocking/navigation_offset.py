@@ -21,11 +21,11 @@ rho times the error before it plus something new, rho = (variance after)/(varian
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from auv_core.compiled import inner
 from auv_flocking.neighbour_motion import process_noise, transition_matrix
 
 Matrix = NDArray[np.float64]
@@ -96,26 +96,25 @@ def rate_psd(drift_rate_mps: float) -> float:
     return 2.0 * drift_rate_mps * drift_rate_mps / _RATE_MEMORY_S
 
 
-@lru_cache(maxsize=64)
-def transition(dt_s: float, memory_s: float = 0.0) -> Matrix:
-    """Return F (10, 10) over an interval; not to be changed, since few intervals come again and again."""
+@inner
+def offset_transition(dt_s: float, memory_s: float = 0.0) -> Matrix:
+    """Return F (10, 10) over an interval."""
     F = np.eye(STATES)
     F[:6, :6] = transition_matrix(dt_s, memory_s)
     F[6, 8] = F[7, 9] = dt_s
-    F.flags.writeable = False
     return F
 
 
-@lru_cache(maxsize=64)
-def noise(dt_s: float, acceleration_psd: float, psd: float, memory_s: float = 0.0) -> Matrix:
-    """Return Q (10, 10), exact, for white acceleration and a rate that wanders; not to be changed either."""
+@inner
+def offset_noise(dt_s: float, acceleration_psd: float, psd: float, memory_s: float = 0.0) -> Matrix:
+    """Return Q (10, 10), exact, for white acceleration and a rate that wanders."""
     Q = np.zeros((STATES, STATES))
     Q[:6, :6] = process_noise(dt_s, acceleration_psd, memory_s)
     q = psd * dt_s
-    Q[B, B] = (q * dt_s * dt_s / 3.0) * _LEVEL
-    Q[B, C] = Q[C, B] = (0.5 * q * dt_s) * _LEVEL
-    Q[C, C] = q * _LEVEL
-    Q.flags.writeable = False
+    for b, c in ((6, 8), (7, 9)):
+        Q[b, b] = q * dt_s * dt_s / 3.0
+        Q[b, c] = Q[c, b] = 0.5 * q * dt_s
+        Q[c, c] = q
     return Q
 
 

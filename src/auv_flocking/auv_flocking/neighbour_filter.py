@@ -2,26 +2,28 @@
 The extended Kalman filter of a neighbour, thesis Eqs. (5.29)-(5.35): one belief in, the next belief out.
 
 While both navigations state that they do not err, the state is position and velocity (m, m/s; NED); with the
-first one that does, the four states of `navigation_offset` are added.  filterpy predicts and updates (Joseph
-form).  The spectral density of the acceleration is fixed, or follows what the neighbour's own packets show:
-the mean square change of the reported velocity per second, with a fading memory.  Nothing is remembered here:
-a belief is never changed, so that a track can go back to an earlier one when a packet comes late.
+first one that does, the four states of `navigation_offset` are added.  The arithmetic of predicting and
+updating stands in `kalman`.  The spectral density of the acceleration is fixed, or follows what the
+neighbour's own packets show: the mean square change of the reported velocity per second, with a fading
+memory.  Nothing is remembered here: a belief is never changed, so that a track can go back to an earlier one
+when a packet comes late.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from auv_core.compiled import entry, fastest
 from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking import navigation_offset as offset
-from auv_flocking.navigation_offset import OwnFix, Stated, Unaided
+from auv_flocking.kalman import predicted, updated
+from auv_flocking.navigation_offset import OwnFix, Stated, Unaided, offset_noise, offset_transition
 from auv_flocking.neighbour_motion import flock_motion, process_noise, transition_matrix
 from auv_flocking.report import Report
 from auv_flocking.sonar_contact import Sighting
@@ -29,6 +31,7 @@ from auv_flocking.sonar_contact import Sighting
 Matrix = NDArray[np.float64]
 
 _FIX_RATIO = 0.95
+_IDENTITY = np.eye(6)
 _PRIOR_S = 20.0
 _SENSELESS = 60.0  # squared Mahalanobis distance that six numbers exceed once in 10^11
 
@@ -164,16 +167,22 @@ class Belief:
         return float(self.innovation @ self.precision @ self.innovation)
 
 
-def kalman_filter(states: int = 6) -> Any:
-    """
-    Return an unset filter.
-
-    filterpy is imported here, since that takes longer than all else that an agent imports: who hears nobody
-    does not wait for it, and a node with neighbours calls this before its run begins.
-    """
-    from filterpy.kalman import ExtendedKalmanFilter
-
-    return ExtendedKalmanFilter(dim_x=states, dim_z=6)
+@entry(
+    "Tuple((float64[::1], float64[:, ::1]))"
+    "(float64[::1], float64[:, ::1], float64, float64, float64, float64, TUPLE3)"
+)
+def _ahead(
+    x: Matrix, P: Matrix, dt_s: float, psd: float, rate_psd: float, memory_s: float, flock_velocity: Vec3
+) -> tuple[Matrix, Matrix]:
+    """Return x and P after an interval: of the neighbour alone (6,), or with the offset (10,)."""
+    if len(x) == 6:
+        x, P = predicted(x, P, transition_matrix(dt_s, memory_s), process_noise(dt_s, psd, memory_s))
+    else:
+        F, Q = offset_transition(dt_s, memory_s), offset_noise(dt_s, psd, rate_psd, memory_s)
+        x, P = predicted(x, P, F, Q)
+    if memory_s > 0.0:
+        x[:6] += flock_motion(dt_s, memory_s, flock_velocity)
+    return x, P
 
 
 class NeighbourFilter:
@@ -183,7 +192,7 @@ class NeighbourFilter:
         self._config = config
         self._rate_psd = offset.rate_psd(config.drift_rate_mps)
         self._noise = np.diag([config.position_std_m**2] * 3 + [config.velocity_std_mps**2] * 3)
-        self._engines: dict[int, Any] = {}
+        self._ahead, self._updated_by = fastest(_ahead), fastest(updated)
 
     def first(self, report: Report, stated: Stated) -> Belief:
         """Return the belief after the first packet: what it says."""
@@ -202,59 +211,49 @@ class NeighbourFilter:
         With an offset, a packet that cannot be true of what was believed starts the belief anew: a contact of
         another vehicle was taken for this one's, or a navigation erred more than it said.
         """
-        moved = self._moved(belief, report)
-        ahead = self._predicted(moved, report.time_s)
+        unrest, psd = self._unrest(belief, report)
+        ahead = self._predicted(belief, report.time_s, psd, unrest)
         if ahead.unaided is None and stated.is_exact:
-            identity = np.eye(6)
-            after = self._updated(ahead, _numbers(report), lambda _x: identity, lambda x: x, self._noise)
+            innovation, H = _numbers(report) - ahead.x, _IDENTITY
         else:
-            after = self._updated(
-                self._with_offset(ahead, stated),
-                _numbers(report),
-                lambda _x: offset.PACKET,
-                lambda x: offset.PACKET @ x,
-                self._noise,
-            )
-            if after.nis > _SENSELESS:
-                return self.first(report, stated)
-        psd = after.psd if after.unrest is None else self._bounded(after.unrest.psd)
-        return replace(after, psd=psd, flock_velocity=report.flock_velocity)
+            ahead = self._with_offset(ahead, stated)
+            innovation, H = _numbers(report) - offset.PACKET @ ahead.x, offset.PACKET
+        now = psd if unrest is None else self._bounded(unrest.psd)
+        after = self._updated(ahead, innovation, H, self._noise, now, report.flock_velocity)
+        if after.unaided is not None and after.nis > _SENSELESS:
+            return self.first(report, stated)
+        return after
 
     def after_sighting(self, belief: Belief, sighting: Sighting) -> Belief:
         """Return the belief after a sonar contact, at its time."""
-        ahead = self._predicted(belief, sighting.time_s)
+        ahead = self._predicted(belief, sighting.time_s, belief.psd, belief.unrest)
         H = np.zeros((3, len(ahead.x)))
         H[:, :3] = sighting.jacobian
         # z - h(x), linearised at the point of the contact.
-        return self._updated(
-            ahead,
-            np.zeros(3),
-            lambda _x: H,
-            lambda x: sighting.jacobian @ (x[:3] - sighting.point),
-            sighting.noise,
-        )
+        innovation = -(sighting.jacobian @ (ahead.x[:3] - sighting.point))
+        return self._updated(ahead, innovation, H, sighting.noise, ahead.psd, ahead.flock_velocity)
 
     def after_own_fix(self, belief: Belief, fix: OwnFix) -> Belief:
         """Return the belief after a fix of the own navigation, in the frame that it has from then on."""
-        ahead = self._predicted(belief, fix.time_s)
+        ahead = self._predicted(belief, fix.time_s, belief.psd, belief.unrest)
         if ahead.unaided is None:
             ahead = self._with_offset(ahead, Stated(fix.before_m2, 0.0))
         assert ahead.unaided is not None
         z, H, R = fix.tells(ahead.unaided.sender_m2)
-        after = self._updated(ahead, z, lambda _x: H, lambda x: H @ x, R)
+        after = self._updated(ahead, z - H @ ahead.x, H, R, ahead.psd, ahead.flock_velocity)
         x, unaided = fix.shifted(after.x, ahead.unaided)
         return replace(after, x=x, unaided=unaided)
 
-    def _moved(self, belief: Belief, report: Report) -> Belief:
+    def _unrest(self, belief: Belief, report: Report) -> tuple[Unrest | None, float]:
         """
-        Return the belief with the unrest that a new packet shows.
+        Return the unrest that a new packet shows, and the density with which the way to it is carried.
 
-        The way to the packet is carried with the larger of the densities before it and after it.
+        That is the larger of the densities before the packet and after it.
         """
         if belief.unrest is None:
-            return belief
+            return None, belief.psd
         unrest = belief.unrest.after(report, self._config.acceleration_memory_s)
-        return replace(belief, unrest=unrest, psd=max(belief.psd, self._bounded(unrest.psd)))
+        return unrest, max(belief.psd, self._bounded(unrest.psd))
 
     def _bounded(self, psd: float) -> float:
         """Return a density within two decades below and one above the configured one (m^2/s^3)."""
@@ -271,52 +270,21 @@ class NeighbourFilter:
         P, unaided = offset.topped_up(P, unaided, stated, self._config.drift_rate_mps)
         return replace(belief, x=x, P=P, unaided=unaided)
 
-    def _predicted(self, belief: Belief, t_s: float) -> Belief:
+    def _predicted(self, belief: Belief, t_s: float, psd: float, unrest: Unrest | None) -> Belief:
         dt_s = t_s - belief.time_s
-        engine = self._engine(belief)
-        psd, unaided, memory_s = belief.psd, belief.unaided, self._config.velocity_memory_s
-        if unaided is None:
-            engine.F, engine.Q = transition_matrix(dt_s, memory_s), process_noise(dt_s, psd, memory_s)
-        else:
-            engine.F = offset.transition(dt_s, memory_s)
-            engine.Q = offset.noise(dt_s, psd, self._rate_psd, memory_s)
+        memory_s, unaided = self._config.velocity_memory_s, belief.unaided
+        x, P = self._ahead(belief.x, belief.P, dt_s, psd, self._rate_psd, memory_s, belief.flock_velocity)
+        if unaided is not None:
             unaided = unaided.after(dt_s, self._rate_psd)
-        engine.predict()
-        x = engine.x
-        if memory_s > 0.0:
-            x[:6] += flock_motion(dt_s, memory_s, belief.flock_velocity)
-        return Belief(t_s, x, engine.P, psd, belief.flock_velocity, unaided, belief.unrest)
+        return Belief(t_s, x, P, psd, belief.flock_velocity, unaided, unrest)
 
     def _updated(
-        self,
-        belief: Belief,
-        z: Matrix,
-        jacobian: Callable[[Matrix], Matrix],
-        measurement: Callable[[Matrix], Matrix],
-        R: Matrix,
+        self, ahead: Belief, innovation: Matrix, H: Matrix, R: Matrix, psd: float, flock_velocity: Vec3
     ) -> Belief:
-        engine = self._engine(belief)
-        engine.update(z, HJacobian=jacobian, Hx=measurement, R=R)
+        x, P, precision = self._updated_by(ahead.x, ahead.P, innovation, H, R)
         return Belief(
-            belief.time_s,
-            engine.x,
-            engine.P,
-            belief.psd,
-            belief.flock_velocity,
-            belief.unaided,
-            belief.unrest,
-            engine.y,
-            engine.SI,
+            ahead.time_s, x, P, psd, flock_velocity, ahead.unaided, ahead.unrest, innovation, precision
         )
-
-    def _engine(self, belief: Belief) -> Any:
-        """Return filterpy's filter, set to a belief."""
-        states = len(belief.x)
-        if states not in self._engines:
-            self._engines[states] = kalman_filter(states)
-        engine = self._engines[states]
-        engine.x, engine.P = belief.x, belief.P
-        return engine
 
 
 def _numbers(report: Report) -> Matrix:

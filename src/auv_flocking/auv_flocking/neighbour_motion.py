@@ -18,6 +18,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from auv_core.compiled import inner
 from auv_core.geometry import Vec3
 
 Matrix = NDArray[np.float64]
@@ -35,6 +36,7 @@ _COUPLING = _on_every_axis([[0.0, 1.0], [1.0, 0.0]])
 _VELOCITY = _on_every_axis([[0.0, 0.0], [0.0, 1.0]])
 
 
+@inner
 def transition_matrix(dt_s: float, memory_s: float = 0.0) -> Matrix:
     """Return F (6, 6) over `dt_s`; with a memory, of the difference to flying with the flock."""
     if memory_s == 0.0:
@@ -43,6 +45,7 @@ def transition_matrix(dt_s: float, memory_s: float = 0.0) -> Matrix:
     return _IDENTITY + memory_s * (1.0 - kept) * _DRIFT + (kept - 1.0) * _VELOCITY
 
 
+@inner
 def process_noise(dt_s: float, acceleration_psd: float, memory_s: float = 0.0) -> Matrix:
     """
     Return Q (6, 6) of white acceleration over `dt_s`, exact; without a memory q [[dt^3/3, dt^2/2],
@@ -55,6 +58,7 @@ def process_noise(dt_s: float, acceleration_psd: float, memory_s: float = 0.0) -
     return acceleration_psd * (position * _POSITION + mixed * _COUPLING + velocity * _VELOCITY)
 
 
+@inner
 def _noise(dt_s: float, memory_s: float) -> tuple[float, float, float]:
     """Return what white acceleration of density 1 does to position, both, and velocity (s^3, s^2, s)."""
     if memory_s == 0.0:
@@ -65,6 +69,7 @@ def _noise(dt_s: float, memory_s: float) -> tuple[float, float, float]:
     return memory_s * memory_s * (dt_s - 2.0 * reach_s + velocity_s), 0.5 * reach_s * reach_s, velocity_s
 
 
+@inner
 def flock_motion(dt_s: float, memory_s: float, flock_velocity: Vec3) -> Matrix:
     """Return what flying with the flock adds to F x (6,)."""
     kept = math.exp(-dt_s / memory_s)
@@ -74,45 +79,44 @@ def flock_motion(dt_s: float, memory_s: float, flock_velocity: Vec3) -> Matrix:
     return np.array((way_s * x, way_s * y, way_s * z, left * x, left * y, left * z))
 
 
-def carried(x: list[float], dt_s: float, memory_s: float, flock_velocity: Vec3) -> tuple[Vec3, Vec3]:
+@inner
+def carried(x: Matrix, dt_s: float, memory_s: float, flock_velocity: Vec3) -> tuple[Vec3, Vec3]:
     """Return position and velocity (m, m/s; NED) after `dt_s`, from a state's first six numbers."""
-    if memory_s == 0.0:
-        return (x[0] + dt_s * x[3], x[1] + dt_s * x[4], x[2] + dt_s * x[5]), (x[3], x[4], x[5])
-    kept = math.exp(-dt_s / memory_s)
-    reach_s = memory_s * (1.0 - kept)
+    vx, vy, vz = float(x[3]), float(x[4]), float(x[5])
     wx, wy, wz = flock_velocity
-    ux, uy, uz = x[3] - wx, x[4] - wy, x[5] - wz
+    kept, reach_s = 1.0, dt_s
+    if memory_s == 0.0:
+        wx, wy, wz = 0.0, 0.0, 0.0
+    else:
+        kept = math.exp(-dt_s / memory_s)
+        reach_s = memory_s * (1.0 - kept)
+    ux, uy, uz = vx - wx, vy - wy, vz - wz
     return (
-        (x[0] + dt_s * wx + reach_s * ux, x[1] + dt_s * wy + reach_s * uy, x[2] + dt_s * wz + reach_s * uz),
+        (
+            float(x[0]) + dt_s * wx + reach_s * ux,
+            float(x[1]) + dt_s * wy + reach_s * uy,
+            float(x[2]) + dt_s * wz + reach_s * uz,
+        ),
         (wx + kept * ux, wy + kept * uy, wz + kept * uz),
     )
 
 
-def covariance_growth(covariance: Matrix, acceleration_psd: float) -> Matrix:
+@inner
+def grown(P: Matrix, dt_s: float, acceleration_psd: float, memory_s: float, out: Matrix) -> None:
     """
-    Return the parts (9, 36) of F P F^T + Q, of which `grown` makes the sum for an interval: at every tick
-    that is cheaper than the product.
+    Write F P F^T + Q after `dt_s` into `out`; both are (36,), rows of a (6, 6) one after the other.
+
+    It is the product written out for the two numbers that F is made of, at every tick for every neighbour.
     """
-    drifted, relaxed = _DRIFT @ covariance, _VELOCITY @ covariance
-    mixed = drifted @ _VELOCITY
-    parts = (
-        covariance,
-        drifted + drifted.T,
-        relaxed + relaxed.T,
-        drifted @ _DRIFT.T,
-        mixed + mixed.T,
-        relaxed @ _VELOCITY,
-        acceleration_psd * _POSITION,
-        acceleration_psd * _COUPLING,
-        acceleration_psd * _VELOCITY,
-    )
-    return np.array(parts).reshape(9, 36)
-
-
-def grown(growth: Matrix, dt_s: float, memory_s: float = 0.0) -> Matrix:
-    """Return the covariance (6, 6) after `dt_s`; the caller may keep and change it."""
-    lost = 0.0 if memory_s == 0.0 else math.exp(-dt_s / memory_s) - 1.0
-    reach_s = dt_s if memory_s == 0.0 else -memory_s * lost
-    factors = (1.0, reach_s, lost, reach_s * reach_s, reach_s * lost, lost * lost, *_noise(dt_s, memory_s))
-    covariance: Matrix = np.dot(factors, growth).reshape(6, 6)
-    return covariance
+    kept = 1.0 if memory_s == 0.0 else math.exp(-dt_s / memory_s)
+    reach_s = dt_s if memory_s == 0.0 else memory_s * (1.0 - kept)
+    position, mixed, velocity = _noise(dt_s, memory_s)
+    for i in range(3):
+        for j in range(3):
+            pp, pv = float(P[6 * i + j]), float(P[6 * i + 3 + j])
+            vp, vv = float(P[6 * i + 18 + j]), float(P[6 * i + 21 + j])
+            same = acceleration_psd if i == j else 0.0
+            out[6 * i + j] = pp + reach_s * (pv + vp) + reach_s * reach_s * vv + same * position
+            out[6 * i + 3 + j] = kept * (pv + reach_s * vv) + same * mixed
+            out[6 * i + 18 + j] = kept * (vp + reach_s * vv) + same * mixed
+            out[6 * i + 21 + j] = kept * kept * vv + same * velocity

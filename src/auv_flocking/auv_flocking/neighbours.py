@@ -14,23 +14,35 @@ import bisect
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
+from auv_core.compiled import fastest
 from auv_core.geometry import body_to_ned
 from auv_core.messages import SonarContact, VehicleState
 from auv_flocking.association import associate, chi_square_gate
+from auv_flocking.estimates import (
+    AGE,
+    COVARIANCE,
+    POSITION,
+    SOURCE_WIDTH,
+    VELOCITY,
+    WIDTH,
+    Estimates,
+    carried_to,
+)
 from auv_flocking.navigation_offset import OwnFix, Stated
-from auv_flocking.neighbour_filter import NeighbourConfig, NeighbourFilter, kalman_filter
+from auv_flocking.neighbour_filter import NeighbourConfig, NeighbourFilter
 from auv_flocking.report import Report
 from auv_flocking.sonar_contact import sighting
-from auv_flocking.track import HISTORY_S, HeardReport, NeighbourEstimate, Track
+from auv_flocking.track import HISTORY_S, HeardReport, Track
 
 __all__ = [
     "NeighbourConfig",
-    "NeighbourEstimate",
     "NeighbourTable",
     "is_plausible",
-    "kalman_filter",
 ]
+
+_Said = tuple[list[int], list[tuple[float, ...]], NDArray[np.int64]]
 
 _CLOCK_SLACK_S = 1.0
 _FIX_RATIO = 0.95
@@ -98,6 +110,11 @@ class NeighbourTable:
         self._filter = NeighbourFilter(config)
         self._own = _OwnNavigation()
         self._tracks: dict[int, Track] = {}
+        self._in_order: list[Track] = []
+        self._sources = np.empty((0, SOURCE_WIDTH))
+        self._said: _Said = ([], [], np.empty(0, dtype=np.int64))
+        self._stale: set[Track] = set()
+        self._carried_to = fastest(carried_to)
         self._gate: float | None = None
         self.outdated = 0
         self.contacts_used = 0
@@ -111,7 +128,7 @@ class NeighbourTable:
     @property
     def tracks(self) -> list[Track]:
         """The neighbours heard at least once, in the order of addresses."""
-        return [track for _, track in sorted(self._tracks.items())]
+        return self._in_order
 
     def receive(self, report: Report) -> None:
         """Use one report. They come in the order of their arrival, which need not be that of their tags."""
@@ -121,7 +138,12 @@ class NeighbourTable:
         track = self._tracks.get(report.address)
         if track is None:
             self._tracks[report.address] = Track(heard, self._filter, self._config.velocity_memory_s)
-        elif not track.hear(heard):
+            self._in_order = [track for _, track in sorted(self._tracks.items())]
+            self._sources = np.empty((len(self._in_order), SOURCE_WIDTH))
+            self._stale.update(self._in_order)
+        elif track.hear(heard):
+            self._stale.add(track)
+        else:
             self.outdated += 1
 
     def observe(self, t_s: float, nav: VehicleState, contacts: Sequence[SonarContact]) -> None:
@@ -139,20 +161,21 @@ class NeighbourTable:
         if tracks:
             if self._gate is None:
                 self._gate = chi_square_gate(config.gate_prob)
-            estimates = [track.estimate(t_s) for track in tracks]
+            rows = self._carried(t_s).rows
             pairs = associate(
                 np.array([seen.point for seen in sightings]),
                 np.array([seen.covariance for seen in sightings]),
-                np.array([estimate.position for estimate in estimates]),
-                np.array([estimate.covariance[:3, :3] for estimate in estimates]),
+                rows[:, POSITION:VELOCITY],
+                rows[:, COVARIANCE:AGE].reshape(-1, 6, 6)[:, :3, :3],
                 self._gate,
             )
         for contact, neighbour in pairs:
             tracks[neighbour].see(sightings[contact])
+            self._stale.add(tracks[neighbour])
         self.contacts_used += len(pairs)
         self.contacts_unknown += len(contacts) - len(pairs)
 
-    def estimates(self, t_s: float, nav: VehicleState | None = None) -> list[NeighbourEstimate]:
+    def estimates(self, t_s: float, nav: VehicleState | None = None) -> Estimates:
         """
         Return the neighbours heard or seen within the time-out, carried to `t_s`, in the order of addresses.
 
@@ -160,11 +183,29 @@ class NeighbourTable:
         """
         if nav is not None:
             self._follow(t_s, nav)
-        return [track.estimate(t_s) for track in self._recent(t_s)]
+        return self._carried(t_s)
+
+    def _carried(self, t_s: float) -> Estimates:
+        tracks, config = self._in_order, self._config
+        if self._stale:
+            for row, track in enumerate(tracks):
+                if track in self._stale:
+                    track.write(self._sources[row])
+            addresses = [track.report.address for track in tracks]
+            self._said = (addresses, [track.report.shared for track in tracks], np.array(addresses))
+            self._stale.clear()
+        rows, who = np.empty((len(tracks), WIDTH)), np.empty(len(tracks), dtype=np.int64)
+        n = self._carried_to(t_s, config.velocity_memory_s, config.timeout_s, self._sources, rows, who)
+        addresses, shared, numbers = self._said
+        if n == len(tracks):
+            return Estimates(addresses, rows, shared, numbers)
+        return Estimates([addresses[k] for k in who[:n]], rows[:n], [shared[k] for k in who[:n]])
 
     def _recent(self, t_s: float) -> list[Track]:
         timeout_s = self._config.timeout_s
-        return [track for track in self.tracks if t_s - max(track.report.time_s, track.seen_s) <= timeout_s]
+        return [
+            track for track in self._in_order if t_s - max(track.report.time_s, track.seen_s) <= timeout_s
+        ]
 
     def _follow(self, t_s: float, nav: VehicleState) -> None:
         """Take note of the own navigation, and of a fix that it had."""
@@ -172,3 +213,4 @@ class NeighbourTable:
         if fix is not None:
             for track in self._tracks.values():
                 track.move_frame(fix)
+            self._stale.update(self._in_order)

@@ -27,6 +27,7 @@ Matrix = NDArray[np.float64]
 
 _SMALLEST_LEVEL_RATIO = 0.02
 _SMALLEST_RANGE_M = 1e-3
+_NO_LEVEL_M = 1e-200
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +110,7 @@ def _kept_apart(relative: Vec3) -> tuple[float, float, float, float, float]:
     level_m, range_m = math.hypot(x, y), math.sqrt(x * x + y * y + z * z)
     least_m = _SMALLEST_LEVEL_RATIO * max(range_m, _SMALLEST_RANGE_M)
     if level_m < least_m:
-        x, y = (x * least_m / level_m, y * least_m / level_m) if level_m > 0.0 else (least_m, 0.0)
+        x, y = (x / level_m * least_m, y / level_m * least_m) if level_m > _NO_LEVEL_M else (least_m, 0.0)
         level_m = least_m
         range_m = math.hypot(level_m, z)
     return x, y, z, level_m, range_m

@@ -16,10 +16,16 @@ from operator import attrgetter
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_core.geometry import Vec3
+from auv_flocking.estimates import (
+    SOURCE_WIDTH,
+    WIDTH,
+    Estimates,
+    NeighbourEstimate,
+    carried_to,
+    write_source,
+)
 from auv_flocking.navigation_offset import OwnFix, Stated
 from auv_flocking.neighbour_filter import Belief, NeighbourFilter
-from auv_flocking.neighbour_motion import carried, covariance_growth, grown
 from auv_flocking.report import Report
 from auv_flocking.sonar_contact import Sighting
 
@@ -27,33 +33,6 @@ Matrix = NDArray[np.float64]
 
 HISTORY_S = 20.0
 _LONGEST = 128
-
-
-@dataclass(frozen=True, slots=True)
-class NeighbourEstimate:
-    """
-    A neighbour as believed at one instant.
-
-    position (m), velocity (m/s), centre (m), flock_velocity (m/s): NED, in the frame of the own navigation;
-    covariance (6, 6) of position relative to the own vehicle, and of velocity; age_s: time since the time tag
-    `time_s` of its newest packet.  flock_stamp_s: when a leader made this flock velocity (-inf: never heard
-    of one); sonar_age_s: time since the own sonar saw it (inf: never); navigation_sd_m: what the neighbour
-    states of its own navigation, per axis (the covariance has it in it); shared: what its consensus filter
-    added to the packet.
-    """
-
-    address: int
-    position: Vec3
-    velocity: Vec3
-    covariance: Matrix
-    age_s: float
-    centre: Vec3
-    flock_velocity: Vec3
-    flock_stamp_s: float = -math.inf
-    sonar_age_s: float = math.inf
-    navigation_sd_m: float = 0.0
-    time_s: float = -math.inf
-    shared: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +63,6 @@ class Track:
         self._measurements: list[Measurement] = [heard]
         self._beliefs = [neighbour_filter.first(heard.report, heard.stated)]
         self._is_whole = True
-        self._growth: Matrix | None = None
-        self._numbers: list[float] = []
         self.report = heard.report
         self.seen_s = -math.inf
 
@@ -136,35 +113,27 @@ class Track:
         """Follow the own navigation into the frame that it has after a fix."""
         self._insert(fix)
 
+    def write(self, source: Matrix) -> None:
+        """Write what is believed into a row that `estimates.carried_to` makes estimates of."""
+        report, belief = self.report, self._beliefs[-1]
+        said = (
+            report.time_s,
+            *report.centre,
+            *report.centre_rate,
+            *report.flock_velocity,
+            report.flock_stamp_s,
+            report.position_sd_m,
+        )
+        write_source(
+            source, belief.time_s, belief.x, belief.P, belief.psd, belief.flock_velocity, said, self.seen_s
+        )
+
     def estimate(self, t_s: float) -> NeighbourEstimate:
         """Return the neighbour as believed at `t_s`."""
-        report, belief = self.report, self._beliefs[-1]
-        if self._growth is None:
-            self._growth = covariance_growth(belief.P[:6, :6], belief.psd)
-            self._numbers = belief.x.tolist()
-        x, dt_s, age_s = self._numbers, max(t_s - belief.time_s, 0.0), max(t_s - report.time_s, 0.0)
-        position, velocity = carried(x, dt_s, self._memory_s, belief.flock_velocity)
-        centre = (
-            report.centre[0] + age_s * report.centre_rate[0],
-            report.centre[1] + age_s * report.centre_rate[1],
-            report.centre[2] + age_s * report.centre_rate[2],
-        )
-        if belief.unaided is not None:  # from the sender's frame to the own one
-            centre = (centre[0] - x[6] - dt_s * x[8], centre[1] - x[7] - dt_s * x[9], centre[2])
-        return NeighbourEstimate(
-            report.address,
-            position,
-            velocity,
-            grown(self._growth, dt_s, self._memory_s),
-            age_s,
-            centre,
-            report.flock_velocity,
-            report.flock_stamp_s,
-            t_s - self.seen_s,
-            report.position_sd_m,
-            report.time_s,
-            report.shared,
-        )
+        source, row = np.empty((1, SOURCE_WIDTH)), np.empty((1, WIDTH))
+        self.write(source[0])
+        carried_to(t_s, self._memory_s, math.inf, source, row, np.empty(1, dtype=np.int64))
+        return Estimates([self.report.address], row, [self.report.shared])[0]
 
     def _insert(self, measurement: Measurement) -> bool:
         """Put a measurement where it belongs and use it and all later ones; return whether it has a place."""
@@ -179,7 +148,6 @@ class Track:
         del beliefs[place:]
         for later in measurements[place:]:
             beliefs.append(self._next(beliefs[-1] if beliefs else None, later))
-        self._growth = None
         self._forget()
         return True
 

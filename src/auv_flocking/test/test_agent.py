@@ -205,7 +205,7 @@ def test_a_packet_that_speaks_for_another_vehicle_is_rejected():
     honest = _heard(1, 3)
     lying = Reception(Packet(0, 2, 0, 1, honest.packet.payload), 0.0, 0.0, math.nan)
     _step(agent, 1, lying)
-    assert (agent.rejected, agent.neighbours) == (1, [])
+    assert (agent.rejected, len(agent.neighbours)) == (1, 0)
     _step(agent, 2, honest)
     assert (agent.rejected, len(agent.neighbours)) == (1, 1)
 

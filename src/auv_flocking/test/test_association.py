@@ -222,4 +222,4 @@ def test_who_is_silent_and_seen_counts_until_the_sonar_loses_it():
         assert math.dist(estimate.position, (3.0, 0.0, 0.0)) < 0.3
     assert table.contacts_unknown == 0
     assert len(table.estimates(54.0, _nav(54.0))) == 1
-    assert table.estimates(55.0, _nav(55.0)) == []
+    assert len(table.estimates(55.0, _nav(55.0))) == 0

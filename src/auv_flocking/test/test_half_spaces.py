@@ -2,15 +2,21 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from auv_flocking.half_spaces import into_half_spaces
+from auv_flocking import half_spaces as projection
 
 MODERATE = settings(max_examples=80, deadline=None)
 SPEEDS = st.floats(-2.0, 2.0)
 VELOCITIES = st.tuples(SPEEDS, SPEEDS, SPEEDS)
+
+
+def into_half_spaces(velocity, half_spaces):
+    rows = np.array([(*normal, bound_mps) for normal, bound_mps in half_spaces]).reshape(-1, 4)
+    return projection.into_half_spaces(velocity, rows)
 
 
 def _unit(vector):
@@ -59,3 +65,20 @@ def test_contradicting_bounds_end_in_a_finite_compromise():
     result = into_half_spaces((0.0, 0.5, 0.0), walls)
     assert math.hypot(*result) < 2.0
     assert result[1] == 0.5
+
+
+@pytest.mark.parametrize(("nearest_m", "most_mps"), [(1.3, 0.01), (1.0, 0.12)])
+def test_seven_bounds_at_once_are_met_but_for_what_the_page_says(nearest_m, most_mps):
+    """Neighbours all around up to 6 m away, none or some within the barrier's 1.3 m; 3000 random cases."""
+    rng = np.random.default_rng(1)
+    worst_mps = 0.0
+    for _ in range(3000):
+        normals = rng.normal(size=(7, 3))
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        bounds_mps = -0.25 * (rng.uniform(nearest_m, 6.0, 7) - 1.3)
+        wanted = rng.normal(size=3)
+        wanted *= 0.25 / np.linalg.norm(wanted)
+        half_spaces = [(tuple(n), b) for n, b in zip(normals.tolist(), bounds_mps.tolist(), strict=True)]
+        left_mps = bounds_mps - normals @ into_half_spaces(tuple(wanted.tolist()), half_spaces)
+        worst_mps = max(worst_mps, left_mps.max())
+    assert 0.0 < worst_mps < most_mps

@@ -244,6 +244,7 @@ def test_damaged_reports_raise_nothing_else_than_a_report_error(kind, data):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)
 @EVERY
 def test_a_million_random_payloads_raise_nothing_else_than_a_report_error(kind):
     """

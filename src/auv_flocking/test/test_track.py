@@ -13,7 +13,7 @@ from auv_core.messages import VehicleState
 from auv_flocking import navigation_offset as offset
 from auv_flocking.navigation_offset import OwnFix, Stated
 from auv_flocking.neighbour_filter import NeighbourConfig, NeighbourFilter
-from auv_flocking.neighbour_motion import covariance_growth, grown, process_noise, transition_matrix
+from auv_flocking.neighbour_motion import grown, process_noise, transition_matrix
 from auv_flocking.neighbours import NeighbourTable
 from auv_flocking.report import Report
 from auv_flocking.sonar_contact import contact_of, sighting
@@ -148,8 +148,8 @@ def test_discretisation_with_an_offset_is_van_loans(dt_s, psd, rate_psd, memory_
     spectral = np.diag([0.0] * 3 + [psd] * 3 + [0.0] * 2 + [rate_psd] * 2)
     block = expm(dt_s * np.block([[-A, spectral], [np.zeros((10, 10)), A.T]]))
     F = block[10:, 10:].T
-    np.testing.assert_allclose(offset.transition(dt_s, memory_s), F, rtol=1e-9, atol=1e-12)
-    Q = offset.noise(dt_s, psd, rate_psd, memory_s)
+    np.testing.assert_allclose(offset.offset_transition(dt_s, memory_s), F, rtol=1e-9, atol=1e-12)
+    Q = offset.offset_noise(dt_s, psd, rate_psd, memory_s)
     np.testing.assert_allclose(Q, F @ block[:10, 10:], rtol=1e-6, atol=1e-11)
 
 
@@ -159,9 +159,9 @@ def test_the_sum_of_parts_is_the_product(seed, dt_s, memory_s):
     root = np.random.default_rng(seed).standard_normal((6, 6))
     P, F = root @ root.T, transition_matrix(dt_s, memory_s)
     expected = F @ P @ F.T + process_noise(dt_s, 2e-3, memory_s)
-    np.testing.assert_allclose(
-        grown(covariance_growth(P, 2e-3), dt_s, memory_s), expected, rtol=1e-9, atol=1e-9
-    )
+    after = np.empty(36)
+    grown(P.ravel(), dt_s, 2e-3, memory_s, after)
+    np.testing.assert_allclose(after.reshape(6, 6), expected, rtol=1e-9, atol=1e-9)
 
 
 def test_a_velocity_comes_back_to_the_flocks():
@@ -192,7 +192,9 @@ def test_with_an_offset_and_no_sonar_it_is_the_kalman_filter_on_ten_states():
         assert track.hear(_heard(time_s, tuple(z[:3].tolist()), tuple(z[3:].tolist()), 0.1, 0.2))
         dt_s = time_s - (0.0 if time_s == 2.0 else 2.0 if time_s == 3.0 else 3.0)
         rate_psd = offset.rate_psd(RATE)
-        kalman.predict(F=offset.transition(dt_s), Q=offset.noise(dt_s, CONFIG.acceleration_psd, rate_psd))
+        kalman.predict(
+            F=offset.offset_transition(dt_s), Q=offset.offset_noise(dt_s, CONFIG.acceleration_psd, rate_psd)
+        )
         kalman.update(z)
     np.testing.assert_allclose(track.belief.x, kalman.x, atol=1e-5)
     np.testing.assert_allclose(track.belief.P, kalman.P, atol=1e-5)

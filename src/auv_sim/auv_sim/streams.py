@@ -9,6 +9,9 @@ import enum
 
 import numpy as np
 
+from auv_core.compiled import fastest, is_compiling
+from auv_sim.seed_hash import LARGEST, first_word
+
 
 class Purpose(enum.IntEnum):
     """What a random number is for; values are part of every recorded result and never change."""
@@ -26,10 +29,12 @@ def uniform(seed: int, purpose: Purpose, source: int, destination: int, sequence
     """
     Return a number uniform on [0, 1), fixed by its arguments on every machine (NumPy's SeedSequence hash).
     """
-    words = np.random.SeedSequence((seed, int(purpose), source, destination, sequence)).generate_state(
-        1, np.uint64
-    )
-    return float(words[0] >> np.uint64(11)) * 2.0**-53
+    words = (seed, int(purpose), source, destination, sequence)
+    if is_compiling() and max(words) <= LARGEST:
+        word = fastest(first_word)(*words)
+    else:
+        word = int(np.random.SeedSequence(words).generate_state(1, np.uint64)[0])
+    return (word >> 11) * 2.0**-53
 
 
 def generator(seed: int, purpose: Purpose, address: int, tick: int) -> np.random.Generator:

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
+from auv_sim.seed_hash import LARGEST, first_word
 from auv_sim.streams import Purpose, uniform
 
 # Origin: computed once with NumPy 2.4; every recorded result rests on them, so they may never change.
@@ -55,3 +56,9 @@ def test_other_seeds_and_links_have_unrelated_numbers(other):
 def test_purposes_keep_their_values():
     assert {purpose.name: int(purpose) for purpose in Purpose}["OUTAGE"] == 1
     assert len({int(purpose) for purpose in Purpose}) == len(Purpose)
+
+
+@given(st.tuples(*[st.one_of(st.integers(0, 9), st.integers(0, LARGEST))] * 5))
+def test_the_hash_is_that_of_numpys_seed_sequence(numbers):
+    expected = int(np.random.SeedSequence(numbers).generate_state(1, np.uint64)[0])
+    assert first_word(*numbers) == expected

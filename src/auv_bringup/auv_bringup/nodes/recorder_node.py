@@ -1,13 +1,20 @@
-"""Node that records every topic of the graph into a rosbag2 bag, without deserialising anything."""
+"""
+Node that records every topic of the graph into a rosbag2 bag, without deserialising anything.
+
+Messages wait in the middleware until the recorder takes many at once, topic by topic: at every so many ticks
+of `/clock`, and once a second.  Taken one by one, each as an event of its own, they would cost several times
+as much processor time, which in lock-step is the flight's.
+"""
 
 from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -25,7 +32,7 @@ from auv_core.params import ConfigError, param
 from auv_msgs.msg import RecorderStatus
 
 EXIT_INTERNAL = 1
-TICKS_PER_STATUS = 20
+TICKS_PER_BATCH = 20
 CHECKPOINT_PERIOD_S = 1.0
 QUIET_BEFORE_CLOSE_S = 0.3
 DRAIN_LIMIT_S = 20.0
@@ -43,14 +50,16 @@ class RecorderConfig:
 class RecorderNode(Node):
     """Records until it is told to stop, then takes what has already arrived and closes the bag."""
 
-    def __init__(self) -> None:
-        super().__init__("recorder_node")
+    def __init__(self, **options: Any) -> None:
+        super().__init__("recorder_node", **options)
         self.done = False
         self.exit_code = 0
         config = declare_config(self, RecorderConfig)
         self._bag_dir = Path(config.bag_dir)
         self._status = self.create_publisher(RecorderStatus, "/recorder/status", LATCHED)
-        self._taken: list[Subscription] = []
+        self._takers: list[tuple[Subscription, Callable[[bytes], None]]] = []
+        self._clock: Subscription | None = None
+        self._ticks_recorded = 0
         try:
             self._writer = BagWriter(self._bag_dir)
             self._recorder = BagRecorder(self._writer, self._offered_qos)
@@ -60,56 +69,61 @@ class RecorderNode(Node):
         steady_timer(self, CHECKPOINT_PERIOD_S, self._checkpoint)
         self._publish_status()
 
+    @property
+    def subscriptions(self) -> Iterator[Subscription]:
+        """The subscriptions that the executor shall serve: that of the clock."""
+        if self._clock is not None:
+            yield self._clock
+
     def on_stop(self) -> None:
         """Record what has arrived, close the bag, say so."""
         self._drain()
         if self.done:
             return
-        try:
-            self._recorder.finish()
-        except OSError as error:
-            self._fail(error)
-        else:
+        self._guarded(self._recorder.finish)
+        if not self.done:
             self._publish_status(closed=True)
 
     def _subscribe(self, config: RecorderConfig) -> None:
         """Subscribe to everything, raw."""
         for spec in topics_of_graph(config.topics_vehicles, kinematic=config.kinematic):
-            take = self._guarded(self._recorder.sink(spec))
-            if spec.name == CLOCK_TOPIC:
-                take = partial(self._take_clock, take)
+            take = self._recorder.sink(spec)
+            is_clock = spec.name == CLOCK_TOPIC
+            callback = partial(self._hear_clock, take) if is_clock else take
             kind, qos = message_class(spec.type_name), _keep_all(latched=spec.latched)
-            self._taken.append(self.create_subscription(kind, spec.name, take, qos, raw=True))
+            subscription = self.create_subscription(kind, spec.name, callback, qos, raw=True)
+            if is_clock:
+                self._clock = subscription
+            self._takers.append((subscription, take))
 
-    def _guarded(self, take: Callable[[bytes], None]) -> Callable[[bytes], None]:
-        """Stop the node, with one error, when the bag cannot be written any more."""
-
-        def guarded(data: bytes) -> None:
-            if self.done:
-                return
-            try:
-                take(data)
-            except OSError as error:
-                self._fail(error)
-
-        return guarded
-
-    def _take_clock(self, take: Callable[[bytes], None], data: bytes) -> None:
-        """Record a tick, and say now and then how far the recorder is."""
+    def _hear_clock(self, take: Callable[[bytes], None], data: bytes) -> None:
+        """Take a tick, and now and then everything, saying how far the recorder is."""
         take(data)
-        if self._recorder.ticks % TICKS_PER_STATUS == 0:
+        if self._recorder.ticks - self._ticks_recorded >= TICKS_PER_BATCH:
+            self._record()
             self._publish_status()
 
     def _checkpoint(self) -> None:
-        """Bring the files up to date."""
+        """Take everything and bring the files up to date."""
+        self._record()
+        self._guarded(self._writer.checkpoint)
+        self._publish_status()
+
+    def _record(self) -> int:
+        """Take all messages that wait; return how many."""
+        count = sum(_take_pending(subscription, take) for subscription, take in self._takers)
+        self._guarded(self._recorder.flush)
+        self._ticks_recorded = self._recorder.ticks
+        return count
+
+    def _guarded(self, write: Callable[[], None]) -> None:
+        """Write; where that cannot be, end the recording with one error."""
         if self.done:
             return
         try:
-            self._writer.checkpoint()
+            write()
         except OSError as error:
             self._fail(error)
-        else:
-            self._publish_status()
 
     def _drain(self) -> None:
         """Take messages until none has come for a while: some may still be on their way."""
@@ -117,7 +131,7 @@ class RecorderNode(Node):
         quiet_at = time.monotonic() + QUIET_BEFORE_CLOSE_S
         pause = threading.Event()
         while time.monotonic() < min(quiet_at, limit) and not self.done:
-            if sum(_take_pending(each) for each in self._taken):
+            if self._record():
                 quiet_at = time.monotonic() + QUIET_BEFORE_CLOSE_S
             else:
                 pause.wait(0.01)
@@ -144,13 +158,13 @@ class RecorderNode(Node):
         self._writer.abandon()
 
 
-def _take_pending(subscription: Subscription) -> int:
+def _take_pending(subscription: Subscription, take: Callable[[bytes], None]) -> int:
     """Take every message that waits in a subscription; return how many there were."""
     count = 0
     handle = subscription.handle
     with handle:
         while (item := handle.take_message(subscription.msg_type, True)) is not None:
-            subscription.callback(item[0])
+            take(item[0])
             count += 1
     return count
 
@@ -164,9 +178,14 @@ def _keep_all(*, latched: bool) -> QoSProfile:
     )
 
 
+def make_nodes(**options: Any) -> Sequence[Node]:
+    """Return the node; `options` are those of `rclpy.node.Node`."""
+    return [RecorderNode(**options)]
+
+
 def main() -> None:
     """Record until stopped."""
-    raise SystemExit(main_loop(lambda: [RecorderNode()]))
+    raise SystemExit(main_loop(make_nodes))
 
 
 if __name__ == "__main__":

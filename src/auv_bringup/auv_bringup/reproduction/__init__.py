@@ -18,7 +18,8 @@ another of its chapter is counted once.
 3. Every number, word of evidence and verdict comes from the runs; only what the thesis prints is typed in.
 4. `draw` gets an empty Matplotlib figure, in the style of `auv_bringup.plotting`; axes are the thesis's.
 5. Studies of many seeds (`RunSpec.nth`) get the runs of as many seeds as were asked for, none for what comes
-   later; their functions look at `run.spec`.
+   later; their functions look at `run.spec`. A study that flies no scenario is a function with
+   `functools.cache`: items of one file that name no runs are made by one worker, which computes it once.
 6. Numbers ("2.6") are unique among figures, among tables and, with their text, among claims. What the thesis
    does not have takes a letter: "3.A".
 
@@ -32,6 +33,7 @@ import re
 import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -135,12 +137,13 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of the thesis, or one of ours; `rows(runs)` fills it."""
+    """A table of the thesis, or one of ours; `rows(runs)` fills it, `beside` heads what `Row.thesis` says."""
 
     number: str
     title: str
     runs: tuple[RunSpec, ...]
     rows: Callable[[list[Run]], list[Row]]
+    beside: str = "thesis"
 
 
 @dataclass(frozen=True)
@@ -166,6 +169,14 @@ class Claim:
 
 
 Item = Figure | Table | Claim
+
+
+def function_of(item: Item) -> Callable[..., Any]:
+    """Return the function that makes an item; of a partial, the function under it."""
+    function: Any = next(getattr(item, word) for word in ("draw", "rows", "judge") if hasattr(item, word))
+    while isinstance(function, partial):
+        function = function.func
+    return function
 
 
 @dataclass(frozen=True)

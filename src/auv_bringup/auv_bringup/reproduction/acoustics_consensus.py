@@ -219,7 +219,11 @@ FIGURES = (
 
 TABLES = (
     Table(
-        "A.21", "Consensus filters against loss, vehicles at rest, slots of 2 s", _ALL_STATIC, _static_rows
+        "A.21",
+        "Consensus filters against loss, vehicles at rest, slots of 2 s",
+        _ALL_STATIC,
+        _static_rows,
+        "theory",
     ),
     Table("A.22", "The same at 60 % loss, one thing changed", tuple(VARIED.values()), _varied_rows),
     Table(

@@ -65,7 +65,7 @@ def _grid_rows(runs: list[Run]) -> list[Row]:
         ekf_m, hold_m, reckoned_m = _three(run)
         rows.append(
             Row(
-                f"slots of {slot_s:g} s, {loss:.0%} lost",
+                f"slots of {slot_s:g} s, {100.0 * loss:.0f} % lost",
                 "not given",
                 f"filter {ekf_m:.3f} m, last packet held {hold_m:.3f} m, dead reckoned {reckoned_m:.3f} m; "
                 f"filter / held {ekf_m / hold_m:.2f}",
@@ -119,7 +119,7 @@ def _draw_grid(canvas: Canvas, runs: list[Run]) -> None:
         for index, name in enumerate(("filter", "last packet held", "dead reckoned")):
             values_m = [found[slot_s, loss][index] for slot_s in SLOTS_S]
             axes.plot(SLOTS_S, values_m, marker="o", label=name, **vehicle_style(index))
-        axes.set_title(f"{loss:.0%} lost")
+        axes.set_title(f"{100.0 * loss:.0f} % lost")
         axes.set_xscale("log", base=2)
         axes.set_yscale("log")
         axes.set_xticks(SLOTS_S, [f"{slot_s:g}" for slot_s in SLOTS_S])
@@ -197,7 +197,9 @@ FIGURES = (
 
 TABLES = (
     Table("A.31", "Error of a neighbour's position in the flock", tuple(GRID.values()), _grid_rows),
-    Table("A.33", "Models of a neighbour's motion, on the same packets", _TUNED_ON, _model_rows),
+    Table(
+        "A.33", "Models of a neighbour's motion, on the same packets", _TUNED_ON, _model_rows, "consistent"
+    ),
     Table(
         "A.34",
         "Relative positions in the formed flock (0.5 s slots, 30 % lost)",

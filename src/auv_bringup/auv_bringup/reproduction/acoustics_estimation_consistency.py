@@ -89,7 +89,7 @@ def _rows(_runs: list[Run]) -> list[Row]:
     rows = []
     for name in _SETTINGS:
         words = [
-            f"{word} {mean:.2f}, inside at {share:.0%} of the instants"
+            f"{word} {mean:.2f}, inside at {100.0 * share:.0f} % of the instants"
             for word, (mean, share) in _shares(name).items()
         ]
         rows.append(Row(name, "NEES 6, NIS 6 and 3; inside at 95 %", "; ".join(words), NO_NUMBER))
@@ -131,7 +131,7 @@ def _error_rows(_runs: list[Run]) -> list[Row]:
             ekf_m, hold_m, reckoned_m = synthetic_errors_m(slot_s, loss)
             rows.append(
                 Row(
-                    f"slots of {slot_s:g} s, {loss:.0%} lost",
+                    f"slots of {slot_s:g} s, {100.0 * loss:.0f} % lost",
                     "not given",
                     f"filter {ekf_m:.3f} m, last packet held {hold_m:.3f} m, dead reckoned "
                     f"{reckoned_m:.3f} m; filter / held {ekf_m / hold_m:.2f}",
@@ -158,7 +158,7 @@ def _draw(canvas: Canvas, _runs: list[Run]) -> None:
     panels[1].set_xlabel("contact of a run")
     panels[1].set_ylabel("mean NIS of contacts (3 numbers)")
     handles, labels = panels[0].get_legend_handles_labels()
-    legend_below(canvas, handles, labels)
+    legend_below(canvas, handles, labels, columns=2)
 
 
 def _judge(_runs: list[Run]) -> Verdict:
@@ -167,8 +167,9 @@ def _judge(_runs: list[Run]) -> Verdict:
     low, high = band(STATES, _RUNS)
     evidence = (
         f"{_RUNS} runs, interval of the mean NEES [{low:.2f}, {high:.2f}]: NEES and NIS of {len(_OWN_MODEL)} "
-        f"settings inside their intervals at {np.mean(shares):.0%} of the instants, {min(shares):.0%} in the "
-        f"worst; means over all instants between {min(means):.3f} and {max(means):.3f} of what they should be"
+        f"settings inside their intervals at {100.0 * np.mean(shares):.0f} % of the instants, "
+        f"{100.0 * min(shares):.0f} % in the worst; means over all instants "
+        f"between {min(means):.3f} and {max(means):.3f} of what they should be"
     )
     is_close = max(abs(mean - 1.0) for mean in means) < 0.05
     return Verdict(
@@ -189,7 +190,7 @@ FIGURES = (
 )
 
 TABLES = (
-    Table("A.32", "Consistency of the neighbour filter, 100 runs per setting", (), _rows),
+    Table("A.32", "Consistency of the neighbour filter, 100 runs per setting", (), _rows, "consistent"),
     Table("A.35", "Error of a neighbour's position on the filter's own model", (), _error_rows),
 )
 

@@ -332,7 +332,7 @@ FLOWN = tuple(
 TABLES = (
     Table("A.12", "Medium access compared: throughput, losses by cause, delay, age, fairness", (), _rows),
     Table("A.15", "Medium access flown as a scenario: eight vehicles that keep station", FLOWN, _flown_rows),
-    Table("A.13", "Slotted ALOHA beside the textbook", (), _textbook_rows),
+    Table("A.13", "Slotted ALOHA beside the textbook", (), _textbook_rows, "formula"),
 )
 
 CLAIMS = (

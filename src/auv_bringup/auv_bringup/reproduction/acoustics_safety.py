@@ -34,25 +34,30 @@ from auv_bringup.reproduction.acoustics_safety_runs import (
     ABLATED,
     BARS,
     CELLS,
+    DRIFT_FIXES,
+    DRIFT_SONAR,
+    FIXES_BARS,
     FLEETS,
     HULLS_TOUCH_M,
     N_SEEDS,
-    NAVIGATED,
-    NAVIGATION_BARS,
+    OTHERWISE_NAVIGATED,
     OURS,
     PARTS,
+    SONAR_BARS,
     THESIS,
     THESIS_LAW,
     USUAL,
+    WITH_FIXES,
+    WITH_SONAR,
     WORST,
     Bars,
+    Cell,
     Summary,
     chosen,
     name_of,
     summary_of,
 )
 
-_SLOW = (2.0, 0.3)
 _SHOWN_SLOW = tuple(
     RunSpec("flock_modem", ("seed=3001", "acoustics.outage.params.loss_prob=0.3", *changes))
     for changes in (THESIS_LAW, ())
@@ -63,33 +68,44 @@ def _all(studies: Sequence[Sequence[RunSpec]]) -> tuple[RunSpec, ...]:
     return tuple(spec for specs in studies for spec in specs)
 
 
-_ALL_OURS, _ALL_THESIS = _all(list(OURS.values())), _all(list(THESIS.values()))
+Study = dict[Cell, tuple[RunSpec, ...]]
+_ALL_OURS, _ALL_THESIS, _ALL_SONAR, _ALL_FIXES = (
+    _all(list(cells.values())) for cells in (OURS, THESIS, WITH_SONAR, WITH_FIXES)
+)
 _FULL = (*OURS[USUAL][:20], *OURS[WORST][:20])
 
 
-def _row(quantity: str, runs: Sequence[Run], bars: Bars | None = None, n_seeds: int = N_SEEDS) -> Row:
-    """Return a row; bars that are kept by fewer than `n_seeds` runs are kept in part."""
+def _row(quantity: str, runs: Sequence[Run], bars: Bars | None = None) -> Row:
+    """Return a row; bars that are kept by fewer than all seeds are kept in part."""
     if not runs:
         return Row(quantity, "not given", "not flown", NO_NUMBER, "more seeds are needed")
     summary = summary_of(runs)
     if bars is None:
         return Row(quantity, "not given", str(summary), NO_NUMBER, summary.remark)
-    kept = AGREES if len(runs) == n_seeds else AGREES_IN_PART
+    kept = AGREES if len(runs) == N_SEEDS else AGREES_IN_PART
     return Row(quantity, str(bars), str(summary), kept if summary.keeps(bars) else DIFFERS, summary.remark)
 
 
-def _cell_rows(runs: list[Run]) -> list[Row]:
-    return [_row(name_of(cell), chosen(runs, OURS[cell]), BARS[cell]) for cell in CELLS]
+def _rows_of(study: Study, bars: dict[Cell, Bars], navigation: str = "") -> Callable[[list[Run]], list[Row]]:
+    """Return the function that makes a row of every cell of a study."""
+    prefix = navigation and f"{navigation}, "
 
+    def rows(runs: list[Run]) -> list[Row]:
+        return [
+            _row(prefix + name_of(cell), chosen(runs, specs), bars[cell]) for cell, specs in study.items()
+        ]
 
-def _thesis_rows(runs: list[Run]) -> list[Row]:
-    return [_row(name_of(cell), chosen(runs, THESIS[cell]), BARS[cell]) for cell in CELLS]
+    return rows
 
 
 def _navigation_rows(runs: list[Run]) -> list[Row]:
+    others = [
+        _row(f"{name}, {name_of(USUAL)}", chosen(runs, specs)) for name, specs in OTHERWISE_NAVIGATED.items()
+    ]
     return [
-        _row(name, chosen(runs, specs), NAVIGATION_BARS.get(name), len(specs))
-        for name, specs in NAVIGATED.items()
+        *_rows_of(WITH_SONAR, SONAR_BARS, DRIFT_SONAR)(runs),
+        *_rows_of(WITH_FIXES, FIXES_BARS, DRIFT_FIXES)(runs),
+        *others,
     ]
 
 
@@ -135,8 +151,10 @@ def _draw_map(canvas: Canvas, runs: list[Run]) -> None:
         )
         axes.imshow(nearest_m, cmap="RdYlGn", vmin=0.0, vmax=2.0, origin="lower", aspect="auto")
         for (row, column), value in np.ndenumerate(nearest_m):
-            axes.text(column, row, f"{value:.2f} m", ha="center", va="center")
-        axes.set_xticks(range(len(losses)), [f"{loss:.0%}" for loss in losses])
+            ink = "white" if value < HULLS_TOUCH_M else "black"
+            axes.text(column, row, f"{value:.2f} m", ha="center", va="center", color=ink)
+        axes.grid(visible=False)
+        axes.set_xticks(range(len(losses)), [f"{100.0 * loss:.0f} %" for loss in losses])
         axes.set_yticks(range(len(slots)), [f"{slot_s:g} s" for slot_s in slots])
         axes.set_xlabel("packets lost")
         axes.set_title(law)
@@ -152,11 +170,11 @@ def _words(summaries: Sequence[Summary]) -> str:
     )
 
 
-def _judge(studies: dict[tuple[float, float], tuple[RunSpec, ...]]) -> Callable[[list[Run]], Verdict]:
+def _judge(study: Study, bars: dict[Cell, Bars]) -> Callable[[list[Run]], Verdict]:
     def judge(runs: list[Run]) -> Verdict:
-        summaries = {cell: summary_of(chosen(runs, specs)) for cell, specs in studies.items()}
-        kept = [cell for cell in CELLS if summaries[cell].keeps(BARS[cell])]
-        is_whole = all(summaries[cell].n == len(studies[cell]) for cell in CELLS)
+        summaries = {cell: summary_of(chosen(runs, specs)) for cell, specs in study.items()}
+        kept = [cell for cell in CELLS if summaries[cell].keeps(bars[cell])]
+        is_whole = all(summaries[cell].n == len(study[cell]) for cell in CELLS)
         holds = DOES_NOT_HOLD if len(kept) < len(CELLS) else HOLDS if is_whole else HOLDS_IN_PART
         return Verdict(
             holds, f"{_words(list(summaries.values()))}; bars kept in {len(kept)} of {len(CELLS)} cells"
@@ -183,17 +201,30 @@ FIGURES = (
 )
 
 _FORM = "smallest distance, for t > 150 s, largest for t > 200 s, path error (95th percentile)"
+_FOUR = "the same four numbers"
 TABLES = (
-    Table("A.41", f"Safety of the law for a modem: {_FORM}; bars beside", _ALL_OURS, _cell_rows),
-    Table("A.42", "The thesis's law with blind followers in the same runs", _ALL_THESIS, _thesis_rows),
+    Table("A.41", f"Safety of the law for a modem: {_FORM}", _ALL_OURS, _rows_of(OURS, BARS), "asked for"),
+    Table(
+        "A.42",
+        f"The thesis's law with blind followers in the same runs: {_FOUR}",
+        _ALL_THESIS,
+        _rows_of(THESIS, BARS),
+        "asked for",
+    ),
     Table(
         "A.43",
-        f"Navigations that drift, {name_of(USUAL)}",
-        _all(list(NAVIGATED.values())),
+        f"Navigations that drift by 1 cm/s: {_FOUR}",
+        (*_ALL_SONAR, *_ALL_FIXES, *_all(list(OTHERWISE_NAVIGATED.values()))),
         _navigation_rows,
+        "asked for",
     ),
-    Table("A.44", "What each part of the law is worth", (*_FULL, *_all(list(ABLATED.values()))), _part_rows),
-    Table("A.45", "Larger fleets", _all(list(FLEETS.values())), _fleet_rows),
+    Table(
+        "A.44",
+        f"What each part of the law is worth: {_FOUR}",
+        (*_FULL, *_all(list(ABLATED.values()))),
+        _part_rows,
+    ),
+    Table("A.45", f"Larger fleets: {_FOUR}", _all(list(FLEETS.values())), _fleet_rows),
 )
 
 CLAIMS = (
@@ -201,12 +232,24 @@ CLAIMS = (
         "A.41",
         "The thesis's law keeps vehicles apart with the report rates and losses of a modem.",
         _ALL_THESIS,
-        _judge(THESIS),
+        _judge(THESIS, BARS),
     ),
     Claim(
         "A.42",
         "A law no faster than its information does, and stays with its path (ours).",
         _ALL_OURS,
-        _judge(OURS),
+        _judge(OURS, BARS),
+    ),
+    Claim(
+        "A.43",
+        "Where navigations drift, sonar keeps the distances that exact navigation does (ours).",
+        _ALL_SONAR,
+        _judge(WITH_SONAR, SONAR_BARS),
+    ),
+    Claim(
+        "A.44",
+        "Where navigations drift, a fix a minute keeps vehicles apart, and the flock near its path (ours).",
+        _ALL_FIXES,
+        _judge(WITH_FIXES, FIXES_BARS),
     ),
 )

@@ -6,15 +6,15 @@ import argparse
 import os
 import shlex
 import sys
-import tempfile
 import time
-import traceback
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from auv_bringup import results
+from auv_bringup.failures import internal_error
 from auv_bringup.interrupts import make_signals_interrupt
-from auv_bringup.one_line_parser import OneLineParser, fail, refusal
+from auv_bringup.one_line_parser import MOST_WORKERS, OneLineParser, fail, whole_number
 from auv_bringup.reproduction import Chapter, ChapterError, chapters, choose, with_seeds
 from auv_core.params import ConfigError
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from auv_bringup.reproduction.runner import Flown
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-MOST_WORKERS = 256
 MOST_SEEDS = 100
 FEW_SEEDS = 2
 RUNS = "runs"
@@ -77,7 +76,7 @@ def main(arguments: Sequence[str] | None = None, found: Sequence[Chapter] | None
         if options.list:
             return _list(chosen)
         return _reproduce(chosen, options, list(sys.argv[1:] if arguments is None else arguments))
-    except (ConfigError, ChapterError) as error:
+    except (ConfigError, ChapterError, results.ResultsError) as error:
         return fail(BAD_INPUT, str(error))
     except KeyboardInterrupt:
         return fail(INTERRUPTED, "interrupted; finished runs are kept for the next call")
@@ -85,14 +84,7 @@ def main(arguments: Sequence[str] | None = None, found: Sequence[Chapter] | None
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
     except Exception as error:
-        return _internal_error(error)
-
-
-def _internal_error(error: Exception) -> int:
-    with tempfile.NamedTemporaryFile("w", prefix="shoal-", suffix=".traceback.txt", delete=False) as stream:
-        traceback.print_exc(file=stream)
-    words = " ".join(str(error).split()) or "no message"
-    return fail(FAILED, f"{type(error).__name__}: {words}; the traceback is in {stream.name}")
+        return fail(FAILED, internal_error(error))
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -142,22 +134,11 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _workers(text: str) -> int:
-    return _count(text, MOST_WORKERS)
+    return whole_number(text, MOST_WORKERS)
 
 
 def _seeds(text: str) -> int:
-    return _count(text, MOST_SEEDS)
-
-
-def _count(text: str, most: int) -> int:
-    allowed = f"a whole number from 1 to {most}"
-    try:
-        value = int(text)
-    except ValueError:
-        raise refusal(text, allowed) from None
-    if not 1 <= value <= most:
-        raise refusal(text, allowed)
-    return value
+    return whole_number(text, MOST_SEEDS)
 
 
 def _chosen(known: Sequence[Chapter], only: Sequence[str]) -> tuple[Chapter, ...]:
@@ -194,11 +175,11 @@ def _reproduce(chosen: Sequence[Chapter], options: argparse.Namespace, arguments
     from auv_bringup.reproduction.page import write_page
     from auv_bringup.reproduction.runner import fly_all
     from auv_bringup.reproduction.store import Store
-    from auv_bringup.reproduction.tally import Tally
+    from auv_bringup.tally import Tally
 
     start_s = time.monotonic()
     folder, n_workers = options.out, options.workers
-    _make_folder(folder)
+    results.make_folder(folder)
     store = Store(folder / RUNS)
     specs = [spec for chapter in chosen for spec in chapter.runs]
     with Tally("runs") as tally:
@@ -240,16 +221,6 @@ def _tell_failures(file: Path, flown: Flown, outcomes: Sequence[ChapterOutcome])
     text = "\n".join(f"== {name}\n{failure.traceback or failure.line}\n" for name, failure in failures)
     file.write_text(text, encoding="utf-8")
     return fail(FAILED, f"{len(failures)} of its parts could not be made; see {file}")
-
-
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / ".writable"
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        raise ConfigError(f"--out {str(folder)!r}: cannot be written ({error.strerror or error})") from None
 
 
 if __name__ == "__main__":

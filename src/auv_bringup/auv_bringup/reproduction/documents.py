@@ -6,13 +6,12 @@ Both are checked into the repository; a test fails where they are not what would
 
 from __future__ import annotations
 
-import functools
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from auv_bringup.reproduction import Chapter, ChapterError, Item, RunSpec
+from auv_bringup.reproduction import Chapter, ChapterError, Item, RunSpec, function_of
 from auv_bringup.reproduction.equations import EQUATIONS_FILE, EquationList, load_equations
 
 EQUATIONS_PAGE = "docs/equations.md"
@@ -116,10 +115,8 @@ def _runs(runs: Sequence[RunSpec]) -> str:
 
 
 def _function(item: Item) -> str:
-    """Return the function of an item as module:name; of a partial, the function under it."""
-    function: Any = getattr(item, "draw", None) or getattr(item, "rows", None) or getattr(item, "judge", None)
-    while isinstance(function, functools.partial):
-        function = function.func
+    """Return the function of an item as module:name."""
+    function = function_of(item)
     return f"{function.__module__.rpartition('.')[2]}:{_qualified_name(function)}"
 
 

@@ -12,7 +12,7 @@ from auv_bringup import results
 if TYPE_CHECKING:
     from auv_bringup.reproduction.runner import Flown
 
-_SHOWN_PACKAGES = ("numpy", "scipy", "filterpy", "scikit-fuzzy", "matplotlib")
+_SHOWN_PACKAGES = ("numpy", "scipy", "numba", "scikit-fuzzy", "matplotlib")
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,16 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 from matplotlib.figure import Figure as Canvas
 
+from auv_bringup.failures import Failure
 from auv_bringup.plotting import STYLE
-from auv_bringup.reproduction import Chapter, Figure, Item, Row, Run, Table, Verdict
-from auv_bringup.reproduction.tally import Tally
-from auv_bringup.reproduction.workers import Advance, Failure, spread
+from auv_bringup.reproduction import Chapter, Figure, Item, Row, Run, Table, Verdict, function_of
+from auv_bringup.reproduction.workers import Advance, Call, attempt, spread
+from auv_bringup.tally import Tally
 
 if TYPE_CHECKING:
     from auv_bringup.recording import Recording
@@ -84,18 +85,28 @@ def evaluate(
     ready = [index for index, content in enumerate(contents) if content is None]
     tally.start(len(ready), float(len(ready)))
 
-    def note(index: int, content: Content | Failure) -> None:
-        contents[ready[index]] = content
-        if isinstance(content, Failure):
-            tally.failed(name_of(items[ready[index]]), content)
-        tally.finished()
+    groups = _together(items, ready)
+
+    def call_of(index: int) -> Call:
+        item = items[index]
+        return partial(evaluate_item, item, tuple(flown.planned[spec] for spec in item.runs), store)
+
+    def note(place: int, made: list[Content | Failure] | Failure) -> None:
+        group = groups[place]
+        for index, content in zip(
+            group, made if isinstance(made, list) else [made] * len(group), strict=True
+        ):
+            contents[index] = content
+            if isinstance(content, Failure):
+                tally.failed(name_of(items[index]), content)
+            tally.finished()
         tally.advance(sum(content is not None for content in contents))
 
-    calls = [
-        partial(evaluate_item, items[index], tuple(flown.planned[spec] for spec in items[index].runs), store)
-        for index in ready
-    ]
-    spread(calls, n_workers, on_result=note)
+    spread(
+        [partial(_evaluate, [call_of(index) for index in group]) for group in groups],
+        n_workers,
+        on_result=note,
+    )
     outcomes = (
         Outcome(item, content) for item, content in zip(items, contents, strict=True) if content is not None
     )
@@ -108,6 +119,24 @@ def evaluate(
         )
         for chapter in chapters
     )
+
+
+def _together(items: Sequence[Item], ready: Sequence[int]) -> list[list[int]]:
+    """
+    Return the items that are ready, by index, in groups for one worker each.
+
+    Items of one file that need no runs make a study of their own, which they share; those come first, since a
+    study takes longer than a drawing.
+    """
+    studies: dict[str, list[int]] = {}
+    for index in ready:
+        if not items[index].runs:
+            studies.setdefault(function_of(items[index]).__module__, []).append(index)
+    return [*studies.values(), *([index] for index in ready if items[index].runs)]
+
+
+def _evaluate(calls: Sequence[Call], advance: Advance) -> list[Any]:
+    return [attempt(call, advance) for call in calls]
 
 
 def name_of(item: Item) -> str:

@@ -8,7 +8,6 @@ scenario or data is escaped.
 
 from __future__ import annotations
 
-import base64
 import html
 import json
 import re
@@ -17,6 +16,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from auv_bringup.html_page import embedded_png, head, pairs_table
 from auv_bringup.reproduction import (
     AGREES,
     AGREES_IN_PART,
@@ -89,6 +89,7 @@ def write_page(folder: Path, chapters: Sequence[ChapterOutcome], making: Making)
 def page_html(chapters: Sequence[ChapterOutcome], making: Making) -> str:
     """Return the page as HTML."""
     return PAGE.substitute(
+        head=head(_TITLE),
         title=_TITLE,
         facts=html.escape(making.facts),
         failures=_failures(chapters),
@@ -97,7 +98,7 @@ def page_html(chapters: Sequence[ChapterOutcome], making: Making) -> str:
         claims=_all_claims(chapters),
         chapters="\n".join(_chapter(chapter) for chapter in chapters),
         command=html.escape(making.command),
-        versions=_pairs_table(making.versions),
+        versions=pairs_table(making.versions),
         runs=_runs_table(making),
     )
 
@@ -234,8 +235,9 @@ def _table(outcome: Outcome) -> str:
     if outcome.failure is not None:
         body = f"<tr><td>{_failure(outcome)}</td></tr>"
     else:
+        beside = html.escape(item.beside if isinstance(item, Table) else "thesis")
         head = "".join(
-            f"<th scope='col'>{word}</th>" for word in ("quantity", "thesis", "ours", "verdict", "note")
+            f"<th scope='col'>{word}</th>" for word in ("quantity", beside, "ours", "verdict", "note")
         )
         body = "\n".join([f"<tr>{head}</tr>", *(_row(row) for row in _rows(outcome))])
     table = f"<table>\n{caption}\n{body}\n</table>"
@@ -255,8 +257,7 @@ def _figure(outcome: Outcome) -> str:
     caption = html.escape(item.caption) if isinstance(item, Figure) else ""
     heading = html.escape(_heading(item))
     if isinstance(outcome.content, bytes):
-        data = base64.b64encode(outcome.content).decode("ascii")
-        image = f'<img alt="{heading}, drawn from our runs" src="data:image/png;base64,{data}">'
+        image = embedded_png(outcome.content, f"{_heading(item)}, drawn from our runs")
     else:
         image = f"<p>{_failure(outcome)}</p>"
     return (
@@ -288,14 +289,6 @@ def _runs_table(making: Making) -> str:
         rows.append(
             f"<tr><td><code>{html.escape(run.name)}</code></td>{cells}<td>{html.escape(run.remark)}</td></tr>"
         )
-    return f"<table>\n{chr(10).join(rows)}\n</table>"
-
-
-def _pairs_table(pairs: dict[str, str]) -> str:
-    rows = (
-        f"<tr><th scope='row'>{html.escape(key)}</th><td>{html.escape(value)}</td></tr>"
-        for key, value in pairs.items()
-    )
     return f"<table>\n{chr(10).join(rows)}\n</table>"
 
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import partial
 
+from auv_bringup.failures import Failure
+from auv_bringup.flight import fly
 from auv_bringup.reproduction import RunSpec
 from auv_bringup.reproduction.store import PlannedRun, Store, plan_run
-from auv_bringup.reproduction.tally import Tally
-from auv_bringup.reproduction.workers import Advance, Failure, spread
+from auv_bringup.reproduction.workers import Advance, spread
+from auv_bringup.tally import Tally
 from auv_core.params import ConfigError
 
 
@@ -109,8 +110,7 @@ def _longest_first(run: PlannedRun) -> float:
 
 def _fly(run: PlannedRun, store: Store, advance: Advance) -> None:
     """Fly a run and keep it; called in a worker."""
-    from auv_bringup.experiment import run_in_process
-    from auv_bringup.metrics import compute_metrics, metrics_to_json
+    from auv_bringup.metrics import metrics_to_json
 
     reached_s = 0.0
 
@@ -119,10 +119,7 @@ def _fly(run: PlannedRun, store: Store, advance: Advance) -> None:
         advance(run.cost * (time_s - reached_s) / run.scenario.duration_s)
         reached_s = time_s
 
-    start_s, cpu_start_s = time.monotonic(), time.process_time()
-    recording = run_in_process(run.scenario, on_progress=on_progress)
-    factor = run.scenario.duration_s / max(time.monotonic() - start_s, 1e-9)
-    metrics = compute_metrics(recording, run.scenario, mode="inprocess", real_time_factor=factor)
-    wall_s, cpu_s = time.monotonic() - start_s, time.process_time() - cpu_start_s
-    store.put(run, recording, metrics_to_json(metrics), wall_s=wall_s, cpu_s=cpu_s)
+    flight = fly(run.scenario, on_progress=on_progress)
+    metrics = metrics_to_json(flight.metrics)
+    store.put(run, flight.recording, metrics, wall_s=flight.wall_s, cpu_s=flight.cpu_s)
     on_progress(run.scenario.duration_s)

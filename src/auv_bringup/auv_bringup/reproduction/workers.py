@@ -12,12 +12,12 @@ import ctypes
 import multiprocessing
 import os
 import signal
-import traceback
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
 from typing import Any
+
+from auv_bringup.failures import Failure, one_line
 
 _WAIT_SLICE_S = 0.25
 _PR_SET_PDEATHSIG = 1
@@ -26,14 +26,6 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 Advance = Callable[[float], None]
 Call = Callable[[Advance], Any]
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A call that raised: what in one line, and its traceback."""
-
-    line: str
-    traceback: str
 
 
 def spread(
@@ -101,7 +93,7 @@ def _result(future: Future[Any]) -> Any:
     except BrokenProcessPool:
         line = "its worker process was killed; was there memory enough?"
     except Exception as error:  # a result that cannot be sent
-        line = _one_line(error)
+        line = one_line(error)
     return Failure(line, line + "\n")
 
 
@@ -124,16 +116,17 @@ def _become_worker(calls: Sequence[Call], total: Any, parent_pid: int) -> None:
 
 
 def _call(index: int) -> Any:
+    return attempt(_Worker.calls[index], _advance)
+
+
+def attempt(call: Call, advance: Advance) -> Any:
+    """Make a call; return its result, or the `Failure` that it ended in."""
     try:
-        return _Worker.calls[index](_advance)
+        return call(advance)
     except Exception as error:
-        return Failure(_one_line(error), traceback.format_exc())
+        return Failure.of(error)
 
 
 def _advance(amount: float) -> None:
     with _Worker.total.get_lock():
         _Worker.total.value += amount
-
-
-def _one_line(error: BaseException) -> str:
-    return f"{type(error).__name__}: {' '.join(str(error).split()) or 'no message'}"

@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from auv_control.controllers import VelocityReference
-from auv_core.compiled import inner
+from auv_core.compiled import entry, fastest
 from auv_core.geometry import (
     Quat,
     Vec3,
@@ -54,7 +54,7 @@ class Params:
         )
 
 
-@inner
+@entry("Tuple((TUPLE6, TUPLE3))(TUPLE4, TUPLE6, TUPLE3, TUPLE3, TUPLE4, TUPLE6)")
 def control(
     attitude: Quat, nu: Vec6, integral: Vec3, wanted: Vec3, facing: Quat, gains: Vec6
 ) -> tuple[Vec6, Vec3]:
@@ -101,6 +101,7 @@ class Controller:
 
     def __init__(self, params: Params, period_s: float) -> None:
         self._gains = params.gains
+        self._control = fastest(control)
         self._period_s = period_s
         self._integral: Vec3 = (0.0, 0.0, 0.0)
 
@@ -129,4 +130,4 @@ class Controller:
     ) -> tuple[Vec6, Vec3]:
         """Return wrench (N, N m; body) and rate of the integral (m/s; NED), both at one instant."""
         facing = quaternion_from_heading(reference.heading_rad)
-        return control(attitude, nu, integral, reference.velocity, facing, self._gains)
+        return self._control(attitude, nu, integral, reference.velocity, facing, self._gains)

@@ -99,7 +99,7 @@ def limits(params: Params) -> Vec6:
     return (math.inf,) * 6 if params.max_wrench is None else params.max_wrench
 
 
-@inner
+@entry("TUPLE6(TUPLE6, TUPLE6)")
 def limited_wrench(tau: Vec6, most: Vec6) -> Vec6:
     """Return `tau` clipped axis by axis."""
     return (
@@ -265,7 +265,7 @@ class Model:
         self.params = params
         self._constants = constants(params)
         self._limits = limits(params)
-        self._advance = fastest(advance)
+        self._advance, self._limited = fastest(advance), fastest(limited_wrench)
 
     @property
     def top_speed_mps(self) -> float:
@@ -290,7 +290,7 @@ class Model:
 
     def limited_command(self, tau: Vec6) -> Vec6:
         """Return the wrench that the actuators give for the wrench asked: clipped axis by axis, if at all."""
-        return limited_wrench(tau, self._limits)
+        return self._limited(tau, self._limits)
 
     def step(self, state: State, command: Vec6, current: Vec3, dt_s: float, steps: int = 1) -> State:
         """

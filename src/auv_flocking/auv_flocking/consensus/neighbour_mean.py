@@ -14,6 +14,7 @@ from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
 from auv_flocking.consensus import Heard
+from auv_flocking.estimates import positions_of
 
 
 @dataclass(frozen=True)
@@ -41,8 +42,7 @@ class Consensus:
     def centre(self, own: Vec3, heard: Sequence[Heard]) -> Vec3:
         """Return the mean position (m; NED)."""
         x, y, z = own
-        for other in heard:
-            px, py, pz = other.position
+        for px, py, pz in positions_of(heard):
             x, y, z = x + px, y + py, z + pz
         count = 1 + len(heard)
         return (x / count, y / count, z / count)

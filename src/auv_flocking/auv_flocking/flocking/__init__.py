@@ -21,11 +21,12 @@ name is its ``kind``.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
-from auv_flocking.neighbours import NeighbourEstimate
+from auv_flocking.estimates import NeighbourEstimate
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,4 +59,4 @@ class View:
     neighbours: tuple[Vec3, ...]
     obstacles: tuple[tuple[Vec3, float], ...]
     path: PathPoint
-    estimates: tuple[NeighbourEstimate, ...] = ()
+    estimates: Sequence[NeighbourEstimate] = ()

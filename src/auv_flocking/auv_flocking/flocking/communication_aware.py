@@ -35,19 +35,27 @@ docs/safe_flocking.md measures what each part is worth.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from auv_control.references import PathPoint
+from auv_core.compiled import fastest, specialised
 from auv_core.geometry import Vec3, limited
 from auv_core.params import param
+from auv_flocking.correction import SPACING, Gains, correction, matched, outlook, remember_ages
+from auv_flocking.estimates import FLOCK_STAMP, FLOCK_VELOCITY, Estimates, NeighbourEstimate
 from auv_flocking.flocking import FlockVelocity, View
 from auv_flocking.flocking.potential import SeparationLaw
-from auv_flocking.half_spaces import HalfSpace, into_half_spaces
-from auv_flocking.neighbours import NeighbourEstimate
 
-_NO_DIRECTION_M = 1e-9
-_NO_AGE_S = 1e-3
+Matrix = NDArray[np.float64]
+Obstacles = tuple[tuple[Vec3, float], ...]
+
+_ADDRESSES = 256
+_NO_PUSHES, _NO_NUMBERS = np.empty((0, 3)), np.empty(0)
 
 
 @dataclass(frozen=True)
@@ -121,14 +129,19 @@ class Flocking:
         self._from_obstacle = getattr(separation, "obstacle_velocity", separation.velocity)
         self._learn = getattr(separation, "adapt", None)
         self._is_leader = is_leader
+        self._gains = _gains(params)
+        self._is_central = hasattr(separation, "strength")
+        self._correction = _correction(separation) if self._is_central else correction
+        self._obstacles: tuple[Obstacles, Matrix] = ((), np.empty((0, 4)))
         self._running_s = 0.0
-        self._usual_age_s: dict[int, float] = {}
+        self._remember = fastest(remember_ages)
+        self._usual_age_s = np.full(_ADDRESSES, -1.0)
         self.age_s = 0.0
 
     @property
     def bandwidth_ratio(self) -> float:
         """Factor g on cohesion and steering."""
-        return self._matched(self.age_s)
+        return matched(self._params.lag_budget_rad, self.age_s)
 
     def hear(self, estimates: Sequence[NeighbourEstimate], dt_s: float) -> None:
         """
@@ -138,15 +151,10 @@ class Flocking:
         whichever is more; the average starts with the time that it took to hear the neighbour at all.
         """
         share = min(1.0, dt_s / self._params.age_memory_s)
-        total_s = 0.0
-        for estimate in estimates:
-            age_s = estimate.age_s
-            usual_s = self._usual_age_s.get(estimate.address, self._running_s)
-            usual_s += share * (age_s - usual_s)
-            self._usual_age_s[estimate.address] = usual_s
-            total_s += max(age_s, usual_s)
+        known = Estimates.of(estimates)
+        total_s = self._remember(known.rows, known.who, self._usual_age_s, self._running_s, share)
         self._running_s += dt_s
-        self.age_s = total_s / len(estimates) if estimates else self._running_s
+        self.age_s = total_s / len(known) if len(known) else self._running_s
 
     def flock_velocity(
         self,
@@ -175,13 +183,15 @@ class Flocking:
         """
         if self._is_leader:
             return FlockVelocity(self._steered(path, centre), t_s)
-        newest = own
-        for estimate in estimates:
-            if estimate.flock_stamp_s > newest.stamp_s:
-                newest = FlockVelocity(estimate.flock_velocity, estimate.flock_stamp_s)
+        rows, newest = Estimates.of(estimates).rows, own
+        if len(rows):
+            row = rows[rows[:, FLOCK_STAMP].argmax()]
+            if row[FLOCK_STAMP] > own.stamp_s:
+                x, y, z = row[FLOCK_VELOCITY:FLOCK_STAMP].tolist()
+                newest = FlockVelocity((x, y, z), float(row[FLOCK_STAMP]))
         if self._params.relay == "newest":
             return newest
-        heard = [own.velocity, *[estimate.flock_velocity for estimate in estimates]]
+        heard = [own.velocity, *rows[:, FLOCK_VELOCITY:FLOCK_STAMP].tolist()]
         x, y, z = (sum([v[axis] for v in heard]) / len(heard) for axis in range(3))
         return FlockVelocity((x, y, z), newest.stamp_s)
 
@@ -195,33 +205,21 @@ class Flocking:
 
     def velocity(self, view: View) -> Vec3:
         """Return the velocity over ground that the vehicle asks of itself (m/s; NED)."""
-        p, own, flock = self._params, view.position, view.flock_velocity
-        gain = p.cohesion_gain_ps * self.bandwidth_ratio
-        x, y, z = (gain * (c - e) for c, e in zip(view.centre, own, strict=True))
-        limit_mps = min(p.correction_limit_mps, p.reach_m / max(self.age_s, _NO_AGE_S))
-        half_spaces: list[HalfSpace] = []
-        for estimate in view.estimates:
-            other, age_s = estimate.position, min(estimate.age_s, estimate.sonar_age_s)
-            normal, distance_m = _direction(own, other)
-            sigma_m = self._sigma_m(estimate, normal, age_s, flock)
-            spacing_m = p.spacing_m + min(p.spacing_sigmas * sigma_m, p.widening_limit_m)
-            factor = self._matched(self._gain_age_s(estimate))
-            dx, dy, dz = self._separation.velocity(own, other, spacing_m)
-            x, y, z = x + factor * dx, y + factor * dy, z + factor * dz
-            if p.barrier:
-                rate_ps = 0.5 * min(p.barrier_rate_ps, 1.0 / max(age_s, _NO_AGE_S))
-                keep_m = p.barrier_distance_m + min(p.barrier_sigmas * sigma_m, p.widening_limit_m)
-                half_spaces.append((normal, min(-rate_ps * (distance_m - keep_m), limit_mps)))
-        factor = self._matched(p.response_s)
-        for obstacle, safety_distance_m in view.obstacles:
-            dx, dy, dz = self._from_obstacle(own, obstacle, safety_distance_m)
-            x, y, z = x + factor * dx, y + factor * dy, z + factor * dz
-            if p.barrier:
-                half_spaces.append(self._obstacle_bound(own, obstacle, safety_distance_m, flock))
-        correction = limited((x, y, z), limit_mps)
-        if half_spaces:
-            correction = limited(into_half_spaces(correction, half_spaces), p.correction_limit_mps)
-        return (flock[0] + correction[0], flock[1] + correction[1], flock[2] + correction[2])
+        flock, estimates = view.flock_velocity, Estimates.of(view.estimates)
+        usual_s = self._usual_age_s[estimates.who]
+        x, y, z = self._correction(
+            view.position,
+            view.centre,
+            flock,
+            estimates.rows,
+            usual_s,
+            self._as_rows(view.obstacles),
+            self.age_s,
+            self._gains,
+            *self._numbers(),
+            _NO_PUSHES if self._is_central else self._pushes(view, estimates, usual_s),
+        )
+        return (flock[0] + x, flock[1] + y, flock[2] + z)
 
     def adapt(self, view: View, dt_s: float) -> None:
         """Let a separation law with a memory learn from one control period of `dt_s`; see `potential`."""
@@ -229,45 +227,55 @@ class Flocking:
             distances_m = [math.dist(view.position, other) for other in view.neighbours]
             self._learn(distances_m, self._params.spacing_m, dt_s)
 
-    def _gain_age_s(self, estimate: NeighbourEstimate) -> float:
-        """
-        Return the age that the repulsion from a neighbour goes by (s).
+    def _pushes(self, view: View, estimates: Estimates, usual_s: Matrix) -> Matrix:
+        """Return what a separation law that has no `strength` asks because of neighbours and obstacles."""
+        own, flock = view.position, view.flock_velocity
+        spacings_m = [
+            outlook(row, usual, own, flock, self._gains)[SPACING]
+            for row, usual in zip(estimates.rows, usual_s, strict=True)
+        ]
+        pushes = [
+            self._separation.velocity(own, other, spacing_m)
+            for other, spacing_m in zip(estimates.positions(), spacings_m, strict=True)
+        ]
+        pushes += [
+            self._from_obstacle(own, obstacle, safety_distance_m)
+            for obstacle, safety_distance_m in view.obstacles
+        ]
+        return np.array(pushes).reshape(-1, 3)
 
-        It is what the age usually is, or is now if that is more: with the age of the moment the gain, and so
-        the vehicle, would jump with every packet.  What the sonar sees is as old as the hull's own lag.
-        """
-        if estimate.sonar_age_s < estimate.age_s:
-            return max(estimate.sonar_age_s, self._params.response_s)
-        return max(estimate.age_s, self._usual_age_s.get(estimate.address, 0.0))
+    def _numbers(self) -> tuple[Matrix, Matrix]:
+        numbers = getattr(self._separation, "numbers", _NO_NUMBERS)
+        return numbers, getattr(self._separation, "obstacle_numbers", numbers)
 
-    def _matched(self, age_s: float) -> float:
-        """Return the factor that brings a gain down to what information of this age allows."""
-        return min(1.0, self._params.lag_budget_rad / max(age_s, _NO_AGE_S))
-
-    def _sigma_m(self, estimate: NeighbourEstimate, normal: Vec3, age_s: float, flock: Vec3) -> float:
-        """Return how uncertain the distance to a neighbour is, one standard deviation (m)."""
-        (xx, xy, xz), (_, yy, yz), (_, _, zz) = estimate.covariance[:3, :3].tolist()
-        nx, ny, nz = normal
-        variance_m2: float = (
-            nx * nx * xx + ny * ny * yy + nz * nz * zz + 2.0 * (nx * ny * xy + nx * nz * xz + ny * nz * yz)
-        )
-        moved_m = self._params.closing_ratio * age_s * math.dist(estimate.velocity, flock)
-        return math.sqrt(max(variance_m2, 0.0) + moved_m * moved_m)
-
-    def _obstacle_bound(self, own: Vec3, obstacle: Vec3, safety_distance_m: float, flock: Vec3) -> HalfSpace:
-        """Return the bound of an obstacle: it does not move with the flock, and all of the way is ours."""
-        p = self._params
-        normal, distance_m = _direction(own, obstacle)
-        keep_m = p.barrier_distance_m * safety_distance_m / p.spacing_m
-        flock_mps = normal[0] * flock[0] + normal[1] * flock[1] + normal[2] * flock[2]
-        bound_mps = -p.barrier_rate_ps * (distance_m - keep_m) - flock_mps
-        return normal, min(bound_mps, p.correction_limit_mps)
+    def _as_rows(self, obstacles: Obstacles) -> Matrix:
+        if self._obstacles[0] is not obstacles:
+            rows = [(*position, safety_distance_m) for position, safety_distance_m in obstacles]
+            self._obstacles = obstacles, np.array(rows, dtype=np.float64).reshape(-1, 4)
+        return self._obstacles[1]
 
 
-def _direction(own: Vec3, other: Vec3) -> tuple[Vec3, float]:
-    """Return the unit vector from `other` to `own`, and the distance (m); up where there is no direction."""
-    x, y, z = own[0] - other[0], own[1] - other[1], own[2] - other[2]
-    distance_m = math.sqrt(x * x + y * y + z * z)
-    if distance_m < _NO_DIRECTION_M:
-        return (0.0, 0.0, -1.0), distance_m
-    return (x / distance_m, y / distance_m, z / distance_m), distance_m
+def _correction(separation: Any) -> Callable[..., Vec3]:
+    """Return the fastest correction with a separation law that acts along a line."""
+    strength = separation.strength
+    of_obstacle = getattr(separation, "obstacle_strength", strength)
+    return fastest(specialised(correction, strength=strength, obstacle_strength=of_obstacle))
+
+
+def _gains(p: Params) -> Gains:
+    """Return the numbers of `auv_flocking.correction`."""
+    return (
+        p.spacing_m,
+        p.cohesion_gain_ps,
+        p.lag_budget_rad,
+        p.correction_limit_mps,
+        p.reach_m,
+        p.spacing_sigmas,
+        p.widening_limit_m,
+        p.closing_ratio,
+        float(p.barrier),
+        p.barrier_distance_m,
+        p.barrier_rate_ps,
+        p.barrier_sigmas,
+        p.response_s,
+    )

@@ -33,8 +33,8 @@ from auv_control.references import PathPoint
 from auv_core.compiled import inner
 from auv_core.geometry import Vec3, added, limited
 from auv_core.params import param
+from auv_flocking.estimates import NeighbourEstimate
 from auv_flocking.flocking import FlockVelocity, View
-from auv_flocking.neighbours import NeighbourEstimate
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def attraction(own: Vec3, centre: Vec3, path: Vec3, cohesion_gain_ps: float, pat
 def asked(
     feedback: Vec3, ahead: Vec3, share: float, bandwidth_ratio: float, correction_limit_mps: float
 ) -> Vec3:
-    """Return the law's velocity (m/s; NED): its feedback, slowed and limited, and its share of `ahead`."""
+    """Return the velocity of the law (m/s; NED): its feedback, slowed and limited, and a share of `ahead`."""
     slowed = (bandwidth_ratio * feedback[0], bandwidth_ratio * feedback[1], bandwidth_ratio * feedback[2])
     kept = limited(slowed, correction_limit_mps)
     return (kept[0] + share * ahead[0], kept[1] + share * ahead[1], kept[2] + share * ahead[2])

@@ -6,6 +6,8 @@ the modem.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -15,8 +17,9 @@ from rclpy.node import Node
 from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
+from auv_core.acoustic_bytes import outbox_bytes, read_inbox
 from auv_core.geometry import Vec3
-from auv_core.markers import MARKER_TICKS, lines, sphere
+from auv_core.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere
 from auv_core.messages import Inbox, Reception, command_numbers
 from auv_core.messages import VehicleState as State
 from auv_core.node_main import (
@@ -26,13 +29,14 @@ from auv_core.node_main import (
     Rendezvous,
     main_loop,
     now_s,
+    publishes_bytes,
     steady_timer,
     when_running,
 )
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
 from auv_flocking.agent import Agent, AgentConfig
-from auv_flocking.neighbours import kalman_filter
+from auv_flocking.estimates import AGE, SONAR_AGE
 from auv_msgs.msg import (
     AcousticInbox,
     AcousticOutbox,
@@ -51,14 +55,12 @@ _PATH_SPAN_S = 600.0
 class AgentNode(Node):
     """One `Agent` behind topics."""
 
-    def __init__(self) -> None:
-        super().__init__("agent_node")
+    def __init__(self, **options: Any) -> None:
+        super().__init__("agent_node", **options)
         run = declare_config(self, RunConfig)
         self._config = declare_config(self, AgentConfig)
         self._ticks = TickClock(run, self._config.period_s, now_s(self))
         self._agent = Agent(self._config)
-        if self._config.fleet_size > 1:
-            kalman_filter()
         self._navs: dict[int, State] = {}
         self._inboxes: dict[int, Inbox] = {}
         self._tick = 0
@@ -71,17 +73,24 @@ class AgentNode(Node):
         self._command_stencil = convert.command_stencil(vehicle_id, takes_velocity=self._agent.takes_velocity)
         self._reference_stencil = convert.velocity_stencil()
         self._centre_stencil = convert.centre_stencil()
+        self._body_frame = convert.body_frame(vehicle_id)
         self._command_pub = self.create_publisher(*command, EVERY_TICK)
         self._outbox_pub = self.create_publisher(AcousticOutbox, "acoustic/tx", EVERY_TICK)
         self._reference_pub = self.create_publisher(TwistStamped, "reference", EVERY_TICK)
         self._centre_pub = self.create_publisher(FlockingCentre, "flocking_centre", EVERY_TICK)
         self._control_pub = self.create_publisher(ControlStatus, "control_status", EVERY_TICK)
         self._neighbours_pub = self.create_publisher(NeighbourEstimates, "neighbours", EVERY_TICK)
+        self._publish_command, self._publish_outbox, self._publish_reference = map(
+            publishes_bytes, (self._command_pub, self._outbox_pub, self._reference_pub)
+        )
+        self._publish_centre, self._publish_neighbours = map(
+            publishes_bytes, (self._centre_pub, self._neighbours_pub)
+        )
         self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
         self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
         self._path_pub = self.create_publisher(Path, "path", LATCHED) if self._agent.knows_path else None
         self.create_subscription(VehicleState, "nav", self._on_nav, EVERY_TICK, raw=True)
-        self.create_subscription(AcousticInbox, "acoustic/rx", self._on_inbox, EVERY_TICK)
+        self.create_subscription(AcousticInbox, "acoustic/rx", self._on_inbox, EVERY_TICK, raw=True)
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
         recorder = {"/recorder_node"} if run.recorded else set()
@@ -117,8 +126,9 @@ class AgentNode(Node):
         if self._ticks.lockstep:
             self._step_if_ready()
 
-    def _on_inbox(self, message: AcousticInbox) -> None:
-        self._inboxes[message.tick] = convert.inbox_from_msg(message)
+    def _on_inbox(self, data: bytes) -> None:
+        inbox = read_inbox(data)
+        self._inboxes[inbox.tick] = inbox
         if self._ticks.lockstep:
             self._step_if_ready()
 
@@ -145,33 +155,32 @@ class AgentNode(Node):
     def _step(self, tick: int, nav: State, inbox: Inbox) -> None:
         command, packets = self._agent.step(self._ticks.scenario_s(tick), nav, inbox)
         t_s = self._ticks.stamp_s(tick)
-        self._command_pub.publish(self._command_stencil.filled(t_s, *command_numbers(command)))
-        self._outbox_pub.publish(convert.outbox_to_msg(tick, packets, t_s, self._config.vehicle_id))
+        self._publish_command(self._command_stencil.filled(t_s, *command_numbers(command)))
+        self._publish_outbox(outbox_bytes(self._body_frame, tick, packets, t_s))
         self._publish_beliefs(tick, t_s)
-        if tick % MARKER_TICKS == 0:
-            self._marker_pub.publish(MarkerArray(markers=self._markers(tick)))
+        if tick % MARKER_TICKS == 0 and (markers := self._markers(tick)):
+            self._marker_pub.publish(MarkerArray(markers=markers))
         if tick % _DIAGNOSTIC_TICKS == 0:
             self._diagnostics_pub.publish(self._diagnostics(t_s))
 
     def _publish_beliefs(self, tick: int, t_s: float) -> None:
         agent = self._agent
-        self._reference_pub.publish(
-            self._reference_stencil.filled(t_s, *agent.reference.velocity, 0.0, 0.0, 0.0)
-        )
+        self._publish_reference(self._reference_stencil.filled(t_s, *agent.reference.velocity, 0.0, 0.0, 0.0))
         if agent.flocks:
-            self._centre_pub.publish(
-                self._centre_stencil.filled(t_s, tick, *agent.centre, *agent.centre_rate)
-            )
+            self._publish_centre(self._centre_stencil.filled(t_s, tick, *agent.centre, *agent.centre_rate))
         if agent.law_state or agent.holding:
-            vehicle_id = self._config.vehicle_id
-            status = convert.control_status(tick, t_s, vehicle_id, agent.holding, agent.law_state)
-            self._control_pub.publish(status)
+            self._control_pub.publish(self._control_status(tick, t_s))
         numbers: list[float] = []
-        for estimate in agent.neighbours:
-            numbers += (estimate.address, *estimate.position, *estimate.velocity)
-            numbers += (*estimate.covariance.ravel().tolist(), estimate.age_s, estimate.sonar_age_s)
+        for address, row in zip(agent.neighbours.addresses, agent.neighbours.rows.tolist(), strict=True):
+            numbers += (address, *row[: AGE + 1], row[SONAR_AGE])
         count = len(agent.neighbours)
-        self._neighbours_pub.publish(convert.neighbours_stencil(count).filled(t_s, tick, count, *numbers))
+        self._publish_neighbours(convert.neighbours_stencil(count).filled(t_s, tick, count, *numbers))
+
+    def _control_status(self, tick: int, t_s: float) -> ControlStatus | bytes:
+        vehicle_id, holding, memory = self._config.vehicle_id, self._agent.holding, self._agent.law_state
+        if holding:
+            return convert.control_status(tick, t_s, vehicle_id, holding, memory)
+        return convert.control_stencil(vehicle_id, len(memory)).filled(t_s, tick, 1, 0, len(memory), *memory)
 
     def _markers(self, tick: int) -> list[Any]:
         t_s = self._ticks.stamp_s(tick)
@@ -179,9 +188,16 @@ class AgentNode(Node):
         markers = []
         if self._agent.flocks:
             markers.append(sphere(f"{name} centre", 0, t_s, self._agent.centre, 0.15, (0.9, 0.2, 0.6, 1.0)))
+        if tick % STANDING_MARKER_TICKS == 0:
+            markers += self._standing_markers(t_s)
+        return markers
+
+    def _standing_markers(self, t_s: float) -> list[Any]:
+        name = self._config.vehicle_id
+        markers = []
         if self._agent.knows_path:
             markers.append(
-                lines(f"{name} path", 0, t_s, self._path_points(), (0.3, 0.9, 0.3, 1.0), joined=True)
+                lines(f"{name} path", 0, t_s, self._path_points, (0.3, 0.9, 0.3, 1.0), joined=True)
             )
         if self._config.address == 1:
             for number, (obstacle, safety_distance_m) in enumerate(self._config.obstacles):
@@ -191,7 +207,7 @@ class AgentNode(Node):
 
     def _diagnostics(self, t_s: float) -> DiagnosticArray:
         agent = self._agent
-        oldest_s = max((estimate.age_s for estimate in agent.neighbours), default=math.inf)
+        oldest_s = max(agent.neighbours.column(AGE), default=math.inf)
         missing = self._config.fleet_size - 1 - len(agent.neighbours)
         quiet = missing > 0 or (self._config.fleet_size > 1 and oldest_s > _OLD_S)
         status = DiagnosticStatus(
@@ -216,6 +232,7 @@ class AgentNode(Node):
         )
         return DiagnosticArray(header=convert.header(t_s, ""), status=[status, law])
 
+    @cached_property
     def _path_points(self) -> list[Vec3]:
         span_s = self._agent.path_period_s or _PATH_SPAN_S
         points = [self._agent.path_point(k * span_s / _PATH_POINTS) for k in range(_PATH_POINTS + 1)]
@@ -224,16 +241,21 @@ class AgentNode(Node):
     def _path(self) -> Path:
         header = convert.header(self._ticks.stamp_s(0), convert.WORLD_FRAME)
         poses = []
-        for place in self._path_points():
+        for place in self._path_points:
             pose = PoseStamped(header=header)
             pose.pose.position = convert.point(place)
             poses.append(pose)
         return Path(header=header, poses=poses)
 
 
+def make_nodes(**options: Any) -> Sequence[Node]:
+    """Return the node; `options` are those of `rclpy.node.Node`."""
+    return [AgentNode(**options)]
+
+
 def main() -> None:
     """Run the node."""
-    raise SystemExit(main_loop(lambda: [AgentNode()]))
+    raise SystemExit(main_loop(make_nodes))
 
 
 if __name__ == "__main__":

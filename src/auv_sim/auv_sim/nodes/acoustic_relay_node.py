@@ -15,16 +15,26 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import product
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
+from auv_core.acoustic_bytes import events_bytes, inbox_bytes, read_outbox
 from auv_core.geometry import Vec3
 from auv_core.markers import LINK, LOST_HULL, MARKER_TICKS, lines, sphere
 from auv_core.messages import Packet, VehicleState
-from auv_core.node_main import EVERY_TICK, Audience, Rendezvous, main_loop, now_s, steady_timer
+from auv_core.node_main import (
+    EVERY_TICK,
+    Audience,
+    Rendezvous,
+    main_loop,
+    now_s,
+    publishes_bytes,
+    steady_timer,
+)
 from auv_core.node_params import declare_config
 from auv_core.params import param
 from auv_core.run_config import RunConfig, TickClock
@@ -54,8 +64,8 @@ class FleetConfig:
 class AcousticRelayNode(Node):
     """The `AcousticMedium` behind topics; `clock` is the clock node of the same process."""
 
-    def __init__(self) -> None:
-        super().__init__("acoustic_relay_node")
+    def __init__(self, **options: Any) -> None:
+        super().__init__("acoustic_relay_node", **options)
         run = declare_config(self, RunConfig)
         medium = declare_config(self, MediumConfig)
         watch = declare_config(self, WatchConfig)
@@ -83,6 +93,7 @@ class AcousticRelayNode(Node):
             recorded=run.recorded,
             awaited=self._awaited,
             drop=self._drop,
+            **options,
         )
         self.clock.on_room = self._try_advance
         self._connect()
@@ -90,9 +101,11 @@ class AcousticRelayNode(Node):
 
     def _connect(self) -> None:
         self._state_stencil = convert.state_stencil()
+        self._frames = [convert.body_frame(name) for name in self._ids]
         self._rx_pubs = [
             self.create_publisher(AcousticInbox, f"/{name}/acoustic/rx", EVERY_TICK) for name in self._ids
         ]
+        self._publish_inbox = [publishes_bytes(publisher) for publisher in self._rx_pubs]
         self._hull_pubs = {
             i: self.create_publisher(VehicleStateMsg, f"/{self._ids[i]}/state", EVERY_TICK)
             for i in self._hulls
@@ -106,7 +119,7 @@ class AcousticRelayNode(Node):
                 VehicleStateMsg, f"/{name}/state", partial(self._on_state, index), EVERY_TICK, raw=True
             )
             self.create_subscription(
-                AcousticOutbox, f"/{name}/acoustic/tx", partial(self._on_outbox, index), EVERY_TICK
+                AcousticOutbox, f"/{name}/acoustic/tx", partial(self._on_outbox, index), EVERY_TICK, raw=True
             )
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
@@ -137,12 +150,12 @@ class AcousticRelayNode(Node):
             self._next_states[index] = state
             self._try_advance()
 
-    def _on_outbox(self, index: int, message: AcousticOutbox) -> None:
+    def _on_outbox(self, index: int, data: bytes) -> None:
         self._heard_at_s["agent_node", index] = time.monotonic()
-        packets = [convert.packet_from_msg(packet) for packet in message.packets]
+        tick, packets = read_outbox(data)
         if not self._ticks.lockstep:
             self._transmit({index + 1: packets})
-        elif self._barrier.outbox(index, message.tick):
+        elif self._barrier.outbox(index, tick):
             self._packets[index + 1] = packets
             self._try_advance()
 
@@ -180,8 +193,8 @@ class AcousticRelayNode(Node):
             return
         inboxes = self._medium.exchange(tick, self._fleet())
         t_s = self._ticks.stamp_s(tick)
-        for name, publisher, inbox in zip(self._ids, self._rx_pubs, inboxes, strict=True):
-            publisher.publish(convert.inbox_to_msg(inbox, t_s, name))
+        for frame, publish, inbox in zip(self._frames, self._publish_inbox, inboxes, strict=True):
+            publish(inbox_bytes(frame, inbox, t_s))
         for index, inbox in enumerate(inboxes):
             self._links += [(tick, reception.packet.source - 1, index) for reception in inbox.receptions]
         if tick % MARKER_TICKS == 0:
@@ -203,7 +216,7 @@ class AcousticRelayNode(Node):
     def _publish_events(self, tick: int) -> None:
         events = self._medium.take_events()
         if events:
-            self._events_pub.publish(convert.events_to_msg(tick, events, self._ticks.stamp_s(tick)))
+            self._events_pub.publish(events_bytes(tick, events, self._ticks.stamp_s(tick)))
 
     def _awaited(self) -> list[str]:
         if not self._meeting.ready:
@@ -284,14 +297,15 @@ class AcousticRelayNode(Node):
         self._marker_pub.publish(MarkerArray(markers=markers))
 
 
-def _make_nodes() -> Sequence[Node]:
-    relay = AcousticRelayNode()
+def make_nodes(**options: Any) -> Sequence[Node]:
+    """Return relay and clock; `options` are those of `rclpy.node.Node`."""
+    relay = AcousticRelayNode(**options)
     return [relay, relay.clock]
 
 
 def main() -> None:
     """Run the relay and the clock."""
-    raise SystemExit(main_loop(_make_nodes))
+    raise SystemExit(main_loop(make_nodes))
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
@@ -56,6 +57,8 @@ class ClockNode(Node):
         Full names of the nodes that owe an answer.
     drop : callable
         Told to go on without what is awaited; returns the ids of the vehicles lost by it.
+    options
+        Those of `rclpy.node.Node`.
 
     """
 
@@ -68,8 +71,9 @@ class ClockNode(Node):
         recorded: bool,
         awaited: Callable[[], list[str]],
         drop: Callable[[], list[str]],
+        **options: Any,
     ) -> None:
-        super().__init__("clock_node")
+        super().__init__("clock_node", **options)
         self._watch = watch
         self._ticks = ticks
         self._fleet_size = fleet_size
@@ -85,6 +89,7 @@ class ClockNode(Node):
         self._moved_at_s = time.monotonic()
         self._ended_at_s = float("inf")
         self.exit_code = 0
+        self._clock_stencil = convert.clock_stencil()
         self.clock_pub = self.create_publisher(Clock, "/clock", EVERY_TICK)
         self._status_pub = self.create_publisher(FlockStatus, "/flock/status", LATCHED)
         self._static_pub = self.create_publisher(TFMessage, "/tf_static", LATCHED)
@@ -114,7 +119,7 @@ class ClockNode(Node):
         self._tick = tick
         self._moved_at_s = time.monotonic()
         if self._ticks.lockstep:
-            self.clock_pub.publish(Clock(clock=convert.stamp(self._ticks.stamp_s(tick))))
+            self.clock_pub.publish(self._clock_stencil.filled(self._ticks.stamp_s(tick)))
         if tick >= self._watch.duration_ticks:
             self._end(FlockStatus.FINISHED, "")
         elif self._state != FlockStatus.RUNNING:

@@ -5,6 +5,9 @@ and a marker.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 from geometry_msgs.msg import TwistStamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
@@ -14,10 +17,19 @@ from visualization_msgs.msg import MarkerArray
 from auv_core import conversions as convert
 from auv_core.markers import HULL, MARKER_TICKS, sphere
 from auv_core.messages import Command
-from auv_core.node_main import EVERY_TICK, Audience, Rendezvous, main_loop, now_s, steady_timer, when_running
+from auv_core.node_main import (
+    EVERY_TICK,
+    Audience,
+    Rendezvous,
+    main_loop,
+    now_s,
+    publishes_bytes,
+    steady_timer,
+    when_running,
+)
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
-from auv_core.stencil import read_stamp_s
+from auv_core.stencil import header_stamp_s
 from auv_msgs.msg import VehicleState
 from auv_sim.vehicle import DivergedError, Vehicle, VehicleConfig
 
@@ -27,8 +39,8 @@ _CATCH_UP_TICKS = 20
 class VehicleNode(Node):
     """One `Vehicle` behind topics."""
 
-    def __init__(self) -> None:
-        super().__init__("vehicle_node")
+    def __init__(self, **options: Any) -> None:
+        super().__init__("vehicle_node", **options)
         run = declare_config(self, RunConfig)
         self._config = declare_config(self, VehicleConfig)
         self._clock_ticks = TickClock(run, self._config.period_s, now_s(self))
@@ -39,6 +51,9 @@ class VehicleNode(Node):
         self._nav_pub = self.create_publisher(VehicleState, "nav", EVERY_TICK)
         self._odom_pub = self.create_publisher(Odometry, "odom", EVERY_TICK)
         self._tf_pub = self.create_publisher(TFMessage, "/tf", EVERY_TICK)
+        self._publish_state, self._publish_nav, self._publish_odom, self._publish_tf = map(
+            publishes_bytes, (self._state_pub, self._nav_pub, self._odom_pub, self._tf_pub)
+        )
         self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
         command = (TwistStamped, "cmd_vel") if self._vehicle.takes_velocity else (WrenchStamped, "cmd_wrench")
         self.create_subscription(*command, self._on_command, EVERY_TICK, raw=True)
@@ -75,7 +90,7 @@ class VehicleNode(Node):
             self._command = None
         if not self._clock_ticks.lockstep:
             return
-        tick = self._clock_ticks.tick_of_stamp(read_stamp_s(data))
+        tick = self._clock_ticks.tick_of_stamp(header_stamp_s(data))
         if tick != self._vehicle.state.tick:
             self.get_logger().warning(
                 f"a command for tick {tick}, but this is tick {self._vehicle.state.tick}: not used"
@@ -103,10 +118,11 @@ class VehicleNode(Node):
         state, nav = self._vehicle.state, self._vehicle.nav
         t_s = self._clock_ticks.stamp_s(state.tick)
         numbers = convert.state_numbers(state)
-        self._state_pub.publish(self._state_stencil.filled(t_s, *numbers))
-        self._nav_pub.publish(self._state_stencil.filled(t_s, *convert.state_numbers(nav)))
-        self._odom_pub.publish(self._odom_stencil.filled(t_s, *convert.odometry_numbers(state)))
-        self._tf_pub.publish(self._tf_stencil.filled(t_s, *numbers[2:9]))
+        nav_numbers = numbers if nav is state else convert.state_numbers(nav)
+        self._publish_nav(self._state_stencil.filled(t_s, *nav_numbers))
+        self._publish_state(self._state_stencil.filled(t_s, *numbers))
+        self._publish_odom(self._odom_stencil.filled(t_s, *numbers[2:15]))
+        self._publish_tf(self._tf_stencil.filled(t_s, *numbers[2:9]))
         vehicle_id = self._config.vehicle_id
         if state.tick % MARKER_TICKS == 0:
             diameter_m = 2.0 * self._config.model.params.hull_radius_m
@@ -115,9 +131,14 @@ class VehicleNode(Node):
             )
 
 
+def make_nodes(**options: Any) -> Sequence[Node]:
+    """Return the node; `options` are those of `rclpy.node.Node`."""
+    return [VehicleNode(**options)]
+
+
 def main() -> None:
     """Run the node."""
-    raise SystemExit(main_loop(lambda: [VehicleNode()]))
+    raise SystemExit(main_loop(make_nodes))
 
 
 if __name__ == "__main__":

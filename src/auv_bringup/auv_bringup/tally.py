@@ -8,7 +8,7 @@ from typing import TextIO
 
 from tqdm import tqdm
 
-from auv_bringup.reproduction.workers import Failure
+from auv_bringup.failures import Failure
 from auv_bringup.terminal_bar import TerminalBar
 
 _LINE_EVERY_S = 15.0

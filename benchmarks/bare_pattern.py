@@ -1,0 +1,228 @@
+"""
+The limit beside which lock-step is quoted: its message pattern and nothing else.
+
+Processes, nodes, topics, types and sizes of messages are those of a flock on a modem, and so is who waits for
+whom; but a node only publishes bytes that were made beforehand, and the recorder only counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.serialization import serialize_message
+from rclpy.subscription import Subscription
+from rosgraph_msgs.msg import Clock
+from visualization_msgs.msg import MarkerArray
+
+from auv_bringup.compose import NodeSpec
+from auv_bringup.nodes.recorder_node import TICKS_PER_BATCH
+from auv_bringup.recorded_topics import CLOCK_TOPIC, topics_of_graph
+from auv_bringup.ros_types import message_class
+from auv_core import conversions as convert
+from auv_core.acoustic_bytes import inbox_bytes, outbox_bytes
+from auv_core.markers import HULL, MARKER_TICKS, sphere
+from auv_core.messages import Inbox
+from auv_core.node_main import EVERY_TICK, LATCHED, Audience, Rendezvous, main_loop, publishes_bytes
+
+RELAY, RECORDER = "/acoustic_relay_node", "/recorder_node"
+DIAGNOSTIC_TICKS = 10
+
+
+def message_bytes(vehicle_id: str, neighbours: int) -> dict[str, bytes]:
+    """Return the bytes of a message of every topic that a node of a vehicle, or the relay, publishes."""
+    name, serialised = vehicle_id, serialize_message
+    state = convert.state_stencil().filled(0.0, *[0] * 17)
+    estimates = convert.neighbours_stencil(neighbours).filled(0.0, 0, neighbours, *[0] * 45 * neighbours)
+    status = DiagnosticStatus(name=f"{name}/agent_node: neighbours", message="oldest packet 1.0 s")
+    return {
+        "state": state,
+        "nav": state,
+        "odom": convert.odometry_stencil(name).filled(0.0, *[0] * 13),
+        "/tf": convert.transform_stencil(name).filled(0.0, *[0] * 7),
+        "cmd_wrench": convert.command_stencil(name, takes_velocity=False).filled(0.0, *[0] * 6),
+        "acoustic/tx": outbox_bytes(convert.body_frame(name), 0, [], 0.0),
+        "acoustic/rx": inbox_bytes(convert.body_frame(name), Inbox(0, False, (), ()), 0.0),
+        "reference": convert.velocity_stencil().filled(0.0, *[0] * 6),
+        "flocking_centre": convert.centre_stencil().filled(0.0, *[0] * 7),
+        "neighbours": estimates,
+        "/clock": serialised(Clock()),
+        "/markers": serialised(MarkerArray(markers=[sphere(name, 0, 0.0, (0.0, 0.0, 0.0), 1.0, HULL)])),
+        "/diagnostics": serialised(DiagnosticArray(status=[status, status])),
+    }
+
+
+class _BareNode(Node):
+    """Waits for its listeners as our nodes do."""
+
+    def __init__(self, spec: NodeSpec, fleet: Sequence[str]) -> None:
+        super().__init__(spec.executable, namespace=spec.namespace)
+        self._types = {topic.name: topic.type_name for topic in topics_of_graph(fleet, kinematic=False)}
+        self._audiences: list[Audience] = []
+        self._recorder = {RECORDER}
+
+    def _publisher(self, topic: str, *listeners: str) -> Publisher:
+        publisher = self.create_publisher(self._kind(topic), topic, EVERY_TICK)
+        self._audiences.append(Audience(publisher, frozenset({*listeners} | self._recorder)))
+        return publisher
+
+    def _listen(self, topic: str, callback: Callable[[bytes], None]) -> None:
+        self.create_subscription(self._kind(topic), topic, callback, EVERY_TICK, raw=True)
+
+    def _meet(self, start: Callable[[], None]) -> None:
+        self._meeting = Rendezvous(self, self._audiences, start)
+
+    def _kind(self, topic: str) -> Any:
+        full = topic if topic.startswith("/") else f"{self.get_namespace()}/{topic}"
+        return message_class(self._types[full])
+
+
+class BareVehicle(_BareNode):
+    """Answers a command with state, navigation, odometry and transform."""
+
+    def __init__(self, spec: NodeSpec, fleet: Sequence[str]) -> None:
+        super().__init__(spec, fleet)
+        data = message_bytes(spec.vehicle_id, len(fleet) - 1)
+        agent = f"/{spec.vehicle_id}/agent_node"
+        publishers = {
+            "nav": self._publisher("nav", agent),
+            "state": self._publisher("state", RELAY),
+            "odom": self._publisher("odom"),
+            "/tf": self._publisher("/tf"),
+        }
+        self._out = [(publishes_bytes(publisher), data[topic]) for topic, publisher in publishers.items()]
+        self._markers = partial(self._publisher("/markers").publish, data["/markers"])
+        self._tick = 0
+        self._listen("cmd_wrench", lambda _: self._answer())
+        self._meet(self._answer)
+
+    def _answer(self) -> None:
+        for publish, data in self._out:
+            publish(data)
+        if self._tick % MARKER_TICKS == 0:
+            self._markers()
+        self._tick += 1
+
+
+class BareAgent(_BareNode):
+    """Answers a navigation and an inbox with command, outbox and beliefs."""
+
+    def __init__(self, spec: NodeSpec, fleet: Sequence[str]) -> None:
+        super().__init__(spec, fleet)
+        data = message_bytes(spec.vehicle_id, len(fleet) - 1)
+        publishers = {
+            "cmd_wrench": self._publisher("cmd_wrench", f"/{spec.vehicle_id}/vehicle_node"),
+            "acoustic/tx": self._publisher("acoustic/tx", RELAY),
+            **{topic: self._publisher(topic) for topic in ("reference", "flocking_centre", "neighbours")},
+        }
+        self._out = [(publishes_bytes(publisher), data[topic]) for topic, publisher in publishers.items()]
+        self._rare = [
+            (ticks, partial(self._publisher(topic).publish, data[topic]))
+            for ticks, topic in ((MARKER_TICKS, "/markers"), (DIAGNOSTIC_TICKS, "/diagnostics"))
+        ]
+        self._heard = self._tick = 0
+        self._is_ready = False
+        for topic in ("nav", "acoustic/rx"):
+            self._listen(topic, self._hear)
+        self._meet(self._start)
+
+    def _start(self) -> None:
+        self._is_ready = True
+        self._answer_if_due()
+
+    def _hear(self, _: bytes) -> None:
+        self._heard += 1
+        self._answer_if_due()
+
+    def _answer_if_due(self) -> None:
+        if not self._is_ready or self._heard < 2:
+            return
+        self._heard -= 2
+        for publish, data in self._out:
+            publish(data)
+        for ticks, publish in self._rare:
+            if self._tick % ticks == 0:
+                publish()
+        self._tick += 1
+
+
+class BareRelay(_BareNode):
+    """The barrier: when all have answered, it begins the next tick; `on_tick` is told."""
+
+    def __init__(self, spec: NodeSpec, fleet: Sequence[str], on_tick: Callable[[int], None]) -> None:
+        super().__init__(spec, fleet)
+        data = message_bytes(fleet[0], len(fleet) - 1)
+        publishers = [(self._publisher("/clock"), data["/clock"])] + [
+            (self._publisher(f"/{name}/acoustic/rx", f"/{name}/agent_node"), data["acoustic/rx"])
+            for name in fleet
+        ]
+        self._out = [(publishes_bytes(publisher), content) for publisher, content in publishers]
+        self._markers = partial(self._publisher("/markers").publish, data["/markers"])
+        self._owed, self._answers_per_tick = len(fleet), 2 * len(fleet)
+        self._is_ready, self._tick, self._on_tick = False, 0, on_tick
+        for name in fleet:
+            for topic in ("state", "acoustic/tx"):
+                self._listen(f"/{name}/{topic}", self._hear)
+        self._meet(self._start)
+
+    def _start(self) -> None:
+        self._is_ready = True
+        self._advance_if_due()
+
+    def _hear(self, _: bytes) -> None:
+        self._owed -= 1
+        self._advance_if_due()
+
+    def _advance_if_due(self) -> None:
+        if not self._is_ready or self._owed:
+            return
+        self._owed = self._answers_per_tick
+        self._on_tick(self._tick)
+        for publish, data in self._out:
+            publish(data)
+        if self._tick % MARKER_TICKS == 0:
+            self._markers()
+        self._tick += 1
+
+
+class BareRecorder(_BareNode):
+    """Takes everything, as many messages at once as ours, and keeps nothing."""
+
+    def __init__(self, spec: NodeSpec, fleet: Sequence[str]) -> None:
+        super().__init__(spec, fleet)
+        self._topics: list[Subscription] = []
+        self._ticks = 0
+        for topic in topics_of_graph(fleet, kinematic=False):
+            qos = LATCHED if topic.latched else EVERY_TICK
+            kind = message_class(topic.type_name)
+            self._topics.append(self.create_subscription(kind, topic.name, self._hear_clock, qos, raw=True))
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription]:
+        """The clock's."""
+        return (topic for topic in self._topics if topic.topic_name == CLOCK_TOPIC)
+
+    def _hear_clock(self, _: bytes) -> None:
+        self._ticks += 1
+        if self._ticks % TICKS_PER_BATCH:
+            return
+        for topic in self._topics:
+            while topic.topic_name != CLOCK_TOPIC and topic.handle.take_message(topic.msg_type, True):
+                pass
+
+
+def run(nodes: Sequence[NodeSpec], fleet: Sequence[str], on_tick: Callable[[int], None]) -> int:
+    """Be a process of these nodes; `on_tick` is called in that of the relay, at every tick."""
+    makers = {"vehicle": BareVehicle, "agent": BareAgent, "recorder": BareRecorder}
+
+    def make() -> list[Node]:
+        return [
+            BareRelay(spec, fleet, on_tick) if spec.role == "relay" else makers[spec.role](spec, fleet)
+            for spec in nodes
+        ]
+
+    return main_loop(make, ())

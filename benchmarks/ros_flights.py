@@ -1,0 +1,142 @@
+"""
+Flights whose ticks, processor time and memory are counted from outside: ours with its bag, or the bare
+pattern of its messages, in the processes of a layout.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from importlib import import_module
+from multiprocessing.sharedctypes import RawValue
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from auv_bringup.compose import NodeSpec, node_specs
+from auv_bringup.layout import process_specs
+from auv_bringup.node_start import Part, adopt, log_name, node_environment, parts_of
+from auv_bringup.processes import ChildProcesses
+from auv_bringup.scenario import SCENARIOS_DIR, Scenario, load_scenario
+
+MAIN_JOB = "flock_acoustic"
+DURATION_S = 1e5
+_PATIENCE_S = 120.0
+_WARM_TICKS = 30
+
+
+@dataclasses.dataclass(frozen=True)
+class Block:
+    """What one stretch of a flight cost; memory is proportional set size, by process (MiB)."""
+
+    ticks_per_s: float
+    cpu_us_per_tick: float
+    memory_mib: dict[str, float]
+
+
+def fleet_scenario(count: int, folder: Path) -> Scenario:
+    """Return the main job with another number of vehicles, whose starts are as dense."""
+    raw = yaml.safe_load((SCENARIOS_DIR / f"{MAIN_JOB}.yaml").read_text(encoding="utf-8"))
+    vehicles = raw["vehicles"]
+    raw["random_starts"]["radius_m"] *= max(1.0, (count / len(vehicles)) ** 0.5)
+    raw["vehicles"] = [{**vehicles[0], "id": f"auv_{k + 1}"} for k in range(count)]
+    raw["duration_s"] = DURATION_S
+    path = folder / f"fleet_{count}.yaml"
+    path.write_text(yaml.safe_dump(raw), encoding="utf-8")
+    return load_scenario(str(path))
+
+
+def run_ours(parts: Sequence[Part], environ: dict[str, str], tick: Any) -> int:
+    """Be a process of our nodes."""
+    from auv_bringup.nodes.node_container import run
+    from auv_sim.nodes.clock_node import ClockNode
+
+    begin = ClockNode.begin_tick
+
+    def counted(clock: ClockNode, number: int) -> None:
+        tick.value = number
+        begin(clock, number)
+
+    ClockNode.begin_tick = counted
+    adopt(environ)
+    return run(parts)
+
+
+def run_bare(nodes: Sequence[NodeSpec], fleet: Sequence[str], environ: dict[str, str], tick: Any) -> int:
+    """Be a process of the bare pattern."""
+    from benchmarks.bare_pattern import run
+
+    def count(number: int) -> None:
+        tick.value = number
+
+    adopt(environ)
+    return run(nodes, fleet, count)
+
+
+@contextmanager
+def flight(scenario: Scenario, layout: str, *, bare: bool) -> Iterator[tuple[ChildProcesses, Any]]:
+    """Fly until the block is left; give the processes and their shared tick."""
+    environ = node_environment(
+        os.environ, domain_id=int(os.environ.get("ROS_DOMAIN_ID") or 0), discovery="localhost"
+    )
+    tick = RawValue("q", -1)
+    fleet = [vehicle.id for vehicle in scenario.vehicles]
+    with tempfile.TemporaryDirectory() as name, ChildProcesses() as children:
+        folder = Path(name)
+        nodes = node_specs(scenario, mode="lockstep", bag_dir=folder / "bag")
+        for module in sorted({node.module for node in nodes} | {"benchmarks.bare_pattern"}):
+            import_module(module)
+        for process in process_specs(nodes, layout):
+            run: Callable[[], int] = (
+                partial(run_bare, process.nodes, fleet, environ, tick)
+                if bare
+                else partial(run_ours, parts_of(process, folder), environ, tick)
+            )
+            children.fork(process.name, run, log=folder / f"{log_name(process.name)}.log")
+        try:
+            yield children, tick
+        except TimeoutError:
+            for log in sorted(folder.glob("*.log")):
+                print(log.name, log.read_text(encoding="utf-8")[-2000:])
+            raise
+
+
+def measure(scenario: Scenario, layout: str, *, bare: bool, block_s: float) -> Block:
+    """Return what a stretch of `block_s` of a fresh flight cost."""
+    with flight(scenario, layout, bare=bare) as (children, tick):
+        deadline_s = time.monotonic() + _PATIENCE_S
+        while tick.value < _WARM_TICKS:
+            if time.monotonic() > deadline_s or children.collect_exits():
+                raise TimeoutError(f"{len(scenario.vehicles)} vehicles, {layout}: no flight")
+            time.sleep(0.01)
+        pids = {name: children.pid(name) for name in children.running}
+        first, first_s, first_cpu_us = tick.value, time.monotonic(), sum(map(cpu_us, pids.values()))
+        time.sleep(block_s)
+        ticks, wall_s = tick.value - first, time.monotonic() - first_s
+        spent_us = sum(map(cpu_us, pids.values())) - first_cpu_us
+        return Block(ticks / wall_s, spent_us / ticks, {n: pss_mib(pid) for n, pid in pids.items()})
+
+
+def cpu_us(pid: int) -> float:
+    """Return the processor time that all threads of a process have used (us)."""
+    tasks = Path(f"/proc/{pid}/task").iterdir()
+    return sum(int((task / "schedstat").read_text().split()[0]) for task in tasks) / 1e3
+
+
+def pss_mib(pid: int) -> float:
+    """
+    Return the proportional set size of a process (MiB): memory that is shared counts in parts.
+
+    0 for one that has just ended.
+    """
+    try:
+        lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+    except OSError:
+        return 0.0
+    return next((int(line.split()[1]) / 1024.0 for line in lines if line.startswith("Pss:")), 0.0)

@@ -1,0 +1,164 @@
+"""
+The ROS part of the benchmark: rate of lock-step beside that of its bare message pattern, cost against the
+number of vehicles, start-up and memory.
+
+    source install/setup.bash && python -m benchmarks.ros_lockstep [--quick]
+
+Rates drift with what else the machine does; ratios are of blocks that alternate, and processor time drifts
+least.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from auv_bringup.layout import LAYOUTS
+from auv_bringup.node_start import ONE_THREAD
+from auv_bringup.scenario import Scenario, load_scenario
+from benchmarks.ros_flights import DURATION_S, MAIN_JOB, Block, fleet_scenario, measure, pss_mib
+
+_START_LIMIT_S = 120.0
+_LOOK_S = 0.05
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the table: a figure, the limit measured beside it, and their ratio."""
+
+    figure: str
+    value: str
+    limit: str = ""
+    ratio: str = ""
+
+
+def rates(scenario: Scenario, layout: str, blocks: int, block_s: float) -> Iterator[Row]:
+    """Yield rate and processor time of a layout beside the bare pattern, block by block in turn."""
+    ours: list[Block] = []
+    bare: list[Block] = []
+    for _ in range(blocks):
+        ours.append(measure(scenario, layout, bare=False, block_s=block_s))
+        bare.append(measure(scenario, layout, bare=True, block_s=block_s))
+    pairs = list(zip(ours, bare, strict=True))
+    name = f"lock-step, {len(scenario.vehicles)} vehicles, {layout}"
+    factor = statistics.median(block.ticks_per_s for block in ours) * scenario.period_s
+    yield Row(
+        f"{name}: ticks/s ({factor:.0f} x real time)",
+        spread([block.ticks_per_s for block in ours]),
+        spread([block.ticks_per_s for block in bare]),
+        spread([a.ticks_per_s / b.ticks_per_s for a, b in pairs], "{:.2f}"),
+    )
+    yield Row(
+        f"{name}: CPU us/tick",
+        spread([block.cpu_us_per_tick for block in ours]),
+        spread([block.cpu_us_per_tick for block in bare]),
+        spread([b.cpu_us_per_tick / a.cpu_us_per_tick for a, b in pairs], "{:.2f}"),
+    )
+    memory = ours[-1].memory_mib
+    yield Row(
+        f"{name}: memory, MiB (PSS)",
+        f"{sum(memory.values()):.0f} in {len(memory)} processes, {max(memory.values()):.0f} the largest",
+    )
+
+
+def growth(counts: Sequence[int], layout: str, blocks: int, block_s: float) -> Iterator[Row]:
+    """Yield processor time against the number of vehicles, and the exponent of a power law through it."""
+    costs: list[float] = []
+    with tempfile.TemporaryDirectory() as folder:
+        for count in counts:
+            scenario = fleet_scenario(count, Path(folder))
+            found = [measure(scenario, layout, bare=False, block_s=block_s) for _ in range(blocks)]
+            costs.append(statistics.median(block.cpu_us_per_tick for block in found))
+            rate = statistics.median(block.ticks_per_s for block in found)
+            factor = rate * scenario.period_s
+            name = f"lock-step, {count} vehicles, {layout}: CPU us/tick ({factor:.1f} x real time)"
+            yield Row(name, f"{costs[-1]:.0f}")
+    exponent = np.polyfit(np.log(counts), np.log(costs), 1)[0]
+    yield Row(f"exponent of that from N = {counts[0]} to {counts[-1]}", f"{exponent:.2f}")
+
+
+def starts(layout: str, count: int) -> Iterator[Row]:
+    """Yield how long the main job takes from the command to its first tick, and its most memory."""
+    found = [_start(layout) for _ in range(count)]
+    seconds, most_mib = [each[0] for each in found], [each[1] for each in found]
+    yield Row(
+        f"start-up, {layout}: s from the command to the first tick, {count} starts",
+        f"{statistics.median(seconds):.2f}, at most {max(seconds):.2f}",
+    )
+    yield Row(f"main job, {layout}: most memory of all processes, MiB (PSS)", f"{max(most_mib):.0f}")
+
+
+def _start(layout: str) -> tuple[float, float]:
+    """Return the time to the first tick (s) and the most memory at any time (MiB) of a short main job."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "auv_bringup.cli", MAIN_JOB, "--duration", "20", "--layout", layout]
+        began_s, first_tick_s, most_mib = time.monotonic(), 0.0, 0.0
+        errors = Path(folder) / "errors"
+        with errors.open("wb") as stream:
+            child = subprocess.Popen(
+                [*command, "--no-figures", "--out", folder], stdout=subprocess.DEVNULL, stderr=stream
+            )
+        while child.poll() is None and time.monotonic() - began_s < _START_LIMIT_S:
+            if not first_tick_s and re.search("nodes are up", errors.read_text(encoding="utf-8")):
+                first_tick_s = time.monotonic() - began_s
+            most_mib = max(most_mib, sum(map(pss_mib, _family(child.pid))))
+            time.sleep(_LOOK_S)
+        if child.poll() is None or child.returncode or not first_tick_s:
+            child.kill()
+            raise TimeoutError(f"the main job did not end well: {errors.read_text(encoding='utf-8')}")
+        return first_tick_s, most_mib
+
+
+def _family(pid: int) -> list[int]:
+    """Return a process and its children."""
+    found = [pid]
+    for path in Path(f"/proc/{pid}/task").glob("*/children"):
+        found += map(int, path.read_text().split())
+    return found
+
+
+def spread(values: Sequence[float], form: str = "{:.0f}") -> str:
+    """Return median, least and largest."""
+    low, middle, high = (form.format(x) for x in (min(values), statistics.median(values), max(values)))
+    return f"{middle} [{low}..{high}]"
+
+
+def rows(*, quick: bool = False) -> Iterator[Row]:
+    """Yield all rows; `quick` gives figures that say only whether all works."""
+    os.environ.update({**ONE_THREAD, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"})
+    blocks, block_s, start_count = (1, 1.0, 1) if quick else (5, 3.0, 20)
+    scenario = load_scenario(MAIN_JOB, duration_s=DURATION_S)
+    for layout in LAYOUTS:
+        yield from rates(scenario, layout, blocks, block_s)
+    with tempfile.TemporaryDirectory() as folder:
+        yield from rates(fleet_scenario(16, Path(folder)), "vehicle", blocks, block_s)
+    yield from growth((2, 4) if quick else (2, 4, 8, 16, 32), "single", blocks, block_s)
+    yield from starts("node", start_count)
+    yield from starts("single", start_count)
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true", help="one short block of each")
+    options = parser.parse_args()
+    print(f"{'':76s} {'measured':28s} {'bare pattern':24s} ratio")
+    for row in rows(quick=options.quick):
+        print(f"{row.figure:76s} {row.value:28s} {row.limit:24s} {row.ratio}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

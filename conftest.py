@@ -1,0 +1,31 @@
+"""What holds in every test: no modem hears while it transmits."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from auv_core.messages import AcousticEvent
+from auv_sim.acoustics.event_log import half_duplex_violations
+from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
+
+
+@pytest.fixture(autouse=True)
+def _half_duplex(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Search the acoustic log of every medium that a test makes in its own process."""
+    logs: dict[AcousticMedium, list[AcousticEvent]] = {}
+    make, take_events = AcousticMedium.__init__, AcousticMedium.take_events
+
+    def made(medium: AcousticMedium, config: MediumConfig) -> None:
+        make(medium, config)
+        logs[medium] = []
+
+    def taken(medium: AcousticMedium) -> list[AcousticEvent]:
+        events = take_events(medium)
+        logs[medium] += events
+        return events
+
+    monkeypatch.setattr(AcousticMedium, "__init__", made)
+    monkeypatch.setattr(AcousticMedium, "take_events", taken)
+    yield
+    for medium, log in logs.items():
+        assert half_duplex_violations([*log, *take_events(medium)]) == []

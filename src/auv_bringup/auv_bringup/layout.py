@@ -1,0 +1,83 @@
+"""
+Layouts: which nodes share a process. The nodes, their topics and their numbers are the same in all of them.
+
+* `node`: every node in a process of its own (the relay's holds the clock too).
+* `vehicle`: vehicle and agent of one AUV in one process.
+* `single`: all nodes in one process.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from auv_core.params import ConfigError
+
+if TYPE_CHECKING:
+    from auv_bringup.compose import NodeSpec
+
+LAYOUTS = ("node", "vehicle", "single")
+DEFAULT_LAYOUT = "node"
+CONTAINER = "/node_container"
+"""Name of the process that holds all nodes."""
+
+
+@dataclass(frozen=True)
+class ProcessSpec:
+    """
+    One process to start, with its nodes.
+
+    `role` is that of its first node: relay, vehicle, agent or recorder. `vehicle_id` is empty where it has
+    the nodes of no single vehicle.
+    """
+
+    name: str
+    nodes: tuple[NodeSpec, ...]
+    role: str
+    vehicle_id: str
+
+    @property
+    def records(self) -> bool:
+        """Whether it holds a recorder, which must be left the time to close its bag."""
+        return any(node.role == "recorder" for node in self.nodes)
+
+
+def process_specs(nodes: Sequence[NodeSpec], layout: str) -> list[ProcessSpec]:
+    """Return the processes of a layout, one of `LAYOUTS`, for the nodes of a run."""
+    if layout == "single":
+        return [ProcessSpec(CONTAINER, tuple(nodes), nodes[0].role, "")]
+    groups: dict[str, list[NodeSpec]] = {}
+    for node in nodes:
+        shares = layout == "vehicle" and node.vehicle_id
+        groups.setdefault(f"/{node.vehicle_id}" if shares else node.name, []).append(node)
+    return [
+        ProcessSpec(name, tuple(group), group[0].role, group[0].vehicle_id) for name, group in groups.items()
+    ]
+
+
+def check_layout(layout: str | None, *, mode: str, on_vehicle_loss: str) -> str:
+    """
+    Return the layout to use; `None` asks for the default.
+
+    Raises
+    ------
+    ConfigError
+        For a layout that the run cannot have.
+
+    """
+    if layout is None:
+        return DEFAULT_LAYOUT
+    if layout not in LAYOUTS:
+        raise ConfigError(f"layout {layout!r} is not allowed; allowed: {', '.join(LAYOUTS)}")
+    if mode == "inprocess":
+        raise ConfigError(
+            f"layout {layout!r} is not allowed with mode inprocess, which has no nodes; "
+            "allowed with: lockstep, realtime"
+        )
+    if layout == "single" and on_vehicle_loss == "continue":
+        raise ConfigError(
+            "layout 'single' is not allowed with on_vehicle_loss: continue, since no vehicle of one process "
+            "is lost alone; allowed: node, vehicle"
+        )
+    return layout

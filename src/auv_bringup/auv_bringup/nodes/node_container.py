@@ -1,0 +1,52 @@
+"""
+Process of several nodes, as ROS 2's component container is one, but with all of them from the start.
+
+    ros2 run auv_bringup node_container --node MODULE NAMESPACE PARAMS_FILE [--node ...]
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from rclpy.node import Node
+from rclpy.utilities import remove_ros_args
+
+from auv_bringup.node_start import Part
+from auv_bringup.one_line_parser import OneLineParser
+from auv_core.node_main import main_loop
+
+_GLOBAL_ARGUMENTS = ("--ros-args", "--disable-external-lib-logs")
+"""The log of a process is what it prints; ROS keeps a second one elsewhere unless told not to."""
+
+
+def run(parts: Sequence[Part]) -> int:
+    """Run the nodes of all parts in this process; return the exit status."""
+    return main_loop(lambda: [node for part in parts for node in _make(part)], _GLOBAL_ARGUMENTS)
+
+
+def _make(part: Part) -> Sequence[Node]:
+    nodes: Sequence[Node] = import_module(part.module).make_nodes(
+        namespace=part.namespace, cli_args=["--ros-args", "--params-file", part.params_file]
+    )
+    return nodes
+
+
+def main() -> None:
+    """Run the nodes that the command line names."""
+    parser = OneLineParser(prog="node_container", description=__doc__.splitlines()[1])
+    parser.add_argument(
+        "--node",
+        action="append",
+        nargs=3,
+        required=True,
+        metavar=("MODULE", "NAMESPACE", "PARAMS_FILE"),
+        help="a module with make_nodes, and what its nodes get; may be repeated",
+    )
+    options = parser.parse_args(remove_ros_args(sys.argv)[1:])
+    raise SystemExit(run([Part(*words) for words in options.node]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,118 @@
+"""A sweep from its study to its table: what is kept is taken, the rest flown, each run kept as it ends."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+
+from distributed import Client
+
+from auv_bringup import results
+from auv_bringup.failures import Failure
+from auv_bringup.run_key import source_version
+from auv_bringup.sweeps.cluster import fly_all
+from auv_bringup.sweeps.parts import Parts
+from auv_bringup.sweeps.plan import PlannedRun
+from auv_bringup.sweeps.study import Study
+from auv_bringup.sweeps.table import write_table
+from auv_bringup.sweeps.worker import Finished
+from auv_bringup.tally import Tally
+
+PARTS = "parts"
+FAILURES_FILE = "failures.txt"
+_SHOWN_PACKAGES = ("numpy", "scipy", "numba", "scikit-fuzzy", "distributed", "pyarrow", "matplotlib")
+
+
+def run_sweep(
+    study: Study,
+    runs: Sequence[PlannedRun],
+    folder: Path,
+    connect: Callable[[], AbstractContextManager[Client]],
+    *,
+    tally: Tally,
+    is_fresh: bool = False,
+) -> Path:
+    """
+    Fly what is not kept from an earlier call, and write the table and the tracebacks of what failed.
+
+    Parameters
+    ----------
+    study, runs : Study, sequence of PlannedRun
+        What is asked for, and all runs of it.
+    folder : Path
+        Folder of the sweep.
+    connect : callable
+        Returns a context that gives a Dask client; only called if there is something to fly.
+    tally : Tally
+        Told what happens.
+    is_fresh : bool
+        Fly runs that are kept, too.
+
+    Returns
+    -------
+    path : Path
+        The table.
+
+    Raises
+    ------
+    ConfigError
+        When the cluster cannot be reached.
+    ClusterError
+        When it is lost or cannot fly; what is finished is kept.
+
+    """
+    parts = Parts(folder / PARTS)
+    by_key = {run.key: run for run in runs}
+    found = {} if is_fresh else {key: kept for key in by_key if (kept := parts.get(key)) is not None}
+    missing = sorted((run for run in by_key.values() if run.key not in found), key=lambda run: -run.effort)
+    remark = f", and {len(found)} kept from an earlier call" if found else ""
+    tally.start(len(missing), sum(run.effort for run in missing), remark)
+    done = 0.0
+
+    def keep(run: PlannedRun, finished: Finished) -> None:
+        nonlocal done
+        found[run.key] = finished
+        if finished.is_lasting:
+            parts.put(run.key, finished)
+        if finished.error:
+            tally.failed(name_of(run), Failure(finished.error, finished.traceback))
+        done += run.effort
+        tally.finished()
+        tally.advance(done)
+
+    if missing:
+        with connect() as client:
+            fly_all(client, missing, keep, tally.message)
+    rows = [(run, found[run.key]) for run in runs]
+    path = write_table(folder, study, rows, _making())
+    _write_failures(folder / FAILURES_FILE, rows)
+    parts.forget_old()
+    return path
+
+
+def name_of(run: PlannedRun) -> str:
+    """Return a run in words: its row, what varies, and its seed."""
+    words = [*(f"{path}={value}" for path, value in run.parameters.items()), f"seed={run.seed}"]
+    return f"run {run.index} ({', '.join(words)})"
+
+
+def _write_failures(file: Path, rows: Sequence[tuple[PlannedRun, Finished]]) -> None:
+    failed = [(run, finished) for run, finished in rows if finished.error]
+    file.unlink(missing_ok=True)
+    if failed:
+        text = "\n".join(f"== {name_of(run)}\n{finished.traceback}" for run, finished in failed)
+        file.write_text(text, encoding="utf-8")
+
+
+def _making() -> dict[str, str]:
+    """Return what runs were made with, by name; the same however many workers there are."""
+    packages = results.package_versions()
+    making = {"Python": platform.python_version()}
+    making.update({name: packages[name] for name in _SHOWN_PACKAGES if name in packages})
+    making["source"] = source_version()
+    git = results.git_state(Path(__file__).resolve())
+    if git:
+        making["revision"] = f"{git['revision']}{', with local changes' if git['has_local_changes'] else ''}"
+    return making

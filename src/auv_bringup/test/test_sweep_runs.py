@@ -1,0 +1,379 @@
+"""Claims about flying sweeps: each run once, kept, the same wherever it is flown; who dies is not missed."""
+
+import contextlib
+import io
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+import yaml
+from distributed import Client, LocalCluster
+
+import auv_flocking.separation
+from auv_bringup.run_key import source_version
+from auv_bringup.sweeps import cli, cluster, parts, worker
+from auv_bringup.sweeps.plan import plan_runs
+from auv_bringup.sweeps.runner import run_sweep
+from auv_bringup.sweeps.study import study_from_plain
+from auv_bringup.sweeps.table import WALL_CLOCK_COLUMNS
+from auv_bringup.sweeps.worker import SourceMismatchError, fly_run
+from auv_bringup.tally import Tally
+
+LOSS = "acoustics.outage.params.loss_prob"
+VEHICLES = [{"id": f"auv_{k}", "model": {"preset": "odin"}} for k in (1, 2)]
+TINY = {
+    "schema": 1,
+    "name": "tiny",
+    "title": "Tiny",
+    "scenario": "flock_modem",
+    "duration_s": 4.0,
+    "overrides": {"vehicles": VEHICLES},
+    "grid": {LOSS: [0.0, 0.5]},
+    "seeds": [1, 2, 3],
+    "metrics": ["packet_delivery_ratio"],
+}
+WAIT_S = 60.0
+SINKING = """
+from auv_flocking.separation.mathematical import Params, Separation as Usual
+
+class Separation(Usual):
+    def __init__(self, params):
+        {deed}
+"""
+RAISES = SINKING.format(deed='raise ArithmeticError("it\\nsank")')
+KILLS = SINKING.format(deed="__import__('os').kill(__import__('os').getpid(), 9)")
+
+
+@contextlib.contextmanager
+def threads(n=1):
+    """Give a cluster of threads in this process, which tests can reach into."""
+    here = {"protocol": "tcp://", "host": "127.0.0.1", "dashboard_address": None}
+    any_port = {"dashboard_address": "127.0.0.1:0"}
+    with (
+        LocalCluster(
+            processes=False, n_workers=n, threads_per_worker=1, scheduler_kwargs=any_port, **here
+        ) as workers,
+        Client(workers, set_as_default=False) as client,
+    ):
+        yield client
+
+
+def sweep(folder, connect=threads, is_fresh=False, **changes):
+    """Fly a study; return its table as rows and what was said."""
+    study = study_from_plain({**TINY, **changes})
+    folder.mkdir(exist_ok=True)
+    stream = io.StringIO()
+    with Tally("runs", stream) as tally:
+        run_sweep(study, plan_runs(study), folder, connect, tally=tally, is_fresh=is_fresh)
+    return rows_of(folder), stream.getvalue()
+
+
+def table_of(folder):
+    return pq.read_table(folder / "runs.parquet").drop_columns(list(WALL_CLOCK_COLUMNS))
+
+
+def rows_of(folder):
+    return table_of(folder).to_pylist()
+
+
+@pytest.fixture
+def flights(monkeypatch):
+    """Count flights in this process by seed."""
+    seeds = []
+    fly_truly = worker.fly
+
+    def counted(scenario):
+        seeds.append(scenario.seed)
+        return fly_truly(scenario)
+
+    monkeypatch.setattr(worker, "fly", counted)
+    return seeds
+
+
+def test_a_table_has_one_row_per_run_with_parameters_seed_and_every_metric(tmp_path):
+    rows, _ = sweep(tmp_path)
+    found = [(row["run"], row[f"scenario.{LOSS}"], row["seed"], row["status"]) for row in rows]
+    expected = [(loss, seed) for loss in (0.0, 0.5) for seed in (1, 2, 3)]
+    assert found == [(index, *pair, "done") for index, pair in enumerate(expected)]
+    runs = plan_runs(study_from_plain(TINY))
+    for row, run in zip(rows, runs, strict=True):
+        flown = fly_run(run.scenario_json, source_version())
+        assert {key: row[key] for key in flown.metrics} == flown.metrics
+
+
+def test_what_is_done_is_not_flown_again(tmp_path, flights):
+    first, _ = sweep(tmp_path, seeds=[1, 3])
+    both, words = sweep(tmp_path)
+    assert sorted(flights) == [1, 1, 2, 2, 3, 3]
+    assert "runs: 2, and 4 kept from an earlier call" in words
+    assert [row["pair_distance_min_m"] for row in both if row["seed"] != 2] == [
+        row["pair_distance_min_m"] for row in first
+    ]
+    sweep(tmp_path, connect=lambda: pytest.fail("there is nothing to fly"))
+    sweep(tmp_path, is_fresh=True)
+    assert len(flights) == 12
+
+
+def test_a_sweep_that_breaks_off_loses_only_what_was_in_flight(tmp_path, flights, monkeypatch):
+    keep_truly = parts.Parts.put
+
+    def keep_two(self, key, finished):
+        if len(list(self._folder.glob("*.json"))) == 2:
+            raise KeyboardInterrupt
+        keep_truly(self, key, finished)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(parts.Parts, "put", keep_two)
+        with pytest.raises(KeyboardInterrupt):
+            sweep(tmp_path)
+    assert not (tmp_path / "runs.parquet").exists()
+    flights.clear()
+    rows, _ = sweep(tmp_path)
+    assert len(flights) == 4
+    assert {row["status"] for row in rows} == {"done"}
+
+
+def test_another_source_flies_again_and_the_old_runs_go(tmp_path, flights, monkeypatch):
+    sweep(tmp_path)
+    for module in ("auv_bringup.run_key", "auv_bringup.sweeps.parts", "auv_bringup.sweeps.cluster"):
+        monkeypatch.setattr(f"{module}.source_version", lambda: "other")
+    monkeypatch.setattr(worker, "source_version", lambda: "other")
+    sweep(tmp_path)
+    assert len(flights) == 12
+    assert [path.name for path in (tmp_path / "parts").iterdir()] == ["other"]
+
+
+def test_points_that_are_one_scenario_are_flown_once_and_have_a_row_each(tmp_path, flights):
+    rows, _ = sweep(tmp_path, grid={LOSS: [0, 0.0]})
+    assert sorted(flights) == [1, 2, 3]
+    assert [row["seed"] for row in rows] == [1, 2, 3, 1, 2, 3]
+
+
+def test_a_run_that_raises_is_a_row_and_its_traceback_is_kept(tmp_path, flights, monkeypatch):
+    plugin(monkeypatch, tmp_path, "raises", RAISES)
+    grid = {"agent.separation.kind": ["mathematical", "raises"]}
+    rows, words = sweep(tmp_path / "out", grid=grid, seeds=[1])
+    assert [(row["status"], row["error"]) for row in rows] == [
+        ("done", ""),
+        ("failed", "ArithmeticError: it sank"),
+    ]
+    assert rows[1]["packet_delivery_ratio"] is None
+    assert "error: run 1 (agent.separation.kind=raises, seed=1): ArithmeticError: it sank" in words
+    text = (tmp_path / "out/failures.txt").read_text()
+    assert text.startswith("== run 1 (agent.separation.kind=raises, seed=1)\nTraceback")
+    flights.clear()
+    sweep(tmp_path / "out", grid=grid, seeds=[1])
+    assert flights == [], "it would raise again"
+
+
+def plugin(monkeypatch, folder, name, text):
+    """Put a separation law into a plugin folder."""
+    place = folder / "plugins/separation"
+    place.mkdir(parents=True)
+    (place / f"{name}.py").write_text(text)
+    monkeypatch.setenv("SHOAL_PLUGINS", str(place.parent))
+    source_version.cache_clear()
+    monkeypatch.setattr("auv_flocking.separation.__path__", list(auv_flocking.separation.__path__))
+    monkeypatch.setitem(sys.modules, f"auv_flocking.separation.{name}", None)
+    del sys.modules[f"auv_flocking.separation.{name}"]
+
+
+@pytest.fixture(autouse=True)
+def _fresh_source():
+    yield
+    source_version.cache_clear()
+
+
+def test_a_worker_with_another_source_flies_nothing(tmp_path):
+    (run,) = plan_runs(study_from_plain({**TINY, "grid": None, "seeds": [1]}))
+    with pytest.raises(SourceMismatchError, match="a worker has other source or packages"):
+        fly_run(run.scenario_json, "other")
+
+
+def test_a_worker_with_another_source_ends_the_sweep_in_one_line(tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "source_version", lambda: "0123")
+    with pytest.raises(
+        cluster.ClusterError, match=r"^a worker has other source or packages \(\w+\) than .* \(0123\)"
+    ):
+        sweep(tmp_path)
+
+
+@pytest.mark.parametrize("where", ["tcp://127.0.0.1:9", "nonsense", "foo://here:1", "gone.json", "tiny.json"])
+def test_a_scheduler_that_is_not_there_is_told_in_one_line(where, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(cluster, "_CONNECT_TIMEOUT_S", 0.5)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "tiny.json").write_text("{}")
+    assert cli.main([str(written(tmp_path)), "--out", "out", "--scheduler", where]) == 2
+    line = capsys.readouterr().err.splitlines()[-1]
+    assert line.startswith(f"error: --scheduler {where!r}: cannot be reached (")
+
+
+def written(folder, **changes):
+    path = folder / "tiny.yaml"
+    path.write_text(yaml.safe_dump({**TINY, **changes}))
+    return path
+
+
+def test_killing_a_worker_changes_nothing(tmp_path):
+    """Two processes, one of them killed in the middle, give what one thread gives."""
+    killed = []
+
+    @contextlib.contextmanager
+    def one_dies():
+        with cluster.local_client(2) as client:
+            keep_truly = client.submit
+
+            def submit_and_kill(*arguments, **options):
+                future = keep_truly(*arguments, **options)
+                if not killed and len(list(tmp_path.glob("two/parts/*/*.json"))) == 1:
+                    killed.append(min(client.run(os.getpid).values()))
+                    os.kill(killed[0], signal.SIGKILL)
+                return future
+
+            client.submit = submit_and_kill
+            yield client
+
+    monkey = pytest.MonkeyPatch()
+    with monkey.context() as patched:
+        patched.setattr(cluster, "_LEAST_SUBMITTED", 2)
+        patched.setattr(cluster, "_SUBMITTED_PER_THREAD", 1)
+        sweep(tmp_path / "two", one_dies)
+    sweep(tmp_path / "one")
+    assert len(killed) == 1
+    assert not Path("/proc", str(killed[0])).exists()
+    assert table_of(tmp_path / "two").equals(table_of(tmp_path / "one"), check_metadata=True)
+
+
+@pytest.mark.slow
+def test_a_run_that_kills_its_workers_fails_alone(tmp_path, monkeypatch):
+    plugin(monkeypatch, tmp_path, "kills", KILLS)
+    grid = {"agent.separation.kind": ["mathematical", "kills"]}
+    rows, _ = sweep(tmp_path / "out", lambda: cluster.local_client(2), grid=grid)
+    assert [row["status"] for row in rows] == ["done"] * 3 + ["failed"] * 3
+    assert all("its worker process died every time" in row["error"] for row in rows[3:])
+    assert len(list(tmp_path.glob("out/parts/*/*.json"))) == 3, "it is tried again by the next call"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("address", ["address", "scheduler file"])
+def test_a_cluster_that_exists_gives_the_same_table(tmp_path, address):
+    file = tmp_path / "scheduler.json"
+    with running("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", file=file):
+        wait_until(file.exists)
+        with running("dask_worker", "--nthreads", "1", "--host", "127.0.0.1", "--no-dashboard", file=file):
+            where = str(file) if address == "scheduler file" else yaml.safe_load(file.read_text())["address"]
+            sweep(tmp_path / "there", lambda: cluster.remote_client(where))
+    sweep(tmp_path / "here")
+    assert table_of(tmp_path / "there").equals(table_of(tmp_path / "here"), check_metadata=True)
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_goes_away_is_told_and_what_is_finished_is_kept(tmp_path):
+    file = tmp_path / "scheduler.json"
+    with running(
+        "dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", file=file
+    ) as scheduler:
+        wait_until(file.exists)
+        with running("dask_worker", "--nthreads", "1", "--host", "127.0.0.1", "--no-dashboard", file=file):
+
+            @contextlib.contextmanager
+            def it_goes():
+                with cluster.remote_client(str(file)) as client:
+                    threading.Thread(target=kill_after_first, args=(scheduler, tmp_path)).start()
+                    yield client
+
+            with pytest.raises(cluster.ClusterError, match="the scheduler is gone"):
+                sweep(tmp_path / "out", it_goes, duration_s=60.0)
+    rows, _ = sweep(tmp_path / "out", duration_s=60.0)
+    assert len(rows) == 6
+
+
+def kill_after_first(process, folder):
+    wait_until(lambda: list(folder.glob("out/parts/*/*.json")))
+    process.kill()
+
+
+@contextlib.contextmanager
+def running(module, *arguments, file):
+    """Run a command of Dask in a session of its own."""
+    environ = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    command = [sys.executable, "-m", f"distributed.cli.{module}", "--scheduler-file", str(file), *arguments]
+    with (file.parent / f"{module}.log").open("wb") as log:
+        process = subprocess.Popen(command, stdout=log, stderr=log, env=environ, start_new_session=True)
+    try:
+        yield process
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait(WAIT_S)
+
+
+@pytest.fixture
+def long_command(tmp_path):
+    """Start a sweep that takes long; give it when its first run is kept."""
+    path = written(tmp_path, duration_s=200.0, seeds=list(range(20)))
+    environ = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    command = [sys.executable, "-m", "auv_bringup.sweeps.cli", str(path), "--workers", "2"]
+    log = tmp_path / "log"
+    with log.open("wb") as stream:
+        process = subprocess.Popen(
+            [*command, "--out", str(tmp_path / "out")],
+            stdout=stream,
+            stderr=stream,
+            env=environ,
+            start_new_session=True,
+        )
+    try:
+        wait_until(lambda: list(tmp_path.glob("out/parts/*/*.json")))
+        yield process, log
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait(WAIT_S)
+
+
+def members(session):
+    """Return the processes of a session that still run."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            fields = (path / "stat").read_text().rpartition(")")[2].split()
+            if int(fields[3]) == session and fields[0] != "Z":
+                found.append(int(path.name))
+    return found
+
+
+def wait_until(condition):
+    event = threading.Event()
+    for _ in range(int(WAIT_S / 0.05)):
+        if condition():
+            return
+        event.wait(0.05)
+    raise AssertionError("it did not happen in time")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("send", [os.kill, os.killpg], ids=["to the command", "to all, as a terminal does"])
+def test_ctrl_c_ends_it_in_one_line_and_leaves_no_process(long_command, send):
+    process, log = long_command
+    send(process.pid, signal.SIGINT)
+    assert process.wait(WAIT_S) == 130
+    wait_until(lambda: members(process.pid) == [])
+    *_, last = log.read_text().splitlines()
+    assert last == "error: interrupted; finished runs are kept for the next call"
+    assert "Traceback" not in log.read_text()
+
+
+@pytest.mark.slow
+def test_a_killed_command_leaves_no_process_and_what_it_has_finished(long_command, tmp_path):
+    process, _ = long_command
+    process.kill()
+    process.wait(WAIT_S)
+    wait_until(lambda: members(process.pid) == [])
+    _, words = sweep(tmp_path / "out", duration_s=200.0, seeds=list(range(3)), grid={LOSS: [0.0]})
+    assert "kept from an earlier call" in words
