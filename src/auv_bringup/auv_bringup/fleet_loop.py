@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_bringup.hull_lanes import LANES, VEHICLE_RATES, normalise
-from auv_core.compiled import entry, inner
+from auv_core.compiled import entry, inlined
 from auv_core.pairs import NEAR_PAIRS
 from auv_flocking.central import Numbers, Strength
 from auv_flocking.flock_rates import FLOCK_RATES, LAW
@@ -29,13 +29,13 @@ FEW = 32
 SKIN = 0.1
 
 
-@inner
+@inlined
 def lists_pairs(count: int, numbers: Floats) -> bool:
     """Return whether a list of near pairs is worth its while: many vehicles that act on near ones only."""
     return bool(count > FEW and max(numbers[4], numbers[6]) < math.inf)
 
 
-@inner
+@inlined
 def _along(state: Floats, span_s: float, k: Floats, stage: int, there: Floats) -> None:
     """Write state + span * rates of a stage."""
     for i in range(state.shape[0]):
@@ -43,7 +43,7 @@ def _along(state: Floats, span_s: float, k: Floats, stage: int, there: Floats) -
             there[i, c] = state[i, c] + span_s * k[stage, i, c]
 
 
-@inner
+@inlined
 def _step(state: Floats, dt_s: float, k: Floats) -> None:
     """Move the state on by one step, of whose stages `k` are the rates."""
     for i in range(state.shape[0]):
@@ -51,7 +51,7 @@ def _step(state: Floats, dt_s: float, k: Floats) -> None:
             state[i, c] += dt_s / 6.0 * (k[0, i, c] + 2.0 * (k[1, i, c] + k[2, i, c]) + k[3, i, c])
 
 
-@inner
+@inlined
 def _copy(rows: Floats, to: Floats) -> None:
     """Write `rows` into `to`."""
     for i in range(rows.shape[0]):
@@ -59,7 +59,7 @@ def _copy(rows: Floats, to: Floats) -> None:
             to[i, c] = rows[i, c]
 
 
-@inner
+@inlined
 def _put_points(motion: Floats, points: Floats) -> None:
     """Write where the vehicles are."""
     is_hull = motion.shape[1] > 3
@@ -68,7 +68,7 @@ def _put_points(motion: Floats, points: Floats) -> None:
             points[i, axis] = motion[i // LANES, i % LANES + axis * LANES] if is_hull else motion[i, axis]
 
 
-@inner
+@inlined
 def _has_moved(points: Floats, listed_at: Floats, by_m: float) -> bool:
     """Return whether a vehicle is farther than `by_m` from where it was listed, or is nowhere."""
     for i in range(len(points)):

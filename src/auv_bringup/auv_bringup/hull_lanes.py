@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_control.controllers.velocity_pi import control
-from auv_core.compiled import entry, inner
+from auv_core.compiled import entry, inlined, inner
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.models.six_dof import derivative, limited_wrench, normalised
@@ -144,19 +144,19 @@ def normalise(count: int, lanes: Floats) -> None:
             _put_plant(lanes, block, lane, normalised(_plant(lanes, block, lane)))
 
 
-@inner
+@inlined
 def _three(rows: Floats, block: int, at: int) -> Vec3:
     """Return three numbers of a hull, of which the first is `at`."""
     return (rows[block, at], rows[block, at + LANES], rows[block, at + 2 * LANES])
 
 
-@inner
+@inlined
 def _put_three(rows: Floats, block: int, at: int, v: Vec3) -> None:
     """Write three numbers of a hull, of which the first is `at`."""
     rows[block, at], rows[block, at + LANES], rows[block, at + 2 * LANES] = v[0], v[1], v[2]
 
 
-@inner
+@inlined
 def _plant(lanes: Floats, block: int, at: int) -> State:
     """Return the 13 numbers of a hull."""
     x, y, z = _three(lanes, block, at)
@@ -166,7 +166,7 @@ def _plant(lanes: Floats, block: int, at: int) -> State:
     return (x, y, z, qw, qx, qy, qz, u, v, w, p, q, lanes[block, at + 12 * LANES])
 
 
-@inner
+@inlined
 def _put_plant(lanes: Floats, block: int, at: int, x: State) -> None:
     """Write the 13 numbers of a hull."""
     _put_three(lanes, block, at, (x[0], x[1], x[2]))

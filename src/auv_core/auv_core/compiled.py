@@ -4,8 +4,8 @@ One source, two speeds: numeric functions that run as plain Python in a node and
 A function that is marked here stays the plain Python function that it is.  Where `use_compiler` was called,
 `fastest` gives its twin that Numba has compiled from the same source, and what it calls is compiled with it:
 
-* `inner` marks a function that compiled functions may call; it becomes part of them, so that a loop over many
-  vehicles can be turned into vector instructions;
+* `inner` marks a function that compiled functions may call, and `inlined` one that becomes part of them, so
+  that a loop over many vehicles can be turned into vector instructions;
 * `entry` marks one that Python calls, with its Numba signature, so that it is compiled once and for all.
 
 An argument of the type ``FUNCTION(...)`` takes another entry: so a plugin's function goes into a compiled
@@ -34,6 +34,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 _MOST_KEPT = 200
 _inner: set[Callable[..., Any]] = set()
 _registered: set[Callable[..., Any]] = set()
+_inlined: set[Callable[..., Any]] = set()
 _makes_no_array: set[Callable[..., Any]] = set()
 _signatures: dict[Callable[..., Any], str] = {}
 _is_on = False
@@ -44,6 +45,12 @@ def inner(function: F) -> F:
     """Mark a function that compiled functions call; it must be defined in a module, not in a function."""
     _inner.add(function)
     return function
+
+
+def inlined(function: F) -> F:
+    """Mark an `inner` function as part of its callers: for loops over many vehicles; slow to compile."""
+    _inlined.add(function)
+    return inner(function)
 
 
 def entry(signature: str, *, allocates: bool = True) -> Callable[[F], F]:
@@ -113,7 +120,7 @@ def _compiled(function: Callable[..., Any]) -> Any:
 
     used = _used(function)
     for other in used - _registered - {function}:
-        register_jitable(forceinline=True)(other)
+        register_jitable(forceinline=other in _inlined)(other)
         _registered.add(other)
     folder = _cache_folder(_version(used))
     if folder is None or not any(folder.iterdir()):

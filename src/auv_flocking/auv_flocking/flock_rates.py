@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_core.compiled import entry, fastest, inner
+from auv_core.compiled import entry, fastest, inlined
 from auv_core.geometry import Vec3, added
 from auv_flocking.central import STRENGTH, Numbers, Strength, along
 from auv_flocking.consensus.thesis import towards
@@ -110,13 +110,13 @@ def flock_law(
     )
 
 
-@inner
+@inlined
 def vector(rows: Floats, i: int) -> Vec3:
     """Return the first three numbers of row `i`."""
     return (rows[i, 0], rows[i, 1], rows[i, 2])
 
 
-@inner
+@inlined
 def put(rows: Floats, i: int, v: Vec3) -> None:
     """Write the first three numbers of row `i`."""
     rows[i, 0], rows[i, 1], rows[i, 2] = v[0], v[1], v[2]

@@ -23,7 +23,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from auv_core.compiled import inner
+from auv_core.compiled import inlined
 from auv_core.geometry import Vec3, distance
 from auv_core.params import param
 from auv_flocking.codec import Field
@@ -53,7 +53,7 @@ class Params:
         return self.follow_flock
 
 
-@inner
+@inlined
 def towards(pull: Vec3, other: Vec3, centre: Vec3) -> Vec3:
     """Return what pulls the estimate `centre`, with `other` added to it (m; NED)."""
     return (
