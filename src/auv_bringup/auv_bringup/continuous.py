@@ -3,7 +3,8 @@ Continuous time: the laws evaluated inside every integration stage.
 
 What the thesis's figures assume: vehicles that see each other, and each other's estimates, without delay.
 No packets, no filters, no control period; `period_s` is only the interval of the record.  Laws, consensus
-and equations of motion are the agents' and the vehicles' own.
+and equations of motion are the agents' and the vehicles' own.  A flock whose laws and vehicles the compiled
+loop of `fleet_loop` knows is flown by it, with the same numbers.
 """
 
 from __future__ import annotations
@@ -12,10 +13,12 @@ from collections.abc import Callable
 from typing import Protocol
 
 from auv_bringup.compose import agent_configs
+from auv_bringup.continuous_fleet import fly_fleet, has_compiled_form
 from auv_bringup.continuous_flock import FlockSystem
 from auv_bringup.continuous_motion import MotionSystem
 from auv_bringup.recording import Recording
 from auv_bringup.scenario import Scenario
+from auv_core.compiled import is_compiling
 from auv_core.integrate import State, rk4_step
 from auv_flocking.agent import Agent
 
@@ -45,7 +48,19 @@ def run_continuous(scenario: Scenario, *, on_progress: Callable[[float], None] |
         When a motion has no finite solution.
 
     """
-    recording = Recording.empty([vehicle.id for vehicle in scenario.vehicles], scenario.tick_times())
+    ids = [vehicle.id for vehicle in scenario.vehicles]
+    recording = Recording.empty(ids, scenario.tick_times(), has_neighbours=False)
+    if is_compiling() and has_compiled_form(scenario):
+        fly_fleet(scenario, recording, on_progress)
+    else:
+        _integrate(scenario, recording, on_progress)
+    recording.nav_position_ned_m[:] = recording.position_ned_m[:-1]
+    recording.nav_position_sd_m[:] = 0.0
+    return recording
+
+
+def _integrate(scenario: Scenario, recording: Recording, on_progress: Callable[[float], None] | None) -> None:
+    """Fly vehicle by vehicle, with any laws."""
     agents = [Agent(config) for config in agent_configs(scenario)]
     system: System
     if scenario.follows == "velocity":
@@ -63,6 +78,3 @@ def run_continuous(scenario: Scenario, *, on_progress: Callable[[float], None] |
         if on_progress is not None and tick % 100 == 99:
             on_progress((tick + 1) * scenario.period_s)
     system.record(recording, scenario.ticks, scenario.ticks * scenario.period_s, state)
-    recording.nav_position_ned_m[:] = recording.position_ned_m[:-1]
-    recording.nav_position_sd_m[:] = 0.0
-    return recording

@@ -36,6 +36,8 @@ _RADIUS_95PCT_SD = 2.4477
 
 
 def _draw_estimate_error(recording: Recording) -> Drawing | None:
+    if not recording.has_neighbours:
+        return None
     error_m = metrics.neighbour_error_ned_m(recording)
     if not np.isfinite(error_m).any():
         return None
@@ -75,6 +77,8 @@ def _draw_estimate_error(recording: Recording) -> Drawing | None:
 
 
 def _draw_information_age(recording: Recording) -> Drawing | None:
+    if not recording.has_neighbours:
+        return None
     age_s = _between_vehicles(recording, recording.neighbour_age_s)
     if not metrics_acoustics.has_modem(recording) or not np.isfinite(age_s).any():
         return None

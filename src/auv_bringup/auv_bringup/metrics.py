@@ -38,6 +38,13 @@ FORMED_DISTANCE_M = 4.0
 FORMED_FOR_S = 10.0
 TIME_TOLERANCE_S = 1e-9
 
+_NEIGHBOUR_METRICS = (
+    "neighbour_position_rmse_m",
+    "neighbour_within_2sigma_ratio",
+    "neighbour_age_mean_s",
+    "neighbour_age_max_s",
+)
+
 
 def compute_metrics(
     recording: Recording, scenario: Scenario, *, mode: str, real_time_factor: float
@@ -270,18 +277,16 @@ def _sent_row_of_receptions(recording: Recording) -> tuple[NDArray[np.int64], Bo
 
 
 def _neighbour_metrics(recording: Recording) -> dict[str, float | None]:
+    if not recording.has_neighbours:
+        return dict.fromkeys(_NEIGHBOUR_METRICS)
     late = _after(recording.t_s[:-1], SETTLED_AFTER_S)
     error_m = neighbour_error_ned_m(recording)[late]
     sigma_m = neighbour_sigma_m(recording)[late]
     judged = np.isfinite(error_m) & np.isfinite(sigma_m)
     inside = np.abs(error_m[judged]) <= 2.0 * sigma_m[judged]
     age_s = recording.neighbour_age_s[late][np.isfinite(error_m).all(axis=-1)]
-    return {
-        "neighbour_position_rmse_m": _rms(_norm(error_m)),
-        "neighbour_within_2sigma_ratio": _mean(inside.astype(np.float64)),
-        "neighbour_age_mean_s": _mean(age_s),
-        "neighbour_age_max_s": _largest(age_s),
-    }
+    values = (_rms(_norm(error_m)), _mean(inside.astype(np.float64)), _mean(age_s), _largest(age_s))
+    return dict(zip(_NEIGHBOUR_METRICS, values, strict=True))
 
 
 def _packet_metrics(recording: Recording) -> dict[str, float | None]:

@@ -215,12 +215,14 @@ def _packet_metrics(recording: Recording) -> dict[str, Any]:
     metrics["packet_delay_95pct_s"] = _quantile(recording.delay_s)
     metrics["acoustic_bit_rate_bps"] = 8.0 * float(recording.events[sent, 5].sum()) / run_s
     metrics["acoustic_load_ratio"] = float(on_air_s.sum()) / run_s
-    metrics["neighbour_age_95pct_s"] = _quantile(recording.neighbour_age_s[late])
+    age_s = recording.neighbour_age_s[late] if recording.has_neighbours else recording.neighbour_age_s
+    metrics["neighbour_age_95pct_s"] = _quantile(age_s)
     return metrics
 
 
 def _filter_metrics(recording: Recording, formed_at_s: float) -> dict[str, float | None]:
-    ticks = judged_ticks(recording, math.inf if math.isnan(formed_at_s) else formed_at_s)
+    is_judged = recording.has_neighbours and not math.isnan(formed_at_s)
+    ticks = judged_ticks(recording, formed_at_s if is_judged else math.inf)
     position = _finite(neighbour_nees(recording, ticks, 3))
     return {
         "neighbour_nees_position_mean": _mean(position),

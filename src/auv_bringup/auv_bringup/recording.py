@@ -27,6 +27,13 @@ IntArray = NDArray[np.int64]
 FORMAT_VERSION = 3
 _VERSION_KEY = "format_version"
 _TOLERANCE_S = 1e-9
+NEIGHBOURS = (
+    "neighbour_position_ned_m",
+    "neighbour_velocity_ned_mps",
+    "neighbour_covariance",
+    "neighbour_age_s",
+    "neighbour_sonar_age_s",
+)
 _VALUES_OF_ROWS = (("delay_s", "received"), ("contact_values", "contacts"), ("event_values", "events"))
 
 
@@ -63,6 +70,7 @@ class Recording:
     holding : (K, N) array of bool
         Whether the agent gave the safe command instead of the law's.
     neighbour_position_ned_m, neighbour_velocity_ned_mps : (K, N, N, 3) arrays
+        These and the other arrays of neighbours have no rows where nobody estimates anybody.
         Estimate [k, i, j] that vehicle i holds of vehicle j (m and m/s, NED).
     neighbour_covariance : (K, N, N, 6, 6) array
         Covariance of position and velocity, in this order (m^2, m^2/s, m^2/s^2; NED).
@@ -127,6 +135,8 @@ class Recording:
             array = np.asarray(getattr(self, name), dtype=_dtype(name))
             if array.size == 0 and None in shape:
                 array = array.reshape([size or 0 for size in shape])
+            if name in NEIGHBOURS and len(array) == 0:
+                shape = (0, *shape[1:])
             if not _fits(array.shape, shape):
                 raise RecordingError(f"{name}: shape {array.shape}, expected {shape}")
             setattr(self, name, array)
@@ -136,7 +146,7 @@ class Recording:
                 raise RecordingError(f"{values}: {rows} rows for the {expected} of {keys}")
 
     @classmethod
-    def empty(cls, vehicle_ids: Sequence[str], t_s: FloatArray) -> Recording:
+    def empty(cls, vehicle_ids: Sequence[str], t_s: FloatArray, *, has_neighbours: bool = True) -> Recording:
         """
         Return a recording of the right shapes in which nothing exists yet.
 
@@ -146,6 +156,9 @@ class Recording:
             Names in the scenario's order.
         t_s : (K + 1,) array
             Scenario time of each state (s).
+        has_neighbours : bool
+            False where nobody estimates anybody: the arrays of neighbours, which grow with the square of N,
+            then have no rows.
 
         Returns
         -------
@@ -156,6 +169,8 @@ class Recording:
         arrays: dict[str, Any] = {}
         for name, shape in _shapes(len(t_s), len(vehicle_ids)).items():
             fill_value = np.nan if _dtype(name) is np.float64 else 0
+            if name in NEIGHBOURS and not has_neighbours:
+                shape = (0, *shape[1:])
             arrays[name] = np.full([size or 0 for size in shape], fill_value, dtype=_dtype(name))
         arrays["t_s"] = np.array(t_s, dtype=np.float64)
         return cls(vehicle_ids=tuple(vehicle_ids), **arrays)
@@ -169,6 +184,11 @@ class Recording:
     def n_ticks(self) -> int:
         """Number of control ticks K; there is one state more."""
         return len(self.t_s) - 1
+
+    @property
+    def has_neighbours(self) -> bool:
+        """Whether there are arrays of neighbours."""
+        return len(self.neighbour_age_s) > 0
 
     @property
     def is_gone(self) -> NDArray[np.bool_]:

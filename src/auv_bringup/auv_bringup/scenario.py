@@ -151,9 +151,12 @@ class Scenario:
         "length of the run (s), a whole number of control periods", above=0.0, maximum=1e6
     )
     vehicles: tuple[VehicleEntry, ...] = param(
-        "the vehicles; their order gives the acoustic addresses 1, 2, ..."
+        "the vehicles, or {count: N} with what all N have in common; their order gives the acoustic "
+        "addresses 1, 2, ..."
     )
-    leaders: tuple[str, ...] = param("ids of the vehicles of a flock that know the path", default=())
+    leaders: tuple[str, ...] = param(
+        "ids of the vehicles of a flock that know the path, or `all`", default=()
+    )
     reference: Section | None = param("path to follow", default=None, plugins=REFERENCES)
     agent: AgentSettings = param("what every vehicle's computer runs")
     acoustics: Acoustics = param("the medium between the vehicles")

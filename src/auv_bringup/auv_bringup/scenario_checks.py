@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from auv_bringup.scenario_file import ID, ID_WORDS
+from auv_bringup.scenario_file import ID, ID_WORDS, MOST_VEHICLES
 from auv_core.geometry import distance
 from auv_core.params import shown
 from auv_core.plugins import find_plugin
@@ -44,8 +44,10 @@ def check_scenario(scenario: Scenario) -> None:
 
 
 def _check_vehicles(scenario: Scenario) -> None:
-    if not 1 <= len(scenario.vehicles) <= 254:
-        raise ValueError(f"vehicles: {len(scenario.vehicles)} vehicles are not allowed; allowed: 1 to 254")
+    if not 1 <= len(scenario.vehicles) <= MOST_VEHICLES:
+        raise ValueError(
+            f"vehicles: {len(scenario.vehicles)} vehicles are not allowed; allowed: 1 to {MOST_VEHICLES}"
+        )
     seen: set[str] = set()
     for index, vehicle in enumerate(scenario.vehicles):
         if not ID.match(vehicle.id):
@@ -166,10 +168,11 @@ def _check_starts(scenario: Scenario) -> None:
 def _check_continuous(scenario: Scenario) -> None:
     if scenario.sampling != "continuous":
         return
-    if not scenario.kinematic and scenario.follows == "velocity":
+    controller = find_plugin(CONTROLLERS, scenario.agent.controller.kind).Controller
+    if not scenario.kinematic and scenario.follows == "velocity" and not hasattr(controller, "evaluate"):
         raise ValueError(
-            "sampling: 'continuous' is not allowed; "
-            "allowed: sampled, for a flock of vehicles that are not kinematic"
+            "sampling: 'continuous' is not allowed; allowed: sampled, for a flock under the controller "
+            f"{scenario.agent.controller.kind}, which works once per control period"
         )
     if scenario.environment.navigation.kind != "exact":
         raise ValueError(

@@ -23,6 +23,7 @@ import auv_sim.acoustics
 from auv_core.params import ConfigError, shown
 from auv_core.plugins import PluginError, find_plugin, plugin_places
 
+MOST_VEHICLES = 254
 SCENARIOS_DIR = Path(__file__).parent / "scenarios"
 ID = re.compile(r"[a-z][a-z0-9_]{0,30}\Z")
 ID_WORDS = "a lower-case letter, then at most 30 lower-case letters, digits or underscores"
@@ -196,9 +197,9 @@ def _place(target: Any, keys: list[str]) -> str | int:
 
 
 def with_presets(raw: dict[str, Any]) -> dict[str, Any]:
-    """Return the raw scenario with the presets of models, controllers and acoustics filled in."""
-    filled = dict(raw)
-    vehicles = raw.get("vehicles")
+    """Return the raw scenario with fleets and the presets of models, controllers and acoustics filled in."""
+    filled = _with_fleet(raw)
+    vehicles = filled.get("vehicles")
     if isinstance(vehicles, list):
         filled["vehicles"] = [
             _with_preset(v, "model", auv_core.models, f"scenario.vehicles[{i}].model")
@@ -214,6 +215,29 @@ def with_presets(raw: dict[str, Any]) -> dict[str, Any]:
         sections = {key: _merged(preset.get(key), value) for key, value in acoustics.items()}
         filled["acoustics"] = {**preset, **sections}
     return _with_flock(filled)
+
+
+def _with_fleet(raw: dict[str, Any]) -> dict[str, Any]:
+    """
+    Return the raw scenario with all vehicles of a fleet, ``vehicles: {count: N, model: ...}``, one by one.
+
+    They are called auv_1 to auv_N; ``leaders: all`` names all vehicles.
+    """
+    filled = dict(raw)
+    fleet = raw.get("vehicles")
+    if isinstance(fleet, Mapping):
+        count = fleet.get("count")
+        if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= MOST_VEHICLES:
+            raise ConfigError(
+                f"scenario.vehicles.count: {shown(count)} is not allowed; "
+                f"allowed: a whole number from 1 to {MOST_VEHICLES}"
+            )
+        same = {key: value for key, value in fleet.items() if key != "count"}
+        filled["vehicles"] = [{"id": f"auv_{i + 1}", **same} for i in range(count)]
+    vehicles = filled.get("vehicles")
+    if raw.get("leaders") == "all" and isinstance(vehicles, list):
+        filled["leaders"] = [v["id"] for v in vehicles if isinstance(v, Mapping) and "id" in v]
+    return filled
 
 
 def _with_flock(filled: dict[str, Any]) -> dict[str, Any]:

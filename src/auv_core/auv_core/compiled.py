@@ -4,7 +4,8 @@ One source, two speeds: numeric functions that run as plain Python in a node and
 A function that is marked here stays the plain Python function that it is.  Where `use_compiler` was called,
 `fastest` gives its twin that Numba has compiled from the same source, and what it calls is compiled with it:
 
-* `inner` marks a function that compiled functions may call;
+* `inner` marks a function that compiled functions may call, and `inlined` one that becomes part of them, so
+  that a loop over many vehicles can be turned into vector instructions;
 * `entry` marks one that Python calls, with its Numba signature, so that it is compiled once and for all.
 
 An argument of the type ``FUNCTION(...)`` takes another entry: so a plugin's function goes into a compiled
@@ -33,6 +34,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 _MOST_KEPT = 200
 _inner: set[Callable[..., Any]] = set()
 _registered: set[Callable[..., Any]] = set()
+_inlined: set[Callable[..., Any]] = set()
+_makes_no_array: set[Callable[..., Any]] = set()
 _signatures: dict[Callable[..., Any], str] = {}
 _is_on = False
 _tell: Callable[[str], None] | None = None
@@ -44,9 +47,18 @@ def inner(function: F) -> F:
     return function
 
 
-def entry(signature: str) -> Callable[[F], F]:
+def inlined(function: F) -> F:
+    """Mark an `inner` function as part of its callers: for loops over many vehicles; slow to compile."""
+    _inlined.add(function)
+    return inner(function)
+
+
+def entry(signature: str, *, allocates: bool = True) -> Callable[[F], F]:
     """
     Mark a function that Python calls, with its signature in Numba's words: ``float64(float64[::1], int64)``.
+
+    One that makes no array (`allocates`) need not count who holds its arguments, which costs more than a
+    short call.
 
     ``TUPLE3``, ``TUPLE6`` and so on stand for tuples of so many floats, ``FUNCTION(signature)`` for another
     entry with that signature.
@@ -54,6 +66,8 @@ def entry(signature: str) -> Callable[[F], F]:
 
     def mark(function: F) -> F:
         _signatures[function] = signature
+        if not allocates:
+            _makes_no_array.add(function)
         return inner(function)
 
     return mark
@@ -106,7 +120,7 @@ def _compiled(function: Callable[..., Any]) -> Any:
 
     used = _used(function)
     for other in used - _registered - {function}:
-        register_jitable(other)
+        register_jitable(forceinline=other in _inlined)(other)
         _registered.add(other)
     folder = _cache_folder(_version(used))
     if folder is None or not any(folder.iterdir()):
@@ -114,7 +128,8 @@ def _compiled(function: Callable[..., Any]) -> Any:
     if folder is not None:
         numba.config.CACHE_DIR = str(folder)
     signature = _signature(_signatures[function])
-    return numba.njit(signature, cache=folder is not None, error_model="numpy")(function)
+    counts = {"_nrt": False} if function in _makes_no_array else {}
+    return numba.njit(signature, cache=folder is not None, error_model="numpy", **counts)(function)
 
 
 def _say_that_it_takes_a_while() -> None:

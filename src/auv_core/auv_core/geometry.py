@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import math
 
-from auv_core.compiled import inner
+from auv_core.compiled import inlined, inner
 
 Vec3 = tuple[float, float, float]
 Quat = tuple[float, float, float, float]
 
 
-@inner
+@inlined
 def body_to_ned(q: Quat, v: Vec3) -> Vec3:
     """Return the body vector `v` in NED; the length is kept."""
     w, x, y, z = q
@@ -28,7 +28,7 @@ def body_to_ned(q: Quat, v: Vec3) -> Vec3:
     )
 
 
-@inner
+@inlined
 def ned_to_body(q: Quat, v: Vec3) -> Vec3:
     """Return the NED vector `v` in the body frame; the inverse of `body_to_ned`."""
     return body_to_ned((q[0], -q[1], -q[2], -q[3]), v)
@@ -47,7 +47,7 @@ def heading_from_quaternion(q: Quat) -> float:
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
-@inner
+@inlined
 def quaternion_product(a: Quat, b: Quat) -> Quat:
     """Return the Hamilton product a b: first rotate by b, then by a."""
     return (
@@ -65,7 +65,7 @@ def distance(a: Vec3, b: Vec3) -> float:
     return math.sqrt(x * x + y * y + z * z)
 
 
-@inner
+@inlined
 def limited(v: Vec3, length: float) -> Vec3:
     """Return `v`, shortened to `length` where it is longer; the direction is kept."""
     norm = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
@@ -75,7 +75,7 @@ def limited(v: Vec3, length: float) -> Vec3:
     return (v[0] * scale, v[1] * scale, v[2] * scale)
 
 
-@inner
+@inlined
 def clipped(value: float, most: float) -> float:
     """Return `value`, brought to -`most` or `most` where it lies beyond."""
     if value > most:
@@ -83,7 +83,7 @@ def clipped(value: float, most: float) -> float:
     return max(value, -most)
 
 
-@inner
+@inlined
 def added(a: Vec3, b: Vec3) -> Vec3:
     """Return a + b."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_core.compiled import entry, inner
+from auv_core.compiled import entry, inlined
 from auv_core.geometry import Vec3
 
 STRENGTH = "float64(float64, float64, float64[::1])"
@@ -22,7 +22,7 @@ Numbers = NDArray[np.float64]
 Strength = Callable[[float, float, Numbers], float]
 
 
-@inner
+@inlined
 def along(own: Vec3, other: Vec3, spacing_m: float, strength: Strength, numbers: Numbers) -> Vec3:
     """Return the velocity (m/s; NED) of the vehicle at `own` because of `other`."""
     dx, dy, dz = own[0] - other[0], own[1] - other[1], own[2] - other[2]

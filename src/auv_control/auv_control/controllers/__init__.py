@@ -8,7 +8,9 @@ the vehicle's model takes, and with ``follows`` what it is fed:
 ``follows = 'velocity'``
     The inner loop under a flocking law: ``step(nav, reference) -> Wrench | VelocityCommand``, called once per
     control period with the vehicle's own navigation (`auv_core.messages.VehicleState`) and a
-    `VelocityReference`.
+    `VelocityReference`.  One that can run in continuous time has, besides, ``evaluate(attitude, nu, integral,
+    reference) -> (tau, growth)``, the wrench at one instant and the rate of an integral of three numbers that
+    the caller keeps.
 
 ``follows = 'path'`` or ``'region'``
     A law that goes from the `MotionView` of one instant straight to the wrench; with ``'region'`` the view's

@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from auv_control.controllers import VelocityReference
-from auv_core.compiled import entry, fastest
+from auv_core.compiled import entry, fastest, inlined
 from auv_core.geometry import (
     Quat,
     Vec3,
@@ -55,6 +55,7 @@ class Params:
 
 
 @entry("Tuple((TUPLE6, TUPLE3))(TUPLE4, TUPLE6, TUPLE3, TUPLE3, TUPLE4, TUPLE6)")
+@inlined
 def control(
     attitude: Quat, nu: Vec6, integral: Vec3, wanted: Vec3, facing: Quat, gains: Vec6
 ) -> tuple[Vec6, Vec3]:

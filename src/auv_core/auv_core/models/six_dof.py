@@ -24,7 +24,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from auv_core.compiled import entry, fastest, inner
+from auv_core.compiled import entry, fastest, inlined, inner
 from auv_core.drag import steady_speed_mps
 from auv_core.geometry import Quat, Vec3, clipped, quaternion_from_heading
 from auv_core.integrate import State
@@ -100,6 +100,7 @@ def limits(params: Params) -> Vec6:
 
 
 @entry("TUPLE6(TUPLE6, TUPLE6)")
+@inlined
 def limited_wrench(tau: Vec6, most: Vec6) -> Vec6:
     """Return `tau` clipped axis by axis."""
     return (
@@ -112,7 +113,7 @@ def limited_wrench(tau: Vec6, most: Vec6) -> Vec6:
     )
 
 
-@inner
+@inlined
 def momentum(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
     """
     Return M nu: linear momentum (kg m/s) and angular momentum (kg m^2/s), body frame, added mass included.
@@ -123,7 +124,7 @@ def momentum(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
     return (c[0] * u + s * q, c[1] * v - s * p, c[2] * w), (c[3] * p - s * v, c[4] * q + s * u, c[5] * r)
 
 
-@inner
+@inlined
 def coriolis_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
     """
     Return C(nu) nu as force (N) and moment (N m), body frame: Kirchhoff's equations, Fossen (2021) Eq.
@@ -143,7 +144,7 @@ def coriolis_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec
     return force, moment
 
 
-@inner
+@inlined
 def damping_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
     """Return D(nu) nu as force (N) and moment (N m), body frame; nu . D(nu) nu >= 0: it only takes energy."""
     u, v, w = velocity
@@ -154,7 +155,7 @@ def damping_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3
     )
 
 
-@inner
+@inlined
 def derivative(state: State, tau: Vec6, current: Vec3, c: Constants) -> State:
     """
     Return the rate of change of the 13 floats of a state.
@@ -225,7 +226,7 @@ def _along(x: State, h: float, k: State) -> State:
     )  # fmt: skip
 
 
-@inner
+@inlined
 def normalised(x: State) -> State:
     """Return a state with an attitude quaternion of length 1."""
     norm = math.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6])

@@ -23,7 +23,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from auv_core.compiled import inner
+from auv_core.compiled import inlined
 from auv_core.geometry import Vec3, distance
 from auv_core.params import param
 from auv_flocking.codec import Field
@@ -53,7 +53,7 @@ class Params:
         return self.follow_flock
 
 
-@inner
+@inlined
 def towards(pull: Vec3, other: Vec3, centre: Vec3) -> Vec3:
     """Return what pulls the estimate `centre`, with `other` added to it (m; NED)."""
     return (
@@ -70,7 +70,7 @@ class Consensus:
 
     def __init__(self, params: Params, fleet_size: int) -> None:
         del fleet_size
-        self._rate_ps = params.rate_ps
+        self.rate_ps = params.rate_ps
         self.reach_m = math.inf if params.reach_m is None else params.reach_m
         self._follow = 1.0 if params.follow_flock else 0.0
         self._states_own_rate = params.carried_by == "rate"
@@ -106,7 +106,7 @@ class Consensus:
         for other in neighbour_centres:
             pull = towards(pull, other, centre)
         sx, sy, sz = pull
-        k, f = self._rate_ps, self._follow
+        k, f = self.rate_ps, self._follow
         return (
             k * sx + f * flock_velocity[0],
             k * sy + f * flock_velocity[1],
@@ -118,6 +118,6 @@ class Consensus:
     ) -> Vec3:
         """Return the estimate `dt_s` later: the exact solution for held inputs, stable for every step."""
         rate = self.derivative(own, centre, neighbour_centres, flock_velocity)
-        pole_ps = self._rate_ps * (1 + len(neighbour_centres))
+        pole_ps = self.rate_ps * (1 + len(neighbour_centres))
         gain_s = -math.expm1(-pole_ps * dt_s) / pole_ps
         return (centre[0] + gain_s * rate[0], centre[1] + gain_s * rate[1], centre[2] + gain_s * rate[2])

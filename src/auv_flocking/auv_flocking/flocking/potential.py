@@ -30,7 +30,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from auv_control.references import PathPoint
-from auv_core.compiled import inner
+from auv_core.compiled import inlined
 from auv_core.geometry import Vec3, added, limited
 from auv_core.params import param
 from auv_flocking.estimates import NeighbourEstimate
@@ -69,7 +69,7 @@ class SeparationLaw(Protocol):
         """Return the velocity because of another (m/s; NED)."""
 
 
-@inner
+@inlined
 def attraction(own: Vec3, centre: Vec3, path: Vec3, cohesion_gain_ps: float, path_gain_ps: float) -> Vec3:
     """Return F_c + F_d (m/s; NED) of a vehicle at `own`, for its centre and its path point (m; NED)."""
     return (
@@ -79,7 +79,7 @@ def attraction(own: Vec3, centre: Vec3, path: Vec3, cohesion_gain_ps: float, pat
     )
 
 
-@inner
+@inlined
 def asked(
     feedback: Vec3, ahead: Vec3, share: float, bandwidth_ratio: float, correction_limit_mps: float
 ) -> Vec3:

@@ -12,6 +12,7 @@ To add one, write one file with ``Params`` and ``Separation(params)`` with ``vel
   distances to the neighbours.  ``Params`` says so with a property ``adapts``: such a law is refused in
   continuous time;
 * ``strength`` and ``numbers``, of `auv_flocking.central`, where it acts along the line between the two: it is
-  then compiled with the loop over all pairs of a flock.  ``obstacle_strength`` and ``obstacle_numbers`` are
-  those of `obstacle_velocity` where that is another law.
+  then compiled with the loop over all pairs of a flock, over near ones only where there is
+  ``reach_m(spacing_m) -> float``, the distance from which on it is zero (m).  ``obstacle_strength`` and
+  ``obstacle_numbers`` are those of `obstacle_velocity` where that is another law.
 """

@@ -64,6 +64,10 @@ class Separation:
         """
         return along(own, other, spacing_m, strength, self.numbers)
 
+    def reach_m(self, spacing_m: float) -> float:
+        """Return the distance from which on the law does nothing (m)."""
+        return spacing_m
+
     def potential(self, distance_m: float, spacing_m: float) -> float:
         """
         Return the potential of a pair (m^2/s), zero from the spacing on, of which `velocity` is the fall.

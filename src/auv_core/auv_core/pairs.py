@@ -1,0 +1,140 @@
+"""
+Pairs of points that are near each other, by cell lists.
+
+Space is cut into cubes hardly wider than the reach, so that a point's partners are in its own cube and the 26
+around it.  Cubes are found by a hash of their three indices and hold their points in one sorted array: time
+and memory grow with the number of points, wherever they are.  What comes out is ordered by the points'
+numbers and does not depend on the cubes, so that sums over near pairs are the same, to the last bit, as sums
+over all pairs.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_core.compiled import entry, inner
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+NEAR_PAIRS = "UniTuple(int64[::1], 2)(float64[:, ::1], float64)"
+
+_FARTHEST_CELL = 2**30
+_PAIRS_PER_POINT = 16
+_WIDER = 1.0 + 1e-6  # so that no rounding puts two near points two cells apart
+
+
+@inner
+def _cell(x_m: float, width_m: float) -> int:
+    """Return the index of a coordinate's cell; far outside, where an index would overflow, the last one."""
+    cells = x_m / width_m
+    if cells >= _FARTHEST_CELL:
+        return _FARTHEST_CELL
+    if cells > -_FARTHEST_CELL:
+        return math.floor(cells)
+    return -_FARTHEST_CELL
+
+
+@inner
+def _bucket(x: int, y: int, z: int, mask: int) -> int:
+    """Return where the points of a cell are kept; other cells may share the place."""
+    return (x * 73856093 ^ y * 19349663 ^ z * 83492791) & mask
+
+
+@inner
+def _longer(row: Ints) -> Ints:
+    """Return a copy with twice the room."""
+    longer = np.empty(2 * len(row), np.int64)
+    longer[: len(row)] = row
+    return longer
+
+
+@entry(NEAR_PAIRS)
+def near_pairs(points: Floats, reach_m: float) -> tuple[Ints, Ints]:
+    """
+    Return the pairs i < j of points nearer than `reach_m`.
+
+    Parameters
+    ----------
+    points : (N, 3 or more) array
+        Points in the first three columns (m).  One that is not a number is near nobody.
+    reach_m : float
+        Distance from which on two points are no pair (m), finite and above zero.
+
+    Returns
+    -------
+    first : (N + 1,) array of int64
+        Where the partners of point i begin; they end where those of i + 1 begin.
+    partners : (P,) array of int64
+        The j of each pair, of one i after the other, rising.
+
+    """
+    count = len(points)
+    cells = np.empty((count, 3), np.int64)
+    buckets = 8
+    while buckets < 2 * count:
+        buckets *= 2
+    mask = buckets - 1
+    start = np.zeros(buckets + 1, np.int64)
+    for i in range(count):
+        for axis in range(3):
+            cells[i, axis] = _cell(points[i, axis], reach_m * _WIDER)
+        start[_bucket(cells[i, 0], cells[i, 1], cells[i, 2], mask) + 1] += 1
+    for bucket in range(buckets):
+        start[bucket + 1] += start[bucket]
+    member = np.empty(count, np.int64)
+    free = start[:-1].copy()
+    for i in range(count):
+        bucket = _bucket(cells[i, 0], cells[i, 1], cells[i, 2], mask)
+        member[free[bucket]] = i
+        free[bucket] += 1
+
+    # Every j with its smaller partners, as the cells give them ...
+    found = 0
+    smaller = np.empty(_PAIRS_PER_POINT * count + 1, np.int64)
+    ends = np.empty(count, np.int64)
+    first = np.zeros(count + 1, np.int64)
+    for j in range(count):
+        for number in range(27):
+            x = cells[j, 0] + number // 9 - 1
+            y = cells[j, 1] + number // 3 % 3 - 1
+            z = cells[j, 2] + number % 3 - 1
+            bucket = _bucket(x, y, z, mask)
+            for place in range(start[bucket], start[bucket + 1]):
+                i = member[place]
+                if i >= j:
+                    break
+                if cells[i, 0] == x and cells[i, 1] == y and cells[i, 2] == z:
+                    dx = points[i, 0] - points[j, 0]
+                    dy = points[i, 1] - points[j, 1]
+                    dz = points[i, 2] - points[j, 2]
+                    if dx * dx + dy * dy + dz * dz < reach_m * reach_m:
+                        if found == len(smaller):
+                            smaller = _longer(smaller)
+                        smaller[found] = i
+                        first[i + 1] += 1
+                        found += 1
+        ends[j] = found
+
+    # ... turned round: since j rises, so do the partners of every i.
+    for i in range(count):
+        first[i + 1] += first[i]
+    partners = np.empty(found, np.int64)
+    free_row = first[:-1].copy()
+    begin = 0
+    for j in range(count):
+        for place in range(begin, ends[j]):
+            i = smaller[place]
+            partners[free_row[i]] = j
+            free_row[i] += 1
+        begin = ends[j]
+    return first, partners
+
+
+@entry(NEAR_PAIRS)
+def no_pairs(points: Floats, reach_m: float) -> tuple[Ints, Ints]:
+    """Return no pairs at all, for loops that look at every pair and need no list."""
+    return np.zeros(len(points) + 1, np.int64), np.zeros(0, np.int64)
