@@ -18,6 +18,7 @@ all that it calls: Numba by itself would not see a change in what a kept functio
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import inspect
 import os
@@ -115,12 +116,10 @@ def fastest(function: F) -> F:
 
 @cache
 def _compiled(function: Callable[..., Any]) -> Any:
-    import numba
-    from numba.extending import register_jitable
-
+    numba = _numba()
     used = _used(function)
     for other in used - _registered - {function}:
-        register_jitable(forceinline=other in _inlined)(other)
+        numba.extending.register_jitable(forceinline=other in _inlined)(other)
         _registered.add(other)
     folder = _cache_folder(_version(used))
     if folder is None or not any(folder.iterdir()):
@@ -130,6 +129,18 @@ def _compiled(function: Callable[..., Any]) -> Any:
     signature = _signature(_signatures[function])
     counts = {"_nrt": False} if function in _makes_no_array else {}
     return numba.njit(signature, cache=folder is not None, error_model="numpy", **counts)(function)
+
+
+@cache
+def _numba() -> Any:
+    """
+    Return Numba, imported; its hundred thousand objects stay, so the garbage collector need not visit them
+    again and again during a run.
+    """
+    import numba.extending
+
+    gc.freeze()
+    return numba
 
 
 def _say_that_it_takes_a_while() -> None:

@@ -157,9 +157,11 @@ def _object(address: int, row: Matrix, shared: tuple[float, ...]) -> NeighbourEs
     )
 
 
-def positions_of(heard: Sequence[Any]) -> Sequence[Vec3]:
-    """Return where neighbours are (m; NED): those of an instant, or anything with a position."""
-    return heard.positions() if isinstance(heard, Estimates) else [other.position for other in heard]
+def position_rows(heard: Sequence[Any]) -> Matrix:
+    """Return rows that begin with where neighbours are (m; NED)."""
+    if isinstance(heard, Estimates):
+        return heard.rows
+    return np.array([other.position for other in heard], dtype=np.float64).reshape(-1, 3)
 
 
 def write_source(

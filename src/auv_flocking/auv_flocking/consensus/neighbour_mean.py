@@ -10,11 +10,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_core.compiled import entry, fastest
 from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
 from auv_flocking.consensus import Heard
-from auv_flocking.estimates import positions_of
+from auv_flocking.estimates import position_rows
 
 
 @dataclass(frozen=True)
@@ -31,6 +35,16 @@ class Params:
         return self.follow_flock
 
 
+@entry("TUPLE3(TUPLE3, float64[:, ::1])")
+def mean(own: Vec3, rows: NDArray[np.float64]) -> Vec3:
+    """Return the mean (m; NED) of a position and of those at the beginning of `rows` (n, 3 or more)."""
+    x, y, z = own
+    for k in range(len(rows)):
+        x, y, z = x + float(rows[k, 0]), y + float(rows[k, 1]), z + float(rows[k, 2])
+    count = 1 + len(rows)
+    return (x / count, y / count, z / count)
+
+
 class Consensus:
     """One vehicle's filter."""
 
@@ -38,14 +52,11 @@ class Consensus:
 
     def __init__(self, params: Params, fleet_size: int) -> None:
         self._follow = params.follow_flock
+        self._mean = fastest(mean)
 
     def centre(self, own: Vec3, heard: Sequence[Heard]) -> Vec3:
         """Return the mean position (m; NED)."""
-        x, y, z = own
-        for px, py, pz in positions_of(heard):
-            x, y, z = x + px, y + py, z + pz
-        count = 1 + len(heard)
-        return (x / count, y / count, z / count)
+        return self._mean(own, position_rows(heard))
 
     def advance(self, own: Vec3, heard: Sequence[Heard], flock_velocity: Vec3, dt_s: float) -> Vec3:
         """Return the flock's velocity (m/s; NED), or zero where the filter does not look at it."""

@@ -132,6 +132,8 @@ class Flocking:
         self._gains = _gains(params)
         self._is_central = hasattr(separation, "strength")
         self._correction = _correction(separation) if self._is_central else correction
+        numbers = getattr(separation, "numbers", _NO_NUMBERS)
+        self._numbers = numbers, getattr(separation, "obstacle_numbers", numbers)
         self._obstacles: tuple[Obstacles, Matrix] = ((), np.empty((0, 4)))
         self._running_s = 0.0
         self._remember = fastest(remember_ages)
@@ -216,7 +218,7 @@ class Flocking:
             self._as_rows(view.obstacles),
             self.age_s,
             self._gains,
-            *self._numbers(),
+            *self._numbers,
             _NO_PUSHES if self._is_central else self._pushes(view, estimates, usual_s),
         )
         return (flock[0] + x, flock[1] + y, flock[2] + z)
@@ -243,10 +245,6 @@ class Flocking:
             for obstacle, safety_distance_m in view.obstacles
         ]
         return np.array(pushes).reshape(-1, 3)
-
-    def _numbers(self) -> tuple[Matrix, Matrix]:
-        numbers = getattr(self._separation, "numbers", _NO_NUMBERS)
-        return numbers, getattr(self._separation, "obstacle_numbers", numbers)
 
     def _as_rows(self, obstacles: Obstacles) -> Matrix:
         if self._obstacles[0] is not obstacles:

@@ -83,6 +83,7 @@ class AcousticMedium:
         )
         outage: Any = find_plugin(OUTAGE, config.outage.kind).Outage(config.outage.params, config.seed)
         self._sonar: Any = find_plugin(SONAR, config.sonar.kind).Sonar(config.sonar.params, config.seed)
+        self._sees = config.sonar.kind != NO_SONAR.kind
         self._receivers = [
             Receiver(address, self._modem, propagation, outage, config.seed) for address in self._addresses
         ]
@@ -129,14 +130,15 @@ class AcousticMedium:
         if self._held:
             self._send_held(now_s)
         self._tick, self._states = tick, states
+        contacts = self._sonar.contacts if self._sees else _sees_nothing
         return [
             Inbox(
                 tick,
                 self._asks(address, tick),
-                self._deliver(address, now_s, states[address - 1].position),
-                self._sonar.contacts(address, tick, self._period_s, states),
+                () if receiver.is_idle else self._deliver(address, now_s, states[address - 1].position),
+                contacts(address, tick, self._period_s, states),
             )
-            for address in self._addresses
+            for address, receiver in zip(self._addresses, self._receivers, strict=True)
         ]
 
     def transmit(self, packets: Mapping[int, Sequence[Packet]], states: Sequence[VehicleState]) -> None:
@@ -275,3 +277,7 @@ class AcousticMedium:
                 signal.start_s, signal.end_s, signal.snr_db, len(packet.payload),
             )
         )  # fmt: skip
+
+
+def _sees_nothing(*_: object) -> tuple[()]:
+    return ()

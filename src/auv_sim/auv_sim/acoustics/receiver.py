@@ -85,6 +85,11 @@ class Receiver:
         self._own: list[tuple[float, float]] = []
         self._lock: Signal | None = None
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing is on its way to this receiver, and nothing from it that could make it deaf."""
+        return not self._signals and not self._own
+
     def expect(self, transmission: Transmission) -> None:
         """Take note of a transmission of another modem, whoever it is for."""
         self._signals.append(Signal(transmission))
