@@ -19,7 +19,7 @@ from typing import Any
 
 import yaml
 
-from auv_bringup.compose import NodeSpec, node_specs
+from auv_bringup.compose import NodeSpec, compile_ahead, node_specs
 from auv_bringup.layout import process_specs
 from auv_bringup.node_start import Part, adopt, log_name, node_environment, parts_of
 from auv_bringup.processes import ChildProcesses
@@ -87,6 +87,7 @@ def flight(scenario: Scenario, layout: str, *, bare: bool) -> Iterator[tuple[Chi
     )
     tick = RawValue("q", -1)
     fleet = [vehicle.id for vehicle in scenario.vehicles]
+    compile_ahead(scenario, print)
     with tempfile.TemporaryDirectory() as name, ChildProcesses() as children:
         folder = Path(name)
         nodes = node_specs(scenario, mode="lockstep", bag_dir=folder / "bag")

@@ -1,6 +1,8 @@
 """Nodes find each other before a run begins, and nobody who cannot be matched keeps them from it."""
 
+import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -34,6 +36,35 @@ def ros():
     yield node, spin_until
     for made in nodes:
         made.destroy_node()
+    rclpy.shutdown(context=context)
+
+
+def test_an_idle_executor_wakes_for_what_comes(ros):
+    import rclpy
+    from rclpy.task import Future
+    from std_msgs.msg import Int64
+
+    from auv_core.node_main import EVERY_TICK, make_executor
+
+    node, spin_until = ros
+    talker = node("talker")
+    publisher = talker.create_publisher(Int64, "said", EVERY_TICK)
+    context = rclpy.Context()
+    rclpy.init(context=context, args=[])
+    listener, heard = rclpy.create_node("listener", context=context), Future()
+    listener.create_subscription(Int64, "said", heard.set_result, EVERY_TICK)
+    executor = make_executor(context)
+    executor.add_node(listener)
+    assert spin_until(lambda: publisher.get_subscription_count() == 1)
+    idle = threading.Thread(target=executor.spin_until_future_complete, args=(heard, LIMIT_S), daemon=True)
+    idle.start()
+    stat = Path(f"/proc/self/task/{idle.native_id}/stat")
+    assert spin_until(lambda: stat.read_text().rsplit(")", 1)[1].split()[0] == "S")  # it sleeps
+    publisher.publish(Int64(data=7))
+    idle.join(LIMIT_S)
+    assert not idle.is_alive()
+    assert heard.result().data == 7
+    listener.destroy_node()
     rclpy.shutdown(context=context)
 
 

@@ -258,3 +258,15 @@ def test_a_control_status_holds_what_the_law_remembers(size):
     message = read(data, ControlStatus)
     assert_stamped(message.header, 2.5, "auv_1/base_link_frd")
     assert (message.tick, message.holding, list(message.law_state)) == (25, "", memory)
+
+
+def test_a_sphere_filled_in_is_the_sphere_built():
+    from rclpy.serialization import serialize_message
+    from visualization_msgs.msg import MarkerArray
+
+    from auv_core.markers import HULL, sphere, sphere_stencil
+
+    stencil = sphere_stencil("auv_1", 3, 1.5, HULL)
+    for centre in ((1.0, -2.0, 3.0), (0.0, 0.0, 0.0)):
+        built = serialize_message(MarkerArray(markers=[sphere("auv_1", 3, 2.5, centre, 1.5, HULL)]))
+        assert read(stencil.filled(2.5, *centre), MarkerArray) == read(built, MarkerArray)

@@ -195,6 +195,7 @@ def _run(options: argparse.Namespace, place: _TracebackPlace) -> int:
         seed=options.seed,
         overrides=options.overrides,
         duration_s=options.duration,
+        discovery=options.discovery,
     )
     with ExitStack() as stack:
         claim: DomainClaim | None = None

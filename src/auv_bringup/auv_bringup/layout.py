@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 LAYOUTS = ("node", "vehicle", "single")
 DEFAULT_LAYOUT = "node"
+MOST_PROCESSES = 32
+"""With ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST, Fast DDS asks the ports of so many participants, not more."""
 CONTAINER = "/node_container"
 """Name of the process that holds all nodes."""
 
@@ -56,24 +58,29 @@ def process_specs(nodes: Sequence[NodeSpec], layout: str) -> list[ProcessSpec]:
     ]
 
 
-def check_layout(layout: str | None, *, mode: str, on_vehicle_loss: str) -> str:
+def check_layout(
+    layout: str | None, *, mode: str, on_vehicle_loss: str, vehicles: int, discovery: str = "localhost"
+) -> str:
     """
     Return the layout to use; `None` asks for the default.
 
     Raises
     ------
     ConfigError
-        For a layout that the run cannot have.
+        For a layout that the run, or that many vehicles with this discovery, cannot have.
 
     """
-    if layout is None:
-        return DEFAULT_LAYOUT
+    if mode == "inprocess":
+        return _no_layout(layout)
+    layout = layout or DEFAULT_LAYOUT
+    fitting = [each for each in LAYOUTS if _processes(each, vehicles) <= MOST_PROCESSES]
     if layout not in LAYOUTS:
         raise ConfigError(f"layout {layout!r} is not allowed; allowed: {', '.join(LAYOUTS)}")
-    if mode == "inprocess":
+    if discovery == "localhost" and layout not in fitting:
         raise ConfigError(
-            f"layout {layout!r} is not allowed with mode inprocess, which has no nodes; "
-            "allowed with: lockstep, realtime"
+            f"layout {layout!r} is not allowed for {vehicles} vehicles, since discovery on one machine finds "
+            f"{MOST_PROCESSES} processes and these are {_processes(layout, vehicles)}; "
+            f"allowed: {', '.join(fitting)}, or discovery subnet"
         )
     if layout == "single" and on_vehicle_loss == "continue":
         raise ConfigError(
@@ -81,3 +88,18 @@ def check_layout(layout: str | None, *, mode: str, on_vehicle_loss: str) -> str:
             "is lost alone; allowed: node, vehicle"
         )
     return layout
+
+
+def _no_layout(layout: str | None) -> str:
+    if layout is None:
+        return DEFAULT_LAYOUT
+    raise ConfigError(
+        f"layout {layout!r} is not allowed with mode inprocess, which has no nodes; "
+        "allowed with: lockstep, realtime"
+    )
+
+
+def _processes(layout: str, vehicles: int) -> int:
+    """Return how many processes of a run take part in discovery: its own and the launcher."""
+    others = 3  # relay with clock, recorder, launcher
+    return {"node": 2 * vehicles + others, "vehicle": vehicles + others}.get(layout, 2)

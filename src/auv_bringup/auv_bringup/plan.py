@@ -56,6 +56,7 @@ def make_plan(
     seed: int | None = None,
     overrides: Sequence[str] = (),
     duration_s: float | None = None,
+    discovery: str = "localhost",
 ) -> Plan:
     """
     Validate a run.
@@ -70,6 +71,8 @@ def make_plan(
         One of `layout.LAYOUTS`, for a mode with nodes.
     seed, overrides, duration_s
         As `load_scenario` takes them.
+    discovery : str
+        'localhost' or 'subnet'; on one machine few processes find each other.
 
     Raises
     ------
@@ -88,7 +91,13 @@ def make_plan(
     if is_switched:
         sampled = [*overrides, "sampling=sampled"]
         scenario = load_scenario(name_or_path, overrides=sampled, seed=seed, duration_s=duration_s)
-    layout = check_layout(layout, mode=mode, on_vehicle_loss=scenario.on_vehicle_loss)
+    layout = check_layout(
+        layout,
+        mode=mode,
+        on_vehicle_loss=scenario.on_vehicle_loss,
+        vehicles=len(scenario.vehicles),
+        discovery=discovery,
+    )
     return Plan(scenario, mode, layout, tuple(overrides), duration_s, is_switched)
 
 

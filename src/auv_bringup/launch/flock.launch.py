@@ -96,6 +96,7 @@ def start_flight(context: LaunchContext) -> list[Action]:
         layout=given["layout"],
         seed=seed_of(given["seed"]),
         overrides=[part.strip() for part in given["set"].split(";") if part.strip()],
+        discovery=given["discovery"],
     )
     # Never released: the nodes need it until launch ends, and the kernel drops it with this process.
     claim = claim_domain(os.environ)

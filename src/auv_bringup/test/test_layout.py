@@ -34,8 +34,8 @@ def test_a_process_per_vehicle_holds_its_vehicle_and_its_agent():
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_nodes_may_have_any_layout_and_one_is_the_default(layout):
-    assert check_layout(layout, mode="realtime", on_vehicle_loss="stop") == layout
-    assert check_layout(None, mode="inprocess", on_vehicle_loss="continue") == DEFAULT_LAYOUT
+    assert check_layout(layout, mode="realtime", on_vehicle_loss="stop", vehicles=4) == layout
+    assert check_layout(None, mode="inprocess", on_vehicle_loss="continue", vehicles=99) == DEFAULT_LAYOUT
 
 
 @pytest.mark.parametrize(
@@ -50,5 +50,24 @@ def test_a_layout_that_cannot_be_is_refused_in_one_line(layout, mode, policy, al
     with pytest.raises(
         ConfigError, match=rf"layout '{layout}' is not allowed.*allowed.*: {allowed}"
     ) as refusal:
-        check_layout(layout, mode=mode, on_vehicle_loss=policy)
+        check_layout(layout, mode=mode, on_vehicle_loss=policy, vehicles=4)
     assert len(str(refusal.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("layout", "most", "allowed"), [("node", 14, "vehicle, single"), ("vehicle", 29, "single")]
+)
+def test_more_processes_than_find_each_other_are_refused_in_one_line(layout, most, allowed):
+    def check(vehicles, **more):
+        return check_layout(layout, mode="lockstep", on_vehicle_loss="stop", vehicles=vehicles, **more)
+
+    assert check(most) == layout
+    assert check(most + 1, discovery="subnet") == layout
+    with pytest.raises(
+        ConfigError, match=rf"'{layout}' is not allowed for {most + 1} vehicles.*: {allowed}, or"
+    ):
+        check(most + 1)
+
+
+def test_many_vehicles_may_share_one_process():
+    assert check_layout("single", mode="lockstep", on_vehicle_loss="stop", vehicles=254) == "single"

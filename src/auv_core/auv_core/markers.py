@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Sequence
 
+from rclpy.serialization import serialize_message
 from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker
+from visualization_msgs.msg import Marker, MarkerArray
 
 from auv_core.conversions import WORLD_FRAME, header, point
 from auv_core.geometry import Vec3
+from auv_core.stencil import Stencil
 
 MARKER_TICKS = 5
 STANDING_MARKER_TICKS = 50
 """What does not move (path, obstacles) is drawn again for those who come later, and that takes no hurry."""
 
+_NOWHERE: Vec3 = (1.25e300, -2.5e300, 5e300)
 Colour = tuple[float, float, float, float]
 HULL: Colour = (0.95, 0.75, 0.1, 1.0)
 LOST_HULL: Colour = (0.4, 0.4, 0.4, 1.0)
@@ -28,6 +32,13 @@ def sphere(
     marker.pose.position = point(centre)
     marker.scale.x = marker.scale.y = marker.scale.z = diameter_m
     return marker
+
+
+def sphere_stencil(namespace: str, number: int, diameter_m: float, colour: Colour) -> Stencil:
+    """Return a MarkerArray of one sphere; fill it with its centre (m; NED)."""
+    message = MarkerArray(markers=[sphere(namespace, number, 0.0, _NOWHERE, diameter_m, colour)])
+    centre_at = bytes(serialize_message(message)).index(struct.pack("<3d", *_NOWHERE))
+    return Stencil(message, "3d", stamp_at=8, numbers_at=centre_at)
 
 
 def lines(

@@ -19,6 +19,7 @@ from typing import Any
 
 import rclpy
 from rclpy.clock import Clock, ClockType
+from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
@@ -114,13 +115,13 @@ def _spin(nodes: Sequence[Node], is_stopped: Callable[[], bool]) -> None:
         executor.spin_until_future_complete(Future(), timeout_sec=_WAKE_S)
 
 
-def make_executor() -> Executor:
+def make_executor(context: Context | None = None) -> Executor:
     """Return an EventsExecutor where there is one, else a SingleThreadedExecutor."""
     try:
         from rclpy.experimental import EventsExecutor
     except ImportError:
-        return SingleThreadedExecutor()
-    return EventsExecutor()
+        return SingleThreadedExecutor(context=context)
+    return EventsExecutor(context=context)
 
 
 def publishes_bytes(publisher: Publisher) -> Callable[[bytes], None]:

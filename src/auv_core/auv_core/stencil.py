@@ -1,5 +1,5 @@
 """
-Messages of which only the stamp and the numbers at the end change, written and read as bytes.
+Messages of which only the stamp and some numbers change, written and read as bytes.
 
 Filling in numbers at known places takes a microsecond; making the message, setting its fields and
 serialising it takes fifty. What is published is the same: a test deserialises it.
@@ -27,18 +27,21 @@ class Stencil:
     message : ROS message
         With its frame ids; its numbers do not matter.
     numbers : str
-        Layout of the numbers at the end of the serialised message, in the words of `struct`, without padding
-        of its own.
+        Layout of the numbers that change, in the words of `struct`, without padding of its own.
     stamp_at : int
         Place of the stamp in the serialised message (bytes); behind the encapsulation where a header comes
         first.
+    numbers_at : int, optional
+        Place of the numbers (bytes); at the end of the message if left out.
 
     """
 
-    def __init__(self, message: Any, numbers: str, *, stamp_at: int = _HEADER_STAMP_AT) -> None:
+    def __init__(
+        self, message: Any, numbers: str, *, stamp_at: int = _HEADER_STAMP_AT, numbers_at: int | None = None
+    ) -> None:
         self._bytes = bytearray(serialize_message(message))
         self._numbers = struct.Struct("<" + numbers)
-        self._numbers_at = len(self._bytes) - self._numbers.size
+        self._numbers_at = len(self._bytes) - self._numbers.size if numbers_at is None else numbers_at
         self._stamp = slice(stamp_at, stamp_at + STAMP_BYTES)
 
     def filled(self, t_s: float, *numbers: float) -> bytes:

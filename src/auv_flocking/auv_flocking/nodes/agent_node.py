@@ -19,7 +19,7 @@ from visualization_msgs.msg import MarkerArray
 from auv_core import conversions as convert
 from auv_core.acoustic_bytes import outbox_bytes, read_inbox
 from auv_core.geometry import Vec3
-from auv_core.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere
+from auv_core.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere, sphere_stencil
 from auv_core.messages import Inbox, Reception, command_numbers
 from auv_core.messages import VehicleState as State
 from auv_core.node_main import (
@@ -71,6 +71,7 @@ class AgentNode(Node):
         command = (TwistStamped, "cmd_vel") if self._agent.takes_velocity else (WrenchStamped, "cmd_wrench")
         vehicle_id = self._config.vehicle_id
         self._command_stencil = convert.command_stencil(vehicle_id, takes_velocity=self._agent.takes_velocity)
+        self._centre_marker = sphere_stencil(f"{vehicle_id} centre", 0, 0.15, (0.9, 0.2, 0.6, 1.0))
         self._reference_stencil = convert.velocity_stencil()
         self._centre_stencil = convert.centre_stencil()
         self._body_frame = convert.body_frame(vehicle_id)
@@ -158,8 +159,8 @@ class AgentNode(Node):
         self._publish_command(self._command_stencil.filled(t_s, *command_numbers(command)))
         self._publish_outbox(outbox_bytes(self._body_frame, tick, packets, t_s))
         self._publish_beliefs(tick, t_s)
-        if tick % MARKER_TICKS == 0 and (markers := self._markers(tick)):
-            self._marker_pub.publish(MarkerArray(markers=markers))
+        if tick % MARKER_TICKS == 0:
+            self._publish_markers(tick, t_s)
         if tick % _DIAGNOSTIC_TICKS == 0:
             self._diagnostics_pub.publish(self._diagnostics(t_s))
 
@@ -182,15 +183,11 @@ class AgentNode(Node):
             return convert.control_status(tick, t_s, vehicle_id, holding, memory)
         return convert.control_stencil(vehicle_id, len(memory)).filled(t_s, tick, 1, 0, len(memory), *memory)
 
-    def _markers(self, tick: int) -> list[Any]:
-        t_s = self._ticks.stamp_s(tick)
-        name = self._config.vehicle_id
-        markers = []
+    def _publish_markers(self, tick: int, t_s: float) -> None:
         if self._agent.flocks:
-            markers.append(sphere(f"{name} centre", 0, t_s, self._agent.centre, 0.15, (0.9, 0.2, 0.6, 1.0)))
-        if tick % STANDING_MARKER_TICKS == 0:
-            markers += self._standing_markers(t_s)
-        return markers
+            self._marker_pub.publish(self._centre_marker.filled(t_s, *self._agent.centre))
+        if tick % STANDING_MARKER_TICKS == 0 and (markers := self._standing_markers(t_s)):
+            self._marker_pub.publish(MarkerArray(markers=markers))
 
     def _standing_markers(self, t_s: float) -> list[Any]:
         name = self._config.vehicle_id

@@ -15,7 +15,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
-from auv_core.markers import HULL, MARKER_TICKS, sphere
+from auv_core.markers import HULL, MARKER_TICKS, sphere_stencil
 from auv_core.messages import Command
 from auv_core.node_main import (
     EVERY_TICK,
@@ -60,6 +60,8 @@ class VehicleNode(Node):
         self._state_stencil = convert.state_stencil()
         self._odom_stencil = convert.odometry_stencil(self._config.vehicle_id)
         self._tf_stencil = convert.transform_stencil(self._config.vehicle_id)
+        diameter_m = 2.0 * self._config.model.params.hull_radius_m
+        self._hull_stencil = sphere_stencil(self._config.vehicle_id, 0, diameter_m, HULL)
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
@@ -123,12 +125,8 @@ class VehicleNode(Node):
         self._publish_state(self._state_stencil.filled(t_s, *numbers))
         self._publish_odom(self._odom_stencil.filled(t_s, *numbers[2:15]))
         self._publish_tf(self._tf_stencil.filled(t_s, *numbers[2:9]))
-        vehicle_id = self._config.vehicle_id
         if state.tick % MARKER_TICKS == 0:
-            diameter_m = 2.0 * self._config.model.params.hull_radius_m
-            self._marker_pub.publish(
-                MarkerArray(markers=[sphere(vehicle_id, 0, t_s, state.position, diameter_m, HULL)])
-            )
+            self._marker_pub.publish(self._hull_stencil.filled(t_s, *state.position))
 
 
 def make_nodes(**options: Any) -> Sequence[Node]:
