@@ -157,3 +157,14 @@ def test_carried_on_with_the_flocks_velocity_it_is_stable_with_news_of_any_age()
     for late in (10, 100):
         errors = _late_network(late, carried_by="flock").run(2000)
         np.testing.assert_allclose(errors[-1], bias, atol=1e-3)
+
+
+def test_who_is_believed_beyond_the_reach_is_no_neighbour():
+    near = Heard(2, 0.0, 0.0, (4.9, 0.0, 0.0), (1.0, 0.0, 0.0), STILL, ())
+    far = Heard(3, 0.0, 0.0, (5.0, 0.0, 0.0), (100.0, 0.0, 0.0), STILL, ())
+    estimates = []
+    for heard in ([near], [near, far]):
+        law = Consensus(Params(reach_m=5.0), 3)
+        law.advance(STILL, heard, STILL, 0.1)
+        estimates.append(law.centre(STILL, heard))
+    assert estimates[0] == estimates[1] != STILL
