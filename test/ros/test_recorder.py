@@ -22,6 +22,7 @@ from tf2_msgs.msg import TFMessage
 from auv_bringup.bag import Bag
 from auv_bringup.cdr_padding import padding_zeroer
 from auv_bringup.message_definitions import load_message_type
+from auv_bringup.node_start import CONTAINER_MODULE, Part, container_arguments
 from auv_bringup.recorded_topics import topics_of_graph
 from auv_msgs.msg import FlockingCentre, RecorderStatus, VehicleState
 
@@ -31,12 +32,14 @@ RECORDER = "auv_bringup.nodes.recorder_node"
 TICK_NS = 100_000_000
 
 
-def recorder_arguments(folder, vehicles=("auv_1", "auv_2")):
-    """Return the command line that the launcher would make."""
+def recorder_arguments(folder, vehicles=("auv_1", "auv_2"), *, alone=False):
+    """Return the command line that the launcher would make; `alone`: that of the node by itself."""
     parameters = {"bag_dir": str(folder / "bag"), "topics_vehicles": list(vehicles), "kinematic": False}
     path = folder / "params.yaml"
     path.write_text(yaml.safe_dump({"/recorder_node": {"ros__parameters": parameters}}))
-    return [RECORDER, "--ros-args", "--params-file", path]
+    if alone:
+        return [RECORDER, "--ros-args", "--params-file", path]
+    return [CONTAINER_MODULE, *container_arguments([Part(RECORDER, "/", str(path))])]
 
 
 def canonical(message):
@@ -143,9 +146,10 @@ def test_a_killed_recorder_leaves_a_readable_bag(tmp_path):
     assert sum(1 for _ in bag.messages()) >= 1001
 
 
-def test_an_existing_bag_is_not_touched(tmp_path):
+@pytest.mark.parametrize("alone", [True, False])
+def test_an_existing_bag_is_not_touched(tmp_path, alone):
     (tmp_path / "bag").mkdir()
-    with process(*recorder_arguments(tmp_path)) as recorder:
+    with process(*recorder_arguments(tmp_path, alone=alone)) as recorder:
         status, _, errors = finish(recorder, None)
     assert status == 2
     assert errors.count("\n") == 1
