@@ -180,7 +180,7 @@ def test_it_says_how_to_repeat_and_replay(tmp_path: Path) -> None:
         "overrides": ["acoustics.outage.params.loss_prob=0.3", "title='two words'"],
         "duration_was_set": True,
         "python": "3.11.2",
-        "packages": {"filterpy": "1.4.5"},
+        "packages": {"numba": "1.4.5"},
         "git": {"revision": "abc123", "has_local_changes": True},
     }
     (results / "provenance.json").write_text(json.dumps(provenance), encoding="utf-8")
