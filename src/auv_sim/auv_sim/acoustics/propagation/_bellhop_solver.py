@@ -1,5 +1,5 @@
 """
-The Bellhop solver as a program of its own: a case on standard input (JSON), arrivals on standard output (npz).
+The Bellhop solver as a program of its own: a case comes in as JSON, arrivals go out as npz.
 
 `bellhop` starts it by its path, with nothing of this project imported: a solver that hangs or dies takes
 nothing with it, and the library, which has a licence of its own, is never loaded into a run.
@@ -21,7 +21,7 @@ def main() -> None:
     The arrays are `arrival_offset` (place k has the arrivals from its k-th entry to before the next; depths
     run fastest, then ranges), `amplitude`, `phase_rad` and `time_s`.
     """
-    import pelagic  # noqa: PLC0415
+    import pelagic
 
     found = pelagic.bellhop.Case.from_dict(json.load(sys.stdin)).run().arrivals
     if np.any(np.diff(found.ranges_m) < 0.0):

@@ -35,13 +35,13 @@ from auv_core.geometry import Vec3, distance
 from auv_core.params import param
 from auv_sim.acoustics.water import absorption_db_per_km, transmission_loss_db
 
-# Louder than the noise by -60 dB, the least that a modem may be told to recognise, is no source of up to 250 dB.
+# With this loss no source that a modem may have is within what it may be set to recognise.
 INAUDIBLE_DB = 300.0
 _SOLVER = Path(__file__).with_name("_bellhop_solver.py")
 _TIMEOUT_S = 120.0
 _MAX_PLACES = 50_000
-# Rays do not know the frequency.  The solver joins neighbouring rays of one path where they differ by little of a
-# period, so it is given a long one; levels are summed here, at the modem's frequency.
+# Rays do not know the frequency.  The solver joins neighbouring rays of a path where they differ by little
+# of a period, so it is given a long one; levels are summed here, at the modem's frequency.
 _RAY_HZ = 1000.0
 _STEEPEST_DEG = 89.0
 
@@ -84,7 +84,7 @@ class Params:
         "arrival that gives the travel time", default="first", choices=("first", "strongest")
     )
     sum: str = param(
-        "incoherent: powers of the arrivals add up; coherent: pressures, with a fine pattern that wants fine steps",
+        "powers of the arrivals add up, or pressures, whose fine pattern wants fine steps",
         default="incoherent", choices=("incoherent", "coherent"),
     )  # fmt: skip
 
@@ -98,7 +98,7 @@ class Params:
             )
         if not depths_m or depths_m[0] != 0.0 or any(b <= a for a, b in pairwise(depths_m)):
             raise ValueError(
-                f"sound_speed_depths_m: {list(depths_m)} is not allowed; allowed: 0 first, then increasing depths"
+                f"sound_speed_depths_m: {list(depths_m)} is not allowed; allowed: 0, then deeper and deeper"
             )
         if self.range_step_m > 0.5 * self.max_range_m:
             raise ValueError(
@@ -107,19 +107,20 @@ class Params:
         places = len(self.ranges_m()) * len(self.depths_m())
         if places > _MAX_PLACES:
             raise ValueError(
-                f"range_step_m: a table of {places} places is not allowed; allowed: at most {_MAX_PLACES}, by "
-                "longer steps in range or depth, or a shorter max_range_m"
+                f"range_step_m: a table of {places} places is not allowed; "
+                f"allowed: at most {_MAX_PLACES}, by longer steps or a shorter max_range_m"
             )
 
     def ranges_m(self) -> Floats:
         """Return the ranges of the table (m), from one step on."""
         count = round(self.max_range_m / self.range_step_m)
-        return np.arange(1, count + 1) * (self.max_range_m / count)
+        return np.linspace(self.max_range_m / count, self.max_range_m, count)
 
     def depths_m(self) -> Floats:
         """Return the depths of the table (m): the middles of at least two layers."""
         count = max(round(self.water_depth_m / self.depth_step_m), 2)
-        return (np.arange(count) + 0.5) * (self.water_depth_m / count)
+        middle_m = 0.5 * self.water_depth_m / count
+        return np.linspace(middle_m, self.water_depth_m - middle_m, count)
 
     def speed_mps(self, depth_m: Any) -> Any:
         """Return the speed of sound (m/s) at a depth (m), or at an array of them."""
@@ -175,7 +176,7 @@ class Propagation:
         return math.hypot(receiver[0] - source[0], receiver[1] - source[1])
 
     def _between(self, source_depth_m: float, value: Callable[[_Table], float]) -> float:
-        """Return a value of the tables above and below a source, interpolated; a table not needed is not solved."""
+        """Return a value interpolated between the tables above and below a source, if both are needed."""
         place = float(np.interp(source_depth_m, self._depths_m, np.arange(len(self._depths_m))))
         above, share = int(place), place - int(place)
         result = value(_table(self._params, above, self._solve))
@@ -215,7 +216,7 @@ class _Table:
         return self._at(self._excess_db[frequency_khz], depth_m, range_m)
 
     def _losses_db(self, frequency_khz: float) -> Floats:
-        """Return the transmission loss (dB) at every place, with Thorp's absorption along each path."""
+        """Return the loss (dB) at every place, with Thorp's absorption over each path's time."""
         time_s = self._arrivals["time_s"]
         path_km = time_s * float(np.mean(self._params.speed_mps(self._depths_m))) / 1000.0
         pressure = self._arrivals["amplitude"] * 10.0 ** (
@@ -230,7 +231,7 @@ class _Table:
         return -10.0 * np.log10(np.maximum(power, least))
 
     def _sums(self, values: Floats) -> Floats:
-        return np.bincount(self._place, values, minlength=len(self._slants_m))
+        return np.bincount(self._place, values, len(self._slants_m)).astype(np.float64)
 
     def _grid(self, values: Floats) -> RegularGridInterpolator:
         shape = (len(self._ranges_m), len(self._depths_m))
@@ -241,7 +242,7 @@ class _Table:
             min(max(range_m, self._ranges_m[0]), self._ranges_m[-1]),
             min(max(depth_m, self._depths_m[0]), self._depths_m[-1]),
         )
-        return float(grid(inside_m)[0])
+        return float(grid([inside_m])[0])
 
 
 @lru_cache(maxsize=64)
@@ -256,30 +257,21 @@ def _case(params: Params, source_depth_m: float) -> dict[str, Any]:
     bottom_m = params.water_depth_m
     depths_m = [depth_m for depth_m in params.sound_speed_depths_m if depth_m < bottom_m] + [bottom_m]
     return {
-        "pelagic": 2,
-        "model": "bellhop",
-        "title": "shoal",
-        "frequency": _RAY_HZ,
-        "interpolation": "c_linear",
-        "media": [
-            {"to": bottom_m, "ssp": [[z, float(params.speed_mps(z))] for z in depths_m], "mesh": 1},
-        ],
+        "pelagic": 2, "model": "bellhop", "title": "shoal", "frequency": _RAY_HZ, "interpolation": "c_linear",
+        "media": [{"to": bottom_m, "ssp": [[z, float(params.speed_mps(z))] for z in depths_m], "mesh": 1}],
         "surface": "vacuum",
         "bottom": {
-            "type": "halfspace",
-            "cp": params.bottom_sound_speed_mps,
-            "rho": params.bottom_density_kgpm3 / 1000.0,
-            "ap": params.bottom_absorption_db,
+            "type": "halfspace", "cp": params.bottom_sound_speed_mps,
+            "rho": params.bottom_density_kgpm3 / 1000.0, "ap": params.bottom_absorption_db,
         },
         "source": {"depth": [source_depth_m]},
         "receivers": {"depth": params.depths_m().tolist(), "range": params.ranges_m().tolist()},
         "bellhop": {
-            "run": "arrivals",
-            "beam": "geometric_hat_cartesian",
+            "run": "arrivals", "beam": "geometric_hat_cartesian",
             "angles": {"from": -_STEEPEST_DEG, "to": _STEEPEST_DEG, "count": params.beams},
             "box": {"depth": 1.01 * bottom_m, "range": 1.01 * params.max_range_m},
         },
-    }
+    }  # fmt: skip
 
 
 def is_installed() -> bool:
