@@ -8,8 +8,7 @@ that line.  So a delay goes to zero with the distance, and in water of one sound
 
 The solver is no requirement of the project: ``./scripts/setup --with bellhop`` puts it in.
 
-Source: Porter, The BELLHOP Manual and User's Guide (2011); Jensen et al., Computational Ocean Acoustics,
-ch. 3.
+Source: Porter, The BELLHOP Manual and User's Guide (2011).
 """
 
 from __future__ import annotations
@@ -219,16 +218,14 @@ class _Table:
         """Return the loss (dB) at every place, with Thorp's absorption over each path's time."""
         time_s = self._arrivals["time_s"]
         path_km = time_s * float(np.mean(self._params.speed_mps(self._depths_m))) / 1000.0
-        pressure = self._arrivals["amplitude"] * 10.0 ** (
-            -0.05 * absorption_db_per_km(frequency_khz) * path_km
-        )
+        absorbed_db = absorption_db_per_km(frequency_khz) * path_km
+        pressure = self._arrivals["amplitude"] * 10.0 ** (-0.05 * absorbed_db)
         if self._params.sum == "coherent":
             angle = self._arrivals["phase_rad"] - 2.0e3 * np.pi * frequency_khz * time_s
             power = self._sums(pressure * np.cos(angle)) ** 2 + self._sums(pressure * np.sin(angle)) ** 2
         else:
             power = self._sums(pressure**2)
-        least = 10.0 ** (-0.1 * INAUDIBLE_DB)
-        return -10.0 * np.log10(np.maximum(power, least))
+        return -10.0 * np.log10(np.maximum(power, 10.0 ** (-0.1 * INAUDIBLE_DB)))
 
     def _sums(self, values: Floats) -> Floats:
         return np.bincount(self._place, values, len(self._slants_m)).astype(np.float64)
@@ -297,8 +294,7 @@ def run_solver(case: str) -> dict[str, Any]:
     except subprocess.TimeoutExpired:
         raise RuntimeError(f"the Bellhop solver did not come to an end within {_TIMEOUT_S:g} s") from None
     except subprocess.CalledProcessError as error:
-        said = error.stderr.decode(errors="replace").strip() or "nothing"
-        last = said.splitlines()[-1]
-        raise RuntimeError(f"the Bellhop solver failed with status {error.returncode}: {last}") from None
+        said = (error.stderr.decode(errors="replace").strip() or "nothing").splitlines()[-1]
+        raise RuntimeError(f"the Bellhop solver failed with status {error.returncode}: {said}") from None
     with np.load(io.BytesIO(run.stdout), allow_pickle=False) as arrays:
         return dict(arrays)
