@@ -16,6 +16,7 @@ from auv_bringup.recording import acoustic_log
 from auv_bringup.scenario import list_scenarios, load_scenario
 from auv_core.messages import Outcome
 from auv_sim.acoustics.event_log import half_duplex_violations
+from auv_sim.acoustics.propagation import bellhop
 
 pytestmark = pytest.mark.ros
 
@@ -124,6 +125,14 @@ def test_every_scenario_in_lockstep_equals_the_run_in_one_process(scenario, tmp_
 )
 def test_laws_that_no_scenario_names_are_the_same_in_lockstep(scenario, override, tmp_path):
     assert_equals_in_process(fly(scenario, tmp_path, 10, "--set", override, "--layout", "single"))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not bellhop.is_installed(), reason="needs ./scripts/setup --with bellhop")
+def test_bent_rays_are_the_same_in_lockstep(tmp_path):
+    bent = "{kind: bellhop, params: {sound_speed_mps: [1510, 1490], sound_speed_depths_m: [0, 100]}}"
+    run = fly("range_sweep", tmp_path, 30, "--set", f"acoustics.propagation={bent}", "--layout", "single")
+    assert_equals_in_process(run)
 
 
 def test_noise_and_failures_of_the_navigation_are_the_same_in_lockstep(tmp_path):

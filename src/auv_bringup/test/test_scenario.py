@@ -10,6 +10,7 @@ from auv_bringup.scenario import list_scenarios, load_scenario, scenario_to_yaml
 from auv_bringup.scenario_file import SCENARIOS_DIR, read_raw
 from auv_core.geometry import distance
 from auv_core.params import ConfigError
+from auv_sim.acoustics.propagation import bellhop
 
 BUILT_IN = [name for name, _ in list_scenarios()]
 
@@ -241,6 +242,14 @@ def test_another_kind_than_the_presets_starts_from_its_own_defaults():
     changed = load_scenario("flock_acoustic", overrides=["acoustics.mac.kind=unlimited"])
     assert changed.acoustics.mac.kind == "unlimited"
     assert changed.acoustics.modem.kind == "fixed_rate"
+
+
+def test_a_propagation_whose_solver_is_missing_names_the_command_that_brings_it(monkeypatch):
+    monkeypatch.setattr(bellhop, "is_installed", lambda: False)
+    with pytest.raises(ConfigError) as refused:
+        load_scenario("range_sweep", overrides=["acoustics.propagation={kind: bellhop}"])
+    assert str(refused.value).startswith("scenario.acoustics.propagation.kind: 'bellhop' is not allowed here")
+    assert str(refused.value).endswith("./scripts/setup --with bellhop")
 
 
 def test_without_a_preset_every_section_must_be_there(tmp_path):
