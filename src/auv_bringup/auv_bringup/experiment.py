@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import gc
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 from auv_bringup.compose import agent_configs, vehicle_configs
 from auv_bringup.continuous import run_continuous
@@ -16,6 +18,8 @@ from auv_sim.acoustics.medium import AcousticMedium
 from auv_sim.vehicle import Vehicle
 
 Progress = Callable[[float], None]
+
+_COLLECT_EVERY = 100_000
 
 
 def run_in_process(scenario: Scenario, *, on_progress: Progress | None = None) -> Recording:
@@ -31,8 +35,24 @@ def run_in_process(scenario: Scenario, *, on_progress: Progress | None = None) -
 
     """
     use_compiler()
-    if scenario.sampling == "continuous":
-        return run_continuous(scenario, on_progress=on_progress)
+    with _rare_collections():
+        if scenario.sampling == "continuous":
+            return run_continuous(scenario, on_progress=on_progress)
+        return _run_sampled(scenario, on_progress)
+
+
+@contextmanager
+def _rare_collections() -> Iterator[None]:
+    """Let the garbage collector look rarely: a run makes many short-lived objects and no cycles of them."""
+    usual = gc.get_threshold()
+    gc.set_threshold(_COLLECT_EVERY, *usual[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*usual)
+
+
+def _run_sampled(scenario: Scenario, on_progress: Progress | None) -> Recording:
     vehicles = [Vehicle(config) for config in vehicle_configs(scenario)]
     agents = [Agent(config) for config in agent_configs(scenario)]
     medium = AcousticMedium(scenario.medium_config)
@@ -54,5 +74,5 @@ def run_in_process(scenario: Scenario, *, on_progress: Progress | None = None) -
         navs = [vehicle.nav for vehicle in vehicles]
         if on_progress is not None and tick % 100 == 99:
             on_progress((tick + 1) * scenario.period_s)
-    log.states(states)
+    log.last_states(states)
     return log.finished()

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -17,13 +15,26 @@ from auv_flocking.estimates import AGE, COVARIANCE, POSITION, SONAR_AGE, VELOCIT
 
 _ROWS = ("sent", "received", "delay_s", "contacts", "contact_values", "events", "event_values")
 _BLOCK_TICKS = 256
+_COLUMNS: dict[str, int | slice] = {
+    "position_ned_m": slice(0, 3),
+    "attitude_quat_wxyz": slice(3, 7),
+    "velocity_body": slice(7, 13),
+    "nav_position_ned_m": slice(13, 16),
+    "nav_position_sd_m": 16,
+    "command": slice(17, 23),
+    "reference_velocity_ned_mps": slice(23, 26),
+    "holding": 26,
+    "centre_ned_m": slice(27, 30),
+    "centre_velocity_ned_mps": slice(30, 33),
+}
+_WIDTH = 33
 _NOWHERE = (math.nan, math.nan, math.nan)
 
 
 class RunLog:
     """
-    Collects a recording. What comes at every tick is kept in lists and written into the arrays by the block:
-    one assignment for many ticks costs little more than one for a single tick.
+    Collects a recording. What comes at every tick is kept in one list of numbers and written into the arrays
+    by the block: one assignment for many ticks costs little more than one for a single tick.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -31,16 +42,9 @@ class RunLog:
         self._recording = Recording.empty(ids, scenario.tick_times())
         self._law_states: dict[tuple[int, int], Sequence[float]] = {}
         self._rows: dict[str, list[Sequence[float]]] = {name: [] for name in _ROWS}
-        self._block: defaultdict[str, list[Any]] = defaultdict(list)
+        self._numbers: list[float] = []
         self._known: list[tuple[int, int, Estimates]] = []
         self._written = 0
-
-    def states(self, states: Sequence[VehicleState]) -> None:
-        """Note the true states, which come after the last tick, too."""
-        block = self._block
-        block["position_ned_m"].append([state.position for state in states])
-        block["attitude_quat_wxyz"].append([state.attitude for state in states])
-        block["velocity_body"].append([state.nu for state in states])
 
     def tick(
         self,
@@ -53,22 +57,23 @@ class RunLog:
         """Note the true states, what the vehicles believe of themselves, and what the agents made of it."""
         if tick - self._written == _BLOCK_TICKS:
             self._write(tick)
-        self.states(states)
-        block = self._block
-        block["nav_position_ned_m"].append([nav.position for nav in navs])
-        block["nav_position_sd_m"].append([nav.position_sd_m for nav in navs])
-        block["command"].append([command_numbers(command) for command in commands])
-        block["reference_velocity_ned_mps"].append([agent.reference.velocity for agent in agents])
-        block["holding"].append([bool(agent.holding) for agent in agents])
-        block["centre_ned_m"].append([agent.centre if agent.flocks else _NOWHERE for agent in agents])
-        block["centre_velocity_ned_mps"].append(
-            [agent.centre_rate if agent.flocks else _NOWHERE for agent in agents]
-        )
+        note = self._numbers.extend
         for index, agent in enumerate(agents):
+            state, nav, command = states[index], navs[index], command_numbers(commands[index])
+            centre, rate = (agent.centre, agent.centre_rate) if agent.flocks else (_NOWHERE, _NOWHERE)
+            note((*state.position, *state.attitude, *state.nu, *nav.position, nav.position_sd_m, *command))
+            note((*agent.reference.velocity, bool(agent.holding), *centre, *rate))
             if agent.law_state:
                 self._law_states[tick, index] = agent.law_state
             if agent.neighbours.addresses:
                 self._known.append((tick, index, agent.neighbours))
+
+    def last_states(self, states: Sequence[VehicleState]) -> None:
+        """Note the true states after the last tick."""
+        r = self._recording
+        r.position_ned_m[-1] = [state.position for state in states]
+        r.attitude_quat_wxyz[-1] = [state.attitude for state in states]
+        r.velocity_body[-1] = [state.nu for state in states]
 
     def water(
         self,
@@ -105,18 +110,23 @@ class RunLog:
 
     def _write(self, tick: int) -> None:
         """Write the block that ends before `tick` into the arrays."""
-        r, start = self._recording, self._written
-        for name, rows in self._block.items():
-            getattr(r, name)[start : start + len(rows)] = rows
-        self._block.clear()
+        r = self._recording
+        block = slice(self._written, tick)
+        numbers = np.array(self._numbers, dtype=np.float64).reshape(-1, r.n_vehicles, _WIDTH)
+        for name, columns in _COLUMNS.items():
+            getattr(r, name)[block] = numbers[..., columns]
+        self._numbers.clear()
         self._written = tick
-        if not self._known:
-            return
-        who = np.array(
-            [(at, index, address - 1) for at, index, known in self._known for address in known.addresses]
-        )
-        place = (who[:, 0], who[:, 1], who[:, 2])
-        numbers = np.concatenate([known.rows for _, _, known in self._known])
+        if self._known:
+            self._write_known()
+
+    def _write_known(self) -> None:
+        """Write what vehicles believed of each other."""
+        r, known = self._recording, [estimates for _, _, estimates in self._known]
+        counts = [len(estimates) for estimates in known]
+        at, index = (np.repeat([entry[k] for entry in self._known], counts) for k in (0, 1))
+        place = (at, index, np.concatenate([estimates.who for estimates in known]) - 1)
+        numbers = np.concatenate([estimates.rows for estimates in known])
         r.neighbour_position_ned_m[place] = numbers[:, POSITION:VELOCITY]
         r.neighbour_velocity_ned_mps[place] = numbers[:, VELOCITY:COVARIANCE]
         r.neighbour_covariance[place] = numbers[:, COVARIANCE:AGE].reshape(-1, 6, 6)

@@ -157,6 +157,25 @@ def _object(address: int, row: Matrix, shared: tuple[float, ...]) -> NeighbourEs
     )
 
 
+class Positions(Sequence[Vec3]):
+    """Where the neighbours of an instant are (m; NED), made when somebody looks."""
+
+    def __init__(self, estimates: Estimates) -> None:
+        self._estimates = estimates
+
+    def __len__(self) -> int:
+        return len(self._estimates)
+
+    @overload
+    def __getitem__(self, index: int) -> Vec3: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Vec3, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Vec3 | tuple[Vec3, ...]:
+        return self._estimates.positions()[index]
+
+
 def position_rows(heard: Sequence[Any]) -> Matrix:
     """Return rows that begin with where neighbours are (m; NED)."""
     if isinstance(heard, Estimates):

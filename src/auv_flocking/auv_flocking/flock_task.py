@@ -9,7 +9,7 @@ from auv_control.controllers import VelocityReference
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
 from auv_core.messages import Command, VehicleState
-from auv_flocking.estimates import Estimates, NeighbourEstimate
+from auv_flocking.estimates import Estimates, NeighbourEstimate, Positions
 from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View
 
 Obstacles = tuple[tuple[Vec3, float], ...]
@@ -54,7 +54,7 @@ class FlockTask:
         law.hear(estimates, self._period_s)
         self.centre = consensus.centre(nav.position, estimates)
         self.flock_velocity = law.flock_velocity(t_s, path, self.centre, self.flock_velocity, estimates)
-        view = self._view(path, nav.position, self.centre, estimates.positions(), estimates)
+        view = self._view(path, nav.position, self.centre, Positions(estimates), estimates)
         velocity = law.velocity(view)
         if not is_waiting:
             law.adapt(view, self._period_s)
@@ -83,7 +83,7 @@ class FlockTask:
         path: PathPoint,
         position: Vec3,
         centre: Vec3,
-        neighbours: tuple[Vec3, ...],
+        neighbours: Sequence[Vec3],
         estimates: Sequence[NeighbourEstimate],
     ) -> View:
         flock_velocity = self.flock_velocity.velocity

@@ -56,7 +56,7 @@ class View:
     position: Vec3
     centre: Vec3
     flock_velocity: Vec3
-    neighbours: tuple[Vec3, ...]
+    neighbours: Sequence[Vec3]
     obstacles: tuple[tuple[Vec3, float], ...]
     path: PathPoint
     estimates: Sequence[NeighbourEstimate] = ()
