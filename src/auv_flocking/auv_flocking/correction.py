@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from auv_core.compiled import entry, inner
 from auv_core.geometry import Vec3, limited
 from auv_flocking.central import Numbers, along, no_strength
-from auv_flocking.estimates import AGE, COVARIANCE, POSITION, SONAR_AGE, VELOCITY
+from auv_flocking.estimates import AGE, COVARIANCE, NAVIGATION_SD, POSITION, SONAR_AGE, VELOCITY
 from auv_flocking.half_spaces import into_half_spaces
 
 Matrix = NDArray[np.float64]
 Gains = tuple[float, ...]
 """
-d, k_c, phi, u_max, l, k_s, m, k_v, whether there is a barrier, D, alpha, k_b, and the hull's lag.
+d, k_c, phi, u_max, l, k_s, m, k_v, whether there is a barrier, D, alpha, k_b, the hull's lag, and k_n.
 """
 Outlook = tuple[float, float, float, float, float, float, float, float]
 """
@@ -83,15 +83,15 @@ def _direction(own: Vec3, other: Vec3) -> tuple[Vec3, float]:
 
 
 @inner
-def _sigma_m(row: Matrix, normal: Vec3, moved_m: float) -> float:
-    """Return how uncertain the distance to a neighbour is, one standard deviation (m)."""
+def _believed_m2(row: Matrix, normal: Vec3) -> float:
+    """Return how uncertain the distance to a neighbour is by its filter, a variance (m^2)."""
     nx, ny, nz = normal
     xx, xy, xz = float(row[COVARIANCE]), float(row[COVARIANCE + 1]), float(row[COVARIANCE + 2])
     yy, yz, zz = float(row[COVARIANCE + 7]), float(row[COVARIANCE + 8]), float(row[COVARIANCE + 14])
     variance_m2 = (
         nx * nx * xx + ny * ny * yy + nz * nz * zz + 2.0 * (nx * ny * xy + nx * nz * xz + ny * nz * yz)
     )
-    return math.sqrt(max(variance_m2, 0.0) + moved_m * moved_m)
+    return max(variance_m2, 0.0)
 
 
 @inner
@@ -107,11 +107,11 @@ def outlook(row: Matrix, usual_s: float, own: Vec3, flock: Vec3, gains: Gains) -
         What the age of its packets has been of late (s).
     own, flock : (3,) tuple
         Own position (m) and the flock's velocity (m/s; NED).
-    gains : (13,) tuple
+    gains : (14,) tuple
         The law's numbers.
 
     """
-    d, _, phi, _, _, k_s, m, k_v, _, _, _, _, response_s = gains
+    d, _, phi, _, _, k_s, m, k_v, _, _, _, _, response_s, k_n = gains
     other = (float(row[POSITION]), float(row[POSITION + 1]), float(row[POSITION + 2]))
     packet_s, sonar_s = float(row[AGE]), float(row[SONAR_AGE])
     age_s = min(packet_s, sonar_s)
@@ -121,10 +121,13 @@ def outlook(row: Matrix, usual_s: float, own: Vec3, flock: Vec3, gains: Gains) -
         float(row[VELOCITY + 1]) - flock[1],
         float(row[VELOCITY + 2]) - flock[2],
     )
-    sigma_m = _sigma_m(row, normal, k_v * age_s * math.sqrt(vx * vx + vy * vy + vz * vz))
+    believed_m2 = _believed_m2(row, normal)
+    moved_m = k_v * age_s * math.sqrt(vx * vx + vy * vy + vz * vz)
+    sigma_m = math.sqrt(believed_m2 + moved_m * moved_m)
+    lasting_m = min(math.sqrt(believed_m2), float(row[NAVIGATION_SD]))
     # Gains go by what ages usually are; what the sonar sees is as old as the hull's own lag.
     gain_age_s = max(sonar_s, response_s) if sonar_s < packet_s else max(packet_s, usual_s)
-    spacing_m = d + min(k_s * sigma_m, m)
+    spacing_m = d + min(k_s * sigma_m + k_n * lasting_m, m)
     return (
         normal[0], normal[1], normal[2], distance_m, age_s, sigma_m, spacing_m, matched(phi, gain_age_s),
     )  # fmt: skip
@@ -133,7 +136,7 @@ def outlook(row: Matrix, usual_s: float, own: Vec3, flock: Vec3, gains: Gains) -
 @inner
 def _neighbour_bound(view: Outlook, limit_mps: float, gains: Gains) -> float:
     """Return the least velocity along the direction from a neighbour (m/s), in the flock's frame."""
-    _, _, _, _, _, _, m, _, _, keep_m, alpha, k_b, _ = gains
+    _, _, _, _, _, _, m, _, _, keep_m, alpha, k_b, _, _ = gains
     _, _, _, distance_m, age_s, sigma_m, _, _ = view
     rate_ps = 0.5 * min(alpha, 1.0 / max(age_s, _NO_AGE_S))
     return min(-rate_ps * (distance_m - keep_m - min(k_b * sigma_m, m)), limit_mps)
@@ -142,13 +145,13 @@ def _neighbour_bound(view: Outlook, limit_mps: float, gains: Gains) -> float:
 @inner
 def _obstacle_bound(normal: Vec3, distance_m: float, safety_m: float, flock: Vec3, gains: Gains) -> float:
     """Return the same for an obstacle: it does not move with the flock, and all of the way is ours."""
-    d, _, _, u_max, _, _, _, _, _, keep_m, alpha, _, _ = gains
+    d, _, _, u_max, _, _, _, _, _, keep_m, alpha, _, _, _ = gains
     flock_mps = normal[0] * flock[0] + normal[1] * flock[1] + normal[2] * flock[2]
     return min(-alpha * (distance_m - keep_m * safety_m / d) - flock_mps, u_max)
 
 
 @entry(
-    "TUPLE3(TUPLE3, TUPLE3, TUPLE3, float64[:, ::1], float64[::1], float64[:, ::1], float64, TUPLE13,"
+    "TUPLE3(TUPLE3, TUPLE3, TUPLE3, float64[:, ::1], float64[::1], float64[:, ::1], float64, TUPLE14,"
     "float64[::1], float64[::1], float64[:, ::1])"
 )
 def correction(
@@ -179,7 +182,7 @@ def correction(
         Positions and safety distances (m; NED).
     age_s : float
         Mean age A of what is known (s).
-    gains : (13,) tuple
+    gains : (14,) tuple
         The law's numbers.
     numbers, obstacle_numbers : arrays
         Of the separation law, for neighbours and for obstacles; see `auv_flocking.central`.
@@ -187,7 +190,7 @@ def correction(
         What another kind of separation law asks because of neighbours and obstacles (m/s), instead.
 
     """
-    _, k_c, phi, u_max, reach_m, _, _, _, barrier, _, _, _, response_s = gains
+    _, k_c, phi, u_max, reach_m, _, _, _, barrier, _, _, _, response_s, _ = gains
     n, count = len(rows), len(rows) + len(obstacles)
     gain = k_c * matched(phi, age_s)
     x, y, z = gain * (centre[0] - own[0]), gain * (centre[1] - own[1]), gain * (centre[2] - own[2])

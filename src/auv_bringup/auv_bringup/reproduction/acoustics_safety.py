@@ -196,7 +196,7 @@ FIGURES = (
         "Smallest distance of any pair over all runs, by slot and loss",
         (*_ALL_THESIS, *_ALL_OURS),
         _draw_map,
-        "No counterpart in the thesis. Hulls touch at 0.62 m. The thesis's law flies a fifth of the seeds.",
+        "No counterpart in the thesis. Hulls touch at 0.62 m.",
     ),
 )
 

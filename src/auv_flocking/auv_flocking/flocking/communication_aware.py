@@ -4,7 +4,7 @@ Flocking that is no faster than its information: the thesis's law on a real mode
     u   = w + barrier( limited( g k_c (c - eta) + sum_j g_j F(eta - eta_j, d_j),  min(u_max, l / A) ) )
     w   = eta_d_dot + limited( g k_l (eta_d - c),  w_max )          leader; followers: the newest they heard
     g   = min(1, phi / A),        g_j = min(1, phi / A_j)
-    d_j = d + min(k_s sigma_j, m),   sigma_j^2 = n_j . P_j n_j + (k_v a_j |v_j - w|)^2
+    d_j = d + min(k_s sigma_j + k_n q_j, m),   sigma_j^2 = n_j . P_j n_j + (k_v a_j |v_j - w|)^2
     barrier:  n_j . (u - w) >= -1/2 min(alpha, 1 / a_j) (r_j - D - min(k_b sigma_j, m))     for every j
 
 eta, eta_j: own position and the neighbour's as believed, r_j their distance, n_j the direction from the
@@ -17,7 +17,9 @@ and the hull's lag where the sonar sees it; A: mean of the packets' A_j over the
    loop stays as well damped at 20 s as at 1 s.  The ages are measured, packet by packet, never configured:
    a slot length, a loss rate or a collision in the water need not be known.
 2. A neighbour whose place is uncertain is kept at a greater distance: by its filter's covariance, which has
-   both navigations in it, and by what its velocity in the flock could carry it since it was heard.
+   both navigations in it, and by what its velocity in the flock could carry it since it was heard.  The part
+   q_j of it that navigations make, the smaller of (n_j . P_j n_j)^1/2 and what the neighbour states, counts
+   more: it stays for minutes, where the rest is new with every packet.
 3. A neighbour that the sonar sees is as old as the contact, and so is repelled with a fast gain.  Gains go by
    what ages usually are: with the age of the moment the force would jump with every packet.
 4. w carries the flock; all else is a correction in the frame that moves with it.  A leader brings the
@@ -84,6 +86,9 @@ class Params:
     )
     spacing_sigmas: float = param(
         "standard deviations k_s by which the spacing is widened", default=2.0, minimum=0.0
+    )
+    navigation_sigmas: float = param(
+        "further deviations k_n for the part of them that navigations make", default=1.5, minimum=0.0
     )
     widening_limit_m: float = param("largest widening m (m)", default=3.0, minimum=0.0)
     closing_ratio: float = param(
@@ -276,4 +281,5 @@ def _gains(p: Params) -> Gains:
         p.barrier_rate_ps,
         p.barrier_sigmas,
         p.response_s,
+        p.navigation_sigmas,
     )
