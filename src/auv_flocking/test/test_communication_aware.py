@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_control.references import PathPoint
-from auv_flocking.estimates import NeighbourEstimate
+from auv_flocking.correction import SPACING, outlook
+from auv_flocking.estimates import Estimates, NeighbourEstimate
 from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View, potential
 from auv_flocking.flocking.communication_aware import Flocking, Params
 from auv_flocking.separation import mathematical
@@ -245,3 +246,15 @@ def test_separation_law_with_a_memory_learns():
 def test_barrier_outside_the_spacing_is_refused():
     with pytest.raises(ValueError, match=r"barrier_distance_m: 2.0 is not allowed; allowed: less than spa"):
         Params(barrier_distance_m=2.0)
+
+
+@pytest.mark.parametrize("stated_m", [0.0, 0.2, 0.5, 3.0])
+def test_what_navigations_state_widens_the_spacing_as_far_as_the_filter_shares_the_doubt(stated_m):
+    estimate = replace(_estimate((2.0, 0.0, 0.0), sigma_m=0.5), navigation_sd_m=stated_m)
+    row = Estimates.of([estimate]).rows[0]
+    law = _law([estimate], spacing_sigmas=2.0, navigation_sigmas=1.5, widening_limit_m=3.0)
+    spacing_m = outlook(row, 0.0, ORIGIN, W, law._gains)[SPACING]
+    assert spacing_m == pytest.approx(2.0 + 2.0 * 0.5 + 1.5 * min(stated_m, 0.5))
+    without = _law([estimate], navigation_sigmas=0.0)
+    if stated_m == 0.0:
+        assert law.velocity(_view(ORIGIN, [estimate])) == without.velocity(_view(ORIGIN, [estimate]))

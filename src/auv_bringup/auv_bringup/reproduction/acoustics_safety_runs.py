@@ -2,9 +2,9 @@
 Runs of the safety study: the scenario `flock_modem` over slots, losses, navigations, laws and fleets.
 
 Seeds are 3001, 3002, ..., and 4001, 4002, ... where navigations drift (runs with 3001-3100 said that what
-navigations state must count more); nothing in the law was chosen by a run with a seed of its own study.  Where
-a cell has bars all seeds are flown that `--seeds` asks for, elsewhere the first fifth, tenth or twenty-fifth
-of them.
+navigations state must count more); nothing in the law was chosen by a run with a seed of its own study.
+Where a cell has bars all seeds are flown that `--seeds` asks for, elsewhere the first fifth, tenth or
+twenty-fifth of them.
 """
 
 from __future__ import annotations
