@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from auv_bringup import results
-from auv_bringup.failures import internal_error
-from auv_bringup.interrupts import make_signals_interrupt
+from auv_bringup.failures import DONE, FAILED, answered
 from auv_bringup.one_line_parser import MOST_WORKERS, OneLineParser, fail, whole_number
 from auv_bringup.reproduction import Chapter, ChapterError, chapters, choose, with_seeds
 from auv_core.params import ConfigError
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
     from auv_bringup.reproduction.outcome import ChapterOutcome
     from auv_bringup.reproduction.runner import Flown
 
-DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 MOST_SEEDS = 100
 FEW_SEEDS = 2
 RUNS = "runs"
@@ -66,25 +64,19 @@ examples:
 
 def main(arguments: Sequence[str] | None = None, found: Sequence[Chapter] | None = None) -> int:
     """Run the command; return its exit status. `found` are the chapters; those of this folder if left out."""
-    make_signals_interrupt()
-    try:
-        options = _parser().parse_args(arguments)
-        known = chapters() if found is None else tuple(found)
-        if options.docs:
-            return _write_documents(known)
-        chosen = with_seeds(_chosen(known, options.only), options.seeds)
-        if options.list:
-            return _list(chosen)
-        return _reproduce(chosen, options, list(sys.argv[1:] if arguments is None else arguments))
-    except (ConfigError, ChapterError, results.ResultsError) as error:
-        return fail(BAD_INPUT, str(error))
-    except KeyboardInterrupt:
-        return fail(INTERRUPTED, "interrupted; finished runs are kept for the next call")
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return FAILED
-    except Exception as error:
-        return fail(FAILED, internal_error(error))
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    return answered(lambda: _do(given, found), (ConfigError, ChapterError, results.ResultsError))
+
+
+def _do(arguments: list[str], found: Sequence[Chapter] | None) -> int:
+    options = _parser().parse_args(arguments)
+    known = chapters() if found is None else tuple(found)
+    if options.docs:
+        return _write_documents(known)
+    chosen = with_seeds(_chosen(known, options.only), options.seeds)
+    if options.list:
+        return _list(chosen)
+    return _reproduce(chosen, options, arguments)
 
 
 def _parser() -> argparse.ArgumentParser:

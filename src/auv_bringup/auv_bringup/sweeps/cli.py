@@ -9,14 +9,12 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from auv_bringup.failures import internal_error
-from auv_bringup.interrupts import make_signals_interrupt
+from auv_bringup.failures import DONE, FAILED, answered
 from auv_bringup.one_line_parser import MOST_WORKERS, OneLineParser, fail, whole_number
 from auv_bringup.results import FIGURES, ResultsError, make_folder
 from auv_bringup.sweeps.study import Study, list_studies, load_study
 from auv_core.params import ConfigError
 
-DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 _OUT = Path("results/sweeps")
 
 _HELP = """\
@@ -56,18 +54,7 @@ examples:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status."""
-    make_signals_interrupt()
-    try:
-        return _do(_parser().parse_args(arguments))
-    except (ConfigError, ResultsError) as error:
-        return fail(BAD_INPUT, str(error))
-    except KeyboardInterrupt:
-        return fail(INTERRUPTED, "interrupted; finished runs are kept for the next call")
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return FAILED
-    except Exception as error:
-        return fail(FAILED, internal_error(error))
+    return answered(lambda: _do(_parser().parse_args(arguments)), (ConfigError, ResultsError))
 
 
 def _parser() -> argparse.ArgumentParser:
