@@ -90,7 +90,8 @@ def specialised(function: F, **names: Callable[..., Any]) -> F:
 
 def use_compiler(tell: Callable[[str], None] | None = None) -> None:
     """
-    From now on `fastest` compiles. Nodes do not call this: one vehicle would wait longer than it gains.
+    From now on `fastest` compiles. A node that is started by itself does not call this: one vehicle would
+    wait longer than it gains.
 
     Parameters
     ----------

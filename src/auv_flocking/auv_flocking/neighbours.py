@@ -149,7 +149,6 @@ class NeighbourTable:
     def observe(self, t_s: float, nav: VehicleState, contacts: Sequence[SonarContact]) -> None:
         """Use the sonar contacts of one tick, seen from the pose that the own navigation gives."""
         self._follow(t_s, nav)
-        tracks = self._recent(t_s)
         if not contacts:
             return
         config = self._config
@@ -157,11 +156,11 @@ class NeighbourTable:
             sighting(t_s, nav, contact, config.sonar_range_std_m, config.sonar_angle_std_rad)
             for contact in contacts
         ]
-        pairs = []
-        if tracks:
+        known, pairs = self._carried(t_s), []
+        if known:
             if self._gate is None:
                 self._gate = chi_square_gate(config.gate_prob)
-            rows = self._carried(t_s).rows
+            rows = known.rows
             pairs = associate(
                 np.array([seen.point for seen in sightings]),
                 np.array([seen.covariance for seen in sightings]),
@@ -170,8 +169,9 @@ class NeighbourTable:
                 self._gate,
             )
         for contact, neighbour in pairs:
-            tracks[neighbour].see(sightings[contact])
-            self._stale.add(tracks[neighbour])
+            track = self._tracks[known.addresses[neighbour]]
+            track.see(sightings[contact])
+            self._stale.add(track)
         self.contacts_used += len(pairs)
         self.contacts_unknown += len(contacts) - len(pairs)
 
@@ -200,12 +200,6 @@ class NeighbourTable:
         if n == len(tracks):
             return Estimates(addresses, rows, shared, numbers)
         return Estimates([addresses[k] for k in who[:n]], rows[:n], [shared[k] for k in who[:n]])
-
-    def _recent(self, t_s: float) -> list[Track]:
-        timeout_s = self._config.timeout_s
-        return [
-            track for track in self._in_order if t_s - max(track.report.time_s, track.seen_s) <= timeout_s
-        ]
 
     def _follow(self, t_s: float, nav: VehicleState) -> None:
         """Take note of the own navigation, and of a fix that it had."""

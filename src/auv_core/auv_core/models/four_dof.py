@@ -24,7 +24,7 @@ import math
 from dataclasses import dataclass
 
 from auv_core.drag import steady_speed_mps
-from auv_core.geometry import Vec3, quaternion_from_heading
+from auv_core.geometry import Vec3, clipped, quaternion_from_heading
 from auv_core.integrate import State, rk4_step
 from auv_core.messages import Vec6
 from auv_core.params import param
@@ -83,7 +83,7 @@ class Model:
         Return what the actuators give for the wrench asked: clipped axis by axis, no roll and pitch moment.
         """
         f, m = self._max_force_n, self._max_moment_nm
-        return (_clipped(tau[0], f), _clipped(tau[1], f), _clipped(tau[2], f), 0.0, 0.0, _clipped(tau[5], m))
+        return (clipped(tau[0], f), clipped(tau[1], f), clipped(tau[2], f), 0.0, 0.0, clipped(tau[5], m))
 
     def kinetic_energy(self, nu: Vec6) -> float:
         """Return nu^T M nu / 2 (J)."""
@@ -154,7 +154,3 @@ class Model:
             after = rk4_step(lambda _t_s, x: self.derivative(x, command, current), 0.0, state, dt_s)
             state = self.normalised(after)
         return state
-
-
-def _clipped(value: float, limit: float) -> float:
-    return max(-limit, min(limit, value))
