@@ -244,7 +244,7 @@ def _use_sonar(module, params, inputs):
             contacts = sonar.contacts(address, tick, PERIOD_S, tuple(states))
             assert len(contacts) <= 3
             assert all(contact.range_m >= 0.0 for contact in contacts)
-            outputs += [astuple(contact) for contact in contacts]
+            outputs += contacts
     return outputs
 
 

@@ -314,7 +314,7 @@ def test_leakage_draws_back_to_the_first_estimates():
     law = Controller(Params(blend_s=0.0, initial_ratio=0.7, leakage_ps=1e-3), 0.05)
     view = flat_view((0.0,) * 4, (0.0,) * 4)
     view = replace(view, path=replace(view.path, velocity=(0.0, 0.0, 0.0), heading_rate_radps=0.0))
-    view = replace(view, nav=replace(view.nav, nu=(0.0,) * 6))
+    view = replace(view, nav=view.nav._replace(nu=(0.0,) * 6))
     first = np.array(law.initial_state(view))
     np.testing.assert_allclose(law.evaluate(tuple(first), view)[1], 0.0, atol=1e-15)
     gains = np.array([100, 100, 100, 30, 100, 100, 100, 10, 400, 600, 400, 10])

@@ -1,5 +1,5 @@
 """
-The records that cross components: plain, frozen, without ROS.
+The records that cross components: plain, without ROS, and tuples, since many are made in every tick.
 
 Positions are NED (m), attitudes are unit quaternions body to NED, nu is the body velocity [u, v, w, p, q, r]
 (m/s, rad/s, FRD).  `tick` counts control periods from the start of the scenario.
@@ -8,7 +8,7 @@ Positions are NED (m), attitudes are unit quaternions body to NED, nu is the bod
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from auv_core.geometry import Quat, Vec3
 
@@ -18,8 +18,7 @@ Vec6 = tuple[float, float, float, float, float, float]
 _LARGEST = 1e9
 
 
-@dataclass(frozen=True, slots=True)
-class VehicleState:
+class VehicleState(NamedTuple):
     """
     Pose and velocity of one vehicle at a tick: the truth, or what its own navigation believes.
 
@@ -45,15 +44,13 @@ def is_usable(state: VehicleState) -> bool:
     return state.is_valid
 
 
-@dataclass(frozen=True, slots=True)
-class Wrench:
+class Wrench(NamedTuple):
     """Force and moment on the body, [X, Y, Z, K, M, N] (N, N m; body FRD, at the hull's centre)."""
 
     tau: Vec6
 
 
-@dataclass(frozen=True, slots=True)
-class VelocityCommand:
+class VelocityCommand(NamedTuple):
     """Velocity command of a kinematic vehicle: NED velocity (m/s) and yaw rate (rad/s)."""
 
     velocity: Vec3
@@ -70,8 +67,7 @@ def command_numbers(command: Command) -> Vec6:
     return (*command.velocity, 0.0, 0.0, command.yaw_rate_radps)
 
 
-@dataclass(frozen=True, slots=True)
-class Packet:
+class Packet(NamedTuple):
     """What an agent hands to its modem. `destination` 0 means everybody; addresses count from 1."""
 
     tick: int
@@ -81,8 +77,7 @@ class Packet:
     payload: bytes
 
 
-@dataclass(frozen=True, slots=True)
-class Reception:
+class Reception(NamedTuple):
     """
     A packet that arrived: start of its transmission and end of its reception (s), SNR (dB; NaN where not
     modelled).
@@ -94,8 +89,7 @@ class Reception:
     snr_db: float
 
 
-@dataclass(frozen=True, slots=True)
-class SonarContact:
+class SonarContact(NamedTuple):
     """
     Something that the sonar saw at a tick, it does not say what.
 
@@ -108,8 +102,7 @@ class SonarContact:
     elevation_rad: float
 
 
-@dataclass(frozen=True, slots=True)
-class Inbox:
+class Inbox(NamedTuple):
     """
     What modem and sonar tell their vehicle at a tick.
 
@@ -135,8 +128,7 @@ class Outcome(enum.IntEnum):
     OUTAGE = 6
 
 
-@dataclass(frozen=True, slots=True)
-class AcousticEvent:
+class AcousticEvent(NamedTuple):
     """
     One line of the acoustic log.
 

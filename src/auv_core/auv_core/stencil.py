@@ -39,16 +39,20 @@ class Stencil:
     def __init__(
         self, message: Any, numbers: str, *, stamp_at: int = _HEADER_STAMP_AT, numbers_at: int | None = None
     ) -> None:
-        self._bytes = bytearray(serialize_message(message))
-        self._numbers = struct.Struct("<" + numbers)
-        self._numbers_at = len(self._bytes) - self._numbers.size if numbers_at is None else numbers_at
-        self._stamp = slice(stamp_at, stamp_at + STAMP_BYTES)
+        data = bytes(serialize_message(message))
+        size = struct.calcsize("<" + numbers)
+        stamp_end = stamp_at + STAMP_BYTES
+        start = len(data) - size if numbers_at is None else numbers_at
+        self._before = data[:stamp_at]
+        self._between = data[stamp_end:start]
+        self._after = data[start + size :]
+        lengths = (stamp_at, STAMP_BYTES, len(self._between))
+        layout = "".join(f"{length}s" for length in lengths) + f"{numbers}{len(self._after)}s"
+        self._pack = struct.Struct("<" + layout).pack
 
     def filled(self, t_s: float, *numbers: float) -> bytes:
         """Return the message with a stamp (s, to the nanosecond) and its numbers, ready to be published."""
-        self._bytes[self._stamp] = stamp_bytes(t_s)
-        self._numbers.pack_into(self._bytes, self._numbers_at, *numbers)
-        return bytes(self._bytes)
+        return self._pack(self._before, stamp_bytes(t_s), self._between, *numbers, self._after)
 
 
 def read_numbers(data: bytes, layout: struct.Struct) -> tuple[Any, ...]:

@@ -72,8 +72,8 @@ def check_finite(state: State, vehicle_id: str, t_s: float) -> None:
 
 class Vehicle:
     """
-    The true vehicle. `step` advances it by one control period with the command held; `nav` is what its own
-    navigation says of its latest state.
+    The true vehicle. `step` advances it by one control period with the command held; `state` is the truth at
+    the latest tick, `nav` what its own navigation says of it.
     """
 
     def __init__(self, config: VehicleConfig) -> None:
@@ -83,31 +83,22 @@ class Vehicle:
         self._substeps = substeps(config.period_s, config.dt_s)
         self._tick = 0
         self._state: State = self._model.initial_state(config.position_ned_m, config.heading_rad)
+        self.state = self._record()
         self._name = config.vehicle_id
         self._period_s = config.period_s
         navigation = find_plugin(NAVIGATION, config.navigation.kind)
         self._navigation = navigation.Navigation(
             config.navigation.params, config.seed, config.address, config.period_s
         )
-        self.nav: VehicleState = self._navigation.measured(self.state)
-
-    @property
-    def takes_velocity(self) -> bool:
+        self.takes_velocity = bool(self._model.command == "velocity")
         """Whether this vehicle takes a velocity command instead of a wrench."""
-        return bool(self._model.command == "velocity")
-
-    @property
-    def state(self) -> VehicleState:
-        """The true state at the latest tick."""
-        s = self._state
-        return VehicleState(
-            self._tick, (s[0], s[1], s[2]), (s[3], s[4], s[5], s[6]), (s[7], s[8], s[9], s[10], s[11], s[12])
-        )
+        self.nav: VehicleState = self._navigation.measured(self.state)
 
     def restore(self, state: VehicleState) -> None:
         """Put the vehicle into `state`, at its tick."""
         self._tick = state.tick
         self._state = (*state.position, *state.attitude, *state.nu)
+        self.state = self._record()
 
     def step(self, command: Command | None) -> VehicleState:
         """
@@ -124,6 +115,12 @@ class Vehicle:
         self._state = self._model.step(self._state, given, self._current, self._dt_s, self._substeps)
         check_finite(self._state, self._name, self._tick * self._period_s)
         self._tick += 1
-        state = self.state
+        self.state = state = self._record()
         self.nav = self._navigation.measured(state)
         return state
+
+    def _record(self) -> VehicleState:
+        s = self._state
+        return VehicleState(
+            self._tick, (s[0], s[1], s[2]), (s[3], s[4], s[5], s[6]), (s[7], s[8], s[9], s[10], s[11], s[12])
+        )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from auv_core.geometry import Vec3
 from auv_core.messages import VehicleState
@@ -38,7 +38,8 @@ class Navigation:
         p = self._params
         rng = generator(self._seed, Purpose.NAVIGATION, self._address, state.tick)
         if rng.random() < p.failure_prob:
-            return replace(state if self._last is None else self._last, tick=state.tick, is_valid=False)
+            last = state if self._last is None else self._last
+            return last._replace(tick=state.tick, is_valid=False)
         x, y, z, u, v, w = rng.standard_normal(6).tolist()
         position: Vec3 = (
             state.position[0] + p.position_sd_m * x,

@@ -120,9 +120,10 @@ class VehicleNode(Node):
         state, nav = self._vehicle.state, self._vehicle.nav
         t_s = self._clock_ticks.stamp_s(state.tick)
         numbers = convert.state_numbers(state)
-        nav_numbers = numbers if nav is state else convert.state_numbers(nav)
-        self._publish_nav(self._state_stencil.filled(t_s, *nav_numbers))
-        self._publish_state(self._state_stencil.filled(t_s, *numbers))
+        truth = self._state_stencil.filled(t_s, *numbers)
+        believed = truth if nav is state else self._state_stencil.filled(t_s, *convert.state_numbers(nav))
+        self._publish_nav(believed)
+        self._publish_state(truth)
         self._publish_odom(self._odom_stencil.filled(t_s, *numbers[2:15]))
         self._publish_tf(self._tf_stencil.filled(t_s, *numbers[2:9]))
         if state.tick % MARKER_TICKS == 0:
