@@ -1,8 +1,12 @@
 """
-The limit beside which lock-step is quoted: its message pattern and nothing else.
+The limits beside which lock-step is quoted: its message pattern and nothing else.
 
 Processes, nodes, topics, types and sizes of messages are those of a flock on a modem, and so is who waits for
-whom; but a node only publishes bytes that were made beforehand, and the recorder only counts.
+whom; but a node only publishes what was made beforehand, and the recorder only counts.  There are two:
+
+* `plain`: messages and callbacks as rclpy has them, middleware as it comes;
+* `lean`: bytes instead of messages, and our settings of the middleware. It is the least that our nodes could
+  cost if they had nothing to do.
 """
 
 from __future__ import annotations
@@ -13,8 +17,7 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
-from rclpy.publisher import Publisher
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 from visualization_msgs.msg import MarkerArray
@@ -59,19 +62,24 @@ def message_bytes(vehicle_id: str, neighbours: int) -> dict[str, bytes]:
 class _BareNode(Node):
     """Waits for its listeners as our nodes do."""
 
-    def __init__(self, spec: NodeSpec, fleet: Sequence[str]) -> None:
+    def __init__(self, spec: NodeSpec, fleet: Sequence[str], *, is_lean: bool) -> None:
         super().__init__(spec.executable, namespace=spec.namespace)
         self._types = {topic.name: topic.type_name for topic in topics_of_graph(fleet, kinematic=False)}
         self._audiences: list[Audience] = []
         self._recorder = {RECORDER}
+        self._is_lean = is_lean
 
-    def _publisher(self, topic: str, *listeners: str) -> Publisher:
-        publisher = self.create_publisher(self._kind(topic), topic, EVERY_TICK)
+    def _publisher(self, topic: str, data: bytes, *listeners: str) -> Callable[[], None]:
+        """Return what publishes a message with these bytes."""
+        kind = self._kind(topic)
+        publisher = self.create_publisher(kind, topic, EVERY_TICK)
         self._audiences.append(Audience(publisher, frozenset({*listeners} | self._recorder)))
-        return publisher
+        if self._is_lean:
+            return partial(publishes_bytes(publisher), data)
+        return partial(publisher.publish, deserialize_message(data, kind))
 
-    def _listen(self, topic: str, callback: Callable[[bytes], None]) -> None:
-        self.create_subscription(self._kind(topic), topic, callback, EVERY_TICK, raw=True)
+    def _listen(self, topic: str, callback: Callable[[Any], None]) -> None:
+        self.create_subscription(self._kind(topic), topic, callback, EVERY_TICK, raw=self._is_lean)
 
     def _meet(self, start: Callable[[], None]) -> None:
         self._meeting = Rendezvous(self, self._audiences, start)
@@ -84,25 +92,23 @@ class _BareNode(Node):
 class BareVehicle(_BareNode):
     """Answers a command with state, navigation, odometry and transform."""
 
-    def __init__(self, spec: NodeSpec, fleet: Sequence[str]) -> None:
-        super().__init__(spec, fleet)
+    def __init__(self, spec: NodeSpec, fleet: Sequence[str], *, is_lean: bool) -> None:
+        super().__init__(spec, fleet, is_lean=is_lean)
         data = message_bytes(spec.vehicle_id, len(fleet) - 1)
-        agent = f"/{spec.vehicle_id}/agent_node"
-        publishers = {
-            "nav": self._publisher("nav", agent),
-            "state": self._publisher("state", RELAY),
-            "odom": self._publisher("odom"),
-            "/tf": self._publisher("/tf"),
-        }
-        self._out = [(publishes_bytes(publisher), data[topic]) for topic, publisher in publishers.items()]
-        self._markers = partial(self._publisher("/markers").publish, data["/markers"])
+        self._out = [
+            self._publisher("nav", data["nav"], f"/{spec.vehicle_id}/agent_node"),
+            self._publisher("state", data["state"], RELAY),
+            self._publisher("odom", data["odom"]),
+            self._publisher("/tf", data["/tf"]),
+        ]
+        self._markers = self._publisher("/markers", data["/markers"])
         self._tick = 0
         self._listen("cmd_wrench", lambda _: self._answer())
         self._meet(self._answer)
 
     def _answer(self) -> None:
-        for publish, data in self._out:
-            publish(data)
+        for publish in self._out:
+            publish()
         if self._tick % MARKER_TICKS == 0:
             self._markers()
         self._tick += 1
@@ -111,17 +117,19 @@ class BareVehicle(_BareNode):
 class BareAgent(_BareNode):
     """Answers a navigation and an inbox with command, outbox and beliefs."""
 
-    def __init__(self, spec: NodeSpec, fleet: Sequence[str]) -> None:
-        super().__init__(spec, fleet)
+    def __init__(self, spec: NodeSpec, fleet: Sequence[str], *, is_lean: bool) -> None:
+        super().__init__(spec, fleet, is_lean=is_lean)
         data = message_bytes(spec.vehicle_id, len(fleet) - 1)
-        publishers = {
-            "cmd_wrench": self._publisher("cmd_wrench", f"/{spec.vehicle_id}/vehicle_node"),
-            "acoustic/tx": self._publisher("acoustic/tx", RELAY),
-            **{topic: self._publisher(topic) for topic in ("reference", "flocking_centre", "neighbours")},
-        }
-        self._out = [(publishes_bytes(publisher), data[topic]) for topic, publisher in publishers.items()]
+        self._out = [
+            self._publisher("cmd_wrench", data["cmd_wrench"], f"/{spec.vehicle_id}/vehicle_node"),
+            self._publisher("acoustic/tx", data["acoustic/tx"], RELAY),
+            *(
+                self._publisher(topic, data[topic])
+                for topic in ("reference", "flocking_centre", "neighbours")
+            ),
+        ]
         self._rare = [
-            (ticks, partial(self._publisher(topic).publish, data[topic]))
+            (ticks, self._publisher(topic, data[topic]))
             for ticks, topic in ((MARKER_TICKS, "/markers"), (DIAGNOSTIC_TICKS, "/diagnostics"))
         ]
         self._heard = self._tick = 0
@@ -134,7 +142,7 @@ class BareAgent(_BareNode):
         self._is_ready = True
         self._answer_if_due()
 
-    def _hear(self, _: bytes) -> None:
+    def _hear(self, _: object) -> None:
         self._heard += 1
         self._answer_if_due()
 
@@ -142,8 +150,8 @@ class BareAgent(_BareNode):
         if not self._is_ready or self._heard < 2:
             return
         self._heard -= 2
-        for publish, data in self._out:
-            publish(data)
+        for publish in self._out:
+            publish()
         for ticks, publish in self._rare:
             if self._tick % ticks == 0:
                 publish()
@@ -153,15 +161,16 @@ class BareAgent(_BareNode):
 class BareRelay(_BareNode):
     """The barrier: when all have answered, it begins the next tick; `on_tick` is told."""
 
-    def __init__(self, spec: NodeSpec, fleet: Sequence[str], on_tick: Callable[[int], None]) -> None:
-        super().__init__(spec, fleet)
+    def __init__(
+        self, spec: NodeSpec, fleet: Sequence[str], on_tick: Callable[[int], None], *, is_lean: bool
+    ) -> None:
+        super().__init__(spec, fleet, is_lean=is_lean)
         data = message_bytes(fleet[0], len(fleet) - 1)
-        publishers = [(self._publisher("/clock"), data["/clock"])] + [
-            (self._publisher(f"/{name}/acoustic/rx", f"/{name}/agent_node"), data["acoustic/rx"])
+        self._out = [self._publisher("/clock", data["/clock"])] + [
+            self._publisher(f"/{name}/acoustic/rx", data["acoustic/rx"], f"/{name}/agent_node")
             for name in fleet
         ]
-        self._out = [(publishes_bytes(publisher), content) for publisher, content in publishers]
-        self._markers = partial(self._publisher("/markers").publish, data["/markers"])
+        self._markers = self._publisher("/markers", data["/markers"])
         self._owed, self._answers_per_tick = len(fleet), 2 * len(fleet)
         self._is_ready, self._tick, self._on_tick = False, 0, on_tick
         for name in fleet:
@@ -173,7 +182,7 @@ class BareRelay(_BareNode):
         self._is_ready = True
         self._advance_if_due()
 
-    def _hear(self, _: bytes) -> None:
+    def _hear(self, _: object) -> None:
         self._owed -= 1
         self._advance_if_due()
 
@@ -182,8 +191,8 @@ class BareRelay(_BareNode):
             return
         self._owed = self._answers_per_tick
         self._on_tick(self._tick)
-        for publish, data in self._out:
-            publish(data)
+        for publish in self._out:
+            publish()
         if self._tick % MARKER_TICKS == 0:
             self._markers()
         self._tick += 1
@@ -192,8 +201,8 @@ class BareRelay(_BareNode):
 class BareRecorder(_BareNode):
     """Takes everything, as many messages at once as ours, and keeps nothing."""
 
-    def __init__(self, spec: NodeSpec, fleet: Sequence[str]) -> None:
-        super().__init__(spec, fleet)
+    def __init__(self, spec: NodeSpec, fleet: Sequence[str], *, is_lean: bool) -> None:
+        super().__init__(spec, fleet, is_lean=is_lean)
         self._topics: list[Subscription] = []
         self._ticks = 0
         for topic in topics_of_graph(fleet, kinematic=False):
@@ -215,13 +224,17 @@ class BareRecorder(_BareNode):
                 pass
 
 
-def run(nodes: Sequence[NodeSpec], fleet: Sequence[str], on_tick: Callable[[int], None]) -> int:
+def run(
+    nodes: Sequence[NodeSpec], fleet: Sequence[str], on_tick: Callable[[int], None], *, is_lean: bool
+) -> int:
     """Be a process of these nodes; `on_tick` is called in that of the relay, at every tick."""
     makers = {"vehicle": BareVehicle, "agent": BareAgent, "recorder": BareRecorder}
 
     def make() -> list[Node]:
         return [
-            BareRelay(spec, fleet, on_tick) if spec.role == "relay" else makers[spec.role](spec, fleet)
+            BareRelay(spec, fleet, on_tick, is_lean=is_lean)
+            if spec.role == "relay"
+            else makers[spec.role](spec, fleet, is_lean=is_lean)
             for spec in nodes
         ]
 

@@ -26,6 +26,9 @@ from auv_bringup.processes import ChildProcesses
 from auv_bringup.scenario import SCENARIOS_DIR, Scenario, load_scenario
 
 MAIN_JOB = "flock_acoustic"
+OURS, PLAIN, LEAN = "ours", "plain", "lean"
+"""What flies: our nodes with their bag, or one of the bare patterns of their messages."""
+PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
 DURATION_S = 1e5
 _PATIENCE_S = 120.0
 _WARM_TICKS = 30
@@ -68,19 +71,24 @@ def run_ours(parts: Sequence[Part], environ: dict[str, str], tick: Any) -> int:
     return run(parts)
 
 
-def run_bare(nodes: Sequence[NodeSpec], fleet: Sequence[str], environ: dict[str, str], tick: Any) -> int:
-    """Be a process of the bare pattern."""
+def run_bare(
+    nodes: Sequence[NodeSpec], fleet: Sequence[str], environ: dict[str, str], tick: Any, *, is_lean: bool
+) -> int:
+    """Be a process of a bare pattern; the plain one takes the middleware as it comes."""
     from benchmarks.bare_pattern import run
+
+    if not is_lean:
+        environ = {name: value for name, value in environ.items() if name != PROFILES}
 
     def count(number: int) -> None:
         tick.value = number
 
     adopt(environ)
-    return run(nodes, fleet, count)
+    return run(nodes, fleet, count, is_lean=is_lean)
 
 
 @contextmanager
-def flight(scenario: Scenario, layout: str, *, bare: bool) -> Iterator[tuple[ChildProcesses, Any]]:
+def flight(scenario: Scenario, layout: str, what: str) -> Iterator[tuple[ChildProcesses, Any]]:
     """Fly until the block is left; give the processes and their shared tick."""
     environ = node_environment(
         os.environ, domain_id=int(os.environ.get("ROS_DOMAIN_ID") or 0), discovery="localhost"
@@ -95,9 +103,9 @@ def flight(scenario: Scenario, layout: str, *, bare: bool) -> Iterator[tuple[Chi
             import_module(module)
         for process in process_specs(nodes, layout):
             run: Callable[[], int] = (
-                partial(run_bare, process.nodes, fleet, environ, tick)
-                if bare
-                else partial(run_ours, parts_of(process, folder), environ, tick)
+                partial(run_ours, parts_of(process, folder), environ, tick)
+                if what == OURS
+                else partial(run_bare, process.nodes, fleet, environ, tick, is_lean=what == LEAN)
             )
             children.fork(process.name, run, log=folder / f"{log_name(process.name)}.log")
         try:
@@ -108,9 +116,9 @@ def flight(scenario: Scenario, layout: str, *, bare: bool) -> Iterator[tuple[Chi
             raise
 
 
-def measure(scenario: Scenario, layout: str, *, bare: bool, block_s: float) -> Block:
+def measure(scenario: Scenario, layout: str, what: str, *, block_s: float) -> Block:
     """Return what a stretch of `block_s` of a fresh flight cost."""
-    with flight(scenario, layout, bare=bare) as (children, tick):
+    with flight(scenario, layout, what) as (children, tick):
         deadline_s = time.monotonic() + _PATIENCE_S
         while tick.value < _WARM_TICKS:
             if time.monotonic() > deadline_s or children.collect_exits():
