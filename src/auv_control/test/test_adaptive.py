@@ -287,8 +287,8 @@ def test_first_estimates_outside_the_box_begin_at_its_edge():
 def test_a_blended_start_begins_without_an_error(name, view):
     """At the first instant e = 0, so only the motion, not the place, asks for a force."""
     law = Controller(replace(preset(name).params, blend_s=40.0), 0.05)
-    here = replace(view, path=replace(view.path, position=view.nav.position))
-    there = replace(here, path=replace(here.path, position=(100.0, -50.0, 20.0)))
+    here = replace(view, path=view.path._replace(position=view.nav.position))
+    there = replace(here, path=here.path._replace(position=(100.0, -50.0, 20.0)))
     for other in (here, there):
         assert law.initial_state(other)[-5] == view.t_s
     np.testing.assert_allclose(
@@ -313,7 +313,7 @@ def test_leakage_draws_back_to_the_first_estimates():
     """With no error left, a^' = -sigma GAM (a^ - a^(0))."""
     law = Controller(Params(blend_s=0.0, initial_ratio=0.7, leakage_ps=1e-3), 0.05)
     view = flat_view((0.0,) * 4, (0.0,) * 4)
-    view = replace(view, path=replace(view.path, velocity=(0.0, 0.0, 0.0), heading_rate_radps=0.0))
+    view = replace(view, path=view.path._replace(velocity=(0.0, 0.0, 0.0), heading_rate_radps=0.0))
     view = replace(view, nav=view.nav._replace(nu=(0.0,) * 6))
     first = np.array(law.initial_state(view))
     np.testing.assert_allclose(law.evaluate(tuple(first), view)[1], 0.0, atol=1e-15)
@@ -327,7 +327,7 @@ def test_leakage_draws_back_to_the_first_estimates():
 @given(view=views(), turns=st.integers(-3, 3))
 def test_whole_turns_of_the_reference_do_not_matter(name, view, turns):
     law = preset(name)
-    turned = replace(view, path=replace(view.path, heading_rad=view.path.heading_rad + 2.0 * math.pi * turns))
+    turned = replace(view, path=view.path._replace(heading_rad=view.path.heading_rad + 2.0 * math.pi * turns))
     gap = math.remainder(
         2.0 * math.atan2(view.nav.attitude[3], view.nav.attitude[0]) - view.path.heading_rad, 2 * math.pi
     )

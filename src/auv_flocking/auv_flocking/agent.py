@@ -257,7 +257,8 @@ class Agent:
             What the modem received since the last tick.
 
         """
-        self._receive(inbox, t_s)
+        if inbox.receptions:
+            self._receive(inbox, t_s)
         is_lost = not is_usable(nav)
         if inbox.contacts and not is_lost:
             self._table.observe(t_s, nav, inbox.contacts)
@@ -281,7 +282,7 @@ class Agent:
         return self._safe_command()
 
     def _act(self, t_s: float, nav: VehicleState) -> Command:
-        is_waiting = self._table.heard < self._config.fleet_size - 1 and t_s < self._config.hold_s
+        is_waiting = t_s < self._config.hold_s and self._table.heard < self._config.fleet_size - 1
         path = self.path_point(t_s)
         if isinstance(self.task, MotionTask):
             return self.task.step(t_s, nav, path, self.neighbours, is_waiting=is_waiting)

@@ -15,7 +15,15 @@ from numpy.typing import NDArray
 from auv_core.compiled import entry, inner
 from auv_core.geometry import Vec3, limited
 from auv_flocking.central import Numbers, along, no_strength
-from auv_flocking.estimates import AGE, COVARIANCE, NAVIGATION_SD, POSITION, SONAR_AGE, VELOCITY
+from auv_flocking.estimates import (
+    AGE,
+    COVARIANCE,
+    FLOCK_STAMP,
+    NAVIGATION_SD,
+    POSITION,
+    SONAR_AGE,
+    VELOCITY,
+)
 from auv_flocking.half_spaces import into_half_spaces
 
 Matrix = NDArray[np.float64]
@@ -41,7 +49,7 @@ def matched(lag_budget_rad: float, age_s: float) -> float:
     return min(1.0, lag_budget_rad / max(age_s, _NO_AGE_S))
 
 
-@entry("float64(float64[:, ::1], int64[::1], float64[::1], float64, float64)")
+@entry("float64(float64[:, ::1], int64[::1], float64[::1], float64, float64)", allocates=False)
 def remember_ages(
     rows: Matrix, addresses: NDArray[np.int64], usual_s: Matrix, running_s: float, share: float
 ) -> float:
@@ -70,6 +78,16 @@ def remember_ages(
         usual_s[address] = now_s
         total_s += max(age_s, now_s)
     return total_s
+
+
+@entry("int64(float64[:, ::1], float64)", allocates=False)
+def newer_stamp(rows: Matrix, stamp_s: float) -> int:
+    """Return whose flock velocity is the newest of those stamped later than `stamp_s` (s); -1: nobody's."""
+    newest, newest_s = -1, stamp_s
+    for k in range(len(rows)):
+        if rows[k, FLOCK_STAMP] > newest_s:
+            newest, newest_s = k, float(rows[k, FLOCK_STAMP])
+    return newest
 
 
 @inner
@@ -151,14 +169,15 @@ def _obstacle_bound(normal: Vec3, distance_m: float, safety_m: float, flock: Vec
 
 
 @entry(
-    "TUPLE3(TUPLE3, TUPLE3, TUPLE3, float64[:, ::1], float64[::1], float64[:, ::1], float64, TUPLE14,"
-    "float64[::1], float64[::1], float64[:, ::1])"
+    "TUPLE3(TUPLE3, TUPLE3, TUPLE3, float64[:, ::1], int64[::1], float64[::1], float64[:, ::1], float64,"
+    "TUPLE14, float64[::1], float64[::1], float64[:, ::1])"
 )
 def correction(
     own: Vec3,
     centre: Vec3,
     flock: Vec3,
     rows: Matrix,
+    addresses: NDArray[np.int64],
     usual_s: Matrix,
     obstacles: Matrix,
     age_s: float,
@@ -176,8 +195,10 @@ def correction(
     ----------
     own, centre, flock : (3,) tuple
         Own position and estimate of the flock's centre (m), and the flock's velocity (m/s); NED.
-    rows, usual_s : (n, WIDTH), (n,) array
-        The neighbours, and what the age of their packets has been of late (s).
+    rows, addresses : (n, WIDTH), (n,) array
+        The neighbours.
+    usual_s : (256,) array
+        What the age of the packets has been of late, by address (s).
     obstacles : (k, 4) array
         Positions and safety distances (m; NED).
     age_s : float
@@ -198,7 +219,7 @@ def correction(
     half_spaces = np.empty((count, 4))
     for k in range(count):
         if k < n:
-            view = outlook(rows[k], float(usual_s[k]), own, flock, gains)
+            view = outlook(rows[k], float(usual_s[addresses[k]]), own, flock, gains)
             normal, factor, spacing_m = (view[0], view[1], view[2]), view[7], view[6]
             other = (float(rows[k, POSITION]), float(rows[k, POSITION + 1]), float(rows[k, POSITION + 2]))
             bound_mps = _neighbour_bound(view, limit_mps, gains)

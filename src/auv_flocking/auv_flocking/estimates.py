@@ -22,8 +22,8 @@ from auv_flocking.neighbour_motion import carried, grown
 Matrix = NDArray[np.float64]
 
 # Columns of an estimate; vectors and the covariance (36 numbers) begin there.
-POSITION, VELOCITY, COVARIANCE, AGE, CENTRE, FLOCK_VELOCITY = 0, 3, 6, 42, 43, 46
-FLOCK_STAMP, SONAR_AGE, NAVIGATION_SD, TIME = 49, 50, 51, 52
+POSITION, VELOCITY, COVARIANCE, AGE, SONAR_AGE, CENTRE, FLOCK_VELOCITY = 0, 3, 6, 42, 43, 44, 47
+FLOCK_STAMP, NAVIGATION_SD, TIME = 50, 51, 52
 WIDTH = 53
 
 # Columns of a source: the state (10) and its covariance (36) at a time, and the newest report.
@@ -96,8 +96,8 @@ class Estimates(Sequence[NeighbourEstimate]):
             return estimates
         rows = [
             (
-                *e.position, *e.velocity, *e.covariance.ravel(), e.age_s, *e.centre, *e.flock_velocity,
-                e.flock_stamp_s, e.sonar_age_s, e.navigation_sd_m, e.time_s,
+                *e.position, *e.velocity, *e.covariance.ravel(), e.age_s, e.sonar_age_s, *e.centre,
+                *e.flock_velocity, e.flock_stamp_s, e.navigation_sd_m, e.time_s,
             )
             for e in estimates
         ]  # fmt: skip
@@ -221,7 +221,7 @@ def write_source(
     source[_STATE_TIME:] = (time_s, psd, float(drifts), *towards, *report, seen_s)
 
 
-@entry("int64(float64, float64, float64, float64[:, ::1], float64[:, ::1], int64[::1])")
+@entry("int64(float64, float64, float64, float64[:, ::1], float64[:, ::1], int64[::1])", allocates=False)
 def carried_to(
     t_s: float, memory_s: float, timeout_s: float, sources: Matrix, rows: Matrix, who: NDArray[np.int64]
 ) -> int:

@@ -50,19 +50,19 @@ class FlockTask:
         is_waiting: bool,
     ) -> Command:
         """Return the command of one control period; while `is_waiting` the vehicle holds its station."""
-        law, consensus, estimates = self._law, self._consensus, Estimates.of(neighbours)
-        law.hear(estimates, self._period_s)
-        self.centre = consensus.centre(nav.position, estimates)
-        self.flock_velocity = law.flock_velocity(t_s, path, self.centre, self.flock_velocity, estimates)
-        view = self._view(path, nav.position, self.centre, Positions(estimates), estimates)
+        law, consensus, period_s = self._law, self._consensus, self._period_s
+        position, estimates = nav.position, Estimates.of(neighbours)
+        law.hear(estimates, period_s)
+        self.centre = centre = consensus.centre(position, estimates)
+        self.flock_velocity = law.flock_velocity(t_s, path, centre, self.flock_velocity, estimates)
+        flock = self.flock_velocity.velocity
+        view = View(position, centre, flock, Positions(estimates), self._obstacles, path, estimates)
         velocity = law.velocity(view)
         if not is_waiting:
-            law.adapt(view, self._period_s)
+            law.adapt(view, period_s)
         self.reference = VelocityReference(_ZERO if is_waiting else velocity, path.heading_rad)
         command: Command = self._controller.step(nav, self.reference)
-        self.centre_rate = consensus.advance(
-            nav.position, estimates, self.flock_velocity.velocity, self._period_s
-        )
+        self.centre_rate = consensus.advance(position, estimates, flock, period_s)
         return command
 
     def shared(self) -> tuple[float, ...]:
@@ -75,19 +75,9 @@ class FlockTask:
         Return what the flocking law asks (m/s; NED) of this vehicle at `position`, with its present flock
         velocity.
         """
-        velocity: Vec3 = self._law.velocity(self._view(path, position, centre, neighbours, ()))
+        flock = self.flock_velocity.velocity
+        velocity: Vec3 = self._law.velocity(View(position, centre, flock, neighbours, self._obstacles, path))
         return velocity
-
-    def _view(
-        self,
-        path: PathPoint,
-        position: Vec3,
-        centre: Vec3,
-        neighbours: Sequence[Vec3],
-        estimates: Sequence[NeighbourEstimate],
-    ) -> View:
-        flock_velocity = self.flock_velocity.velocity
-        return View(position, centre, flock_velocity, neighbours, self._obstacles, path, estimates)
 
     def consensus_rate(self, position: Vec3, centre: Vec3, neighbour_centres: list[Vec3]) -> Vec3:
         """Return the rate of the flocking-centre estimate (m/s; NED)."""

@@ -20,7 +20,8 @@ rho times the error before it plus something new, rho = (variance after)/(varian
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,8 +50,7 @@ _RATE_MEMORY_S = 2000.0
 _OUTGROWN_RATIO = 1.3
 
 
-@dataclass(frozen=True, slots=True)
-class Unaided:
+class Unaided(NamedTuple):
     """
     What would be known of the offset had the sonar never been: variances of b, of b and c, of c, per axis
     (m^2, m^2/s, m^2/s^2), and the sender's variance as it last stated it (m^2).
@@ -68,8 +68,7 @@ class Unaided:
         return Unaided(offset_m2, mixed, self.rate + rate_psd * dt_s, self.sender_m2)
 
 
-@dataclass(frozen=True, slots=True)
-class Stated:
+class Stated(NamedTuple):
     """Variances that two navigations state of themselves (m^2, per horizontal axis)."""
 
     own_m2: float
@@ -152,8 +151,7 @@ def topped_up(P: Matrix, unaided: Unaided, stated: Stated, drift_rate_mps: float
     more_rate = max(stated.rate(drift_rate_mps) - unaided.rate, 0.0)
     if more_m2 > 0.0 or more_rate > 0.0:
         P = P + more_m2 * _POSITION_DRIFT + more_rate * _VELOCITY_DRIFT
-    return P, replace(
-        unaided,
+    return P, unaided._replace(
         offset_m2=unaided.offset_m2 + more_m2,
         rate=unaided.rate + more_rate,
         sender_m2=stated.sender_m2,
@@ -220,4 +218,4 @@ class OwnFix:
         gone = 1.0 - self.after_m2 / self.before_m2
         offset_m2 = max(unaided.offset_m2 - gone * self.before_m2, self.after_m2 + unaided.sender_m2)
         k = self.before_m2 / (self.before_m2 + unaided.sender_m2)
-        return x, replace(unaided, offset_m2=offset_m2, mixed=(1.0 - gone * k) * unaided.mixed)
+        return x, unaided._replace(offset_m2=offset_m2, mixed=(1.0 - gone * k) * unaided.mixed)

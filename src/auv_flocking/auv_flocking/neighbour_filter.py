@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,8 +98,7 @@ def with_rounding(config: NeighbourConfig, report_format: Any) -> NeighbourConfi
     )
 
 
-@dataclass(frozen=True, slots=True)
-class Unrest:
+class Unrest(NamedTuple):
     """
     How much a neighbour has changed its velocity, by its packets: the newest one's time tag (s) and velocity
     (m/s; NED), and the fading sums of squared changes per axis (m^2/s^2) and of the times that they took (s).
@@ -123,8 +122,7 @@ class Unrest:
         return Unrest(report.time_s, report.velocity, squares, kept * self.duration_s + gap_s)
 
 
-@dataclass(frozen=True, slots=True)
-class Belief:
+class Belief(NamedTuple):
     """
     What is believed of a neighbour at one time.
 
@@ -242,7 +240,7 @@ class NeighbourFilter:
         z, H, R = fix.tells(ahead.unaided.sender_m2)
         after = self._updated(ahead, z - H @ ahead.x, H, R, ahead.psd, ahead.flock_velocity)
         x, unaided = fix.shifted(after.x, ahead.unaided)
-        return replace(after, x=x, unaided=unaided)
+        return after._replace(x=x, unaided=unaided)
 
     def _unrest(self, belief: Belief, report: Report) -> tuple[Unrest | None, float]:
         """
@@ -268,7 +266,7 @@ class NeighbourFilter:
         if stated.sender_m2 < _FIX_RATIO * _FIX_RATIO * unaided.sender_m2:
             x, P, unaided = offset.after_sender_fix(x, P, unaided, stated.own_m2, stated.sender_m2)
         P, unaided = offset.topped_up(P, unaided, stated, self._config.drift_rate_mps)
-        return replace(belief, x=x, P=P, unaided=unaided)
+        return belief._replace(x=x, P=P, unaided=unaided)
 
     def _predicted(self, belief: Belief, t_s: float, psd: float, unrest: Unrest | None) -> Belief:
         dt_s = t_s - belief.time_s

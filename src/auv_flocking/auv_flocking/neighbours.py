@@ -112,6 +112,7 @@ class NeighbourTable:
         self._tracks: dict[int, Track] = {}
         self._in_order: list[Track] = []
         self._sources = np.empty((0, SOURCE_WIDTH))
+        self._source_of = np.empty(0, dtype=np.int64)
         self._said: _Said = ([], [], np.empty(0, dtype=np.int64))
         self._stale: set[Track] = set()
         self._carried_to = fastest(carried_to)
@@ -140,6 +141,7 @@ class NeighbourTable:
             self._tracks[report.address] = Track(heard, self._filter, self._config.velocity_memory_s)
             self._in_order = [track for _, track in sorted(self._tracks.items())]
             self._sources = np.empty((len(self._in_order), SOURCE_WIDTH))
+            self._source_of = np.empty(len(self._in_order), dtype=np.int64)
             self._stale.update(self._in_order)
         elif track.hear(heard):
             self._stale.add(track)
@@ -186,20 +188,26 @@ class NeighbourTable:
         return self._carried(t_s)
 
     def _carried(self, t_s: float) -> Estimates:
-        tracks, config = self._in_order, self._config
         if self._stale:
-            for row, track in enumerate(tracks):
-                if track in self._stale:
-                    track.write(self._sources[row])
-            addresses = [track.report.address for track in tracks]
-            self._said = (addresses, [track.report.shared for track in tracks], np.array(addresses))
-            self._stale.clear()
-        rows, who = np.empty((len(tracks), WIDTH)), np.empty(len(tracks), dtype=np.int64)
-        n = self._carried_to(t_s, config.velocity_memory_s, config.timeout_s, self._sources, rows, who)
+            self._write_stale()
+        config, sources, source_of = self._config, self._sources, self._source_of
+        rows = np.empty((len(sources), WIDTH))
+        n = self._carried_to(t_s, config.velocity_memory_s, config.timeout_s, sources, rows, source_of)
         addresses, shared, numbers = self._said
-        if n == len(tracks):
+        if n == len(sources):
             return Estimates(addresses, rows, shared, numbers)
-        return Estimates([addresses[k] for k in who[:n]], rows[:n], [shared[k] for k in who[:n]])
+        who = source_of[:n].tolist()
+        return Estimates([addresses[k] for k in who], rows[:n], [shared[k] for k in who])
+
+    def _write_stale(self) -> None:
+        """Write what has changed since the last time into the sources."""
+        tracks = self._in_order
+        for row, track in enumerate(tracks):
+            if track in self._stale:
+                track.write(self._sources[row])
+        addresses = [track.report.address for track in tracks]
+        self._said = (addresses, [track.report.shared for track in tracks], np.array(addresses))
+        self._stale.clear()
 
     def _follow(self, t_s: float, nav: VehicleState) -> None:
         """Take note of the own navigation, and of a fix that it had."""

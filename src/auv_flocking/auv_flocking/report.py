@@ -6,7 +6,7 @@ The report that a vehicle broadcasts: the record itself.  Its bytes are made by 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from auv_core.geometry import Vec3
 
@@ -17,8 +17,7 @@ class ReportError(ValueError):
     """Bytes that are not a report, or numbers that cannot be sent as one."""
 
 
-@dataclass(frozen=True, slots=True)
-class Report:
+class Report(NamedTuple):
     """
     State of one vehicle at its time tag.
 

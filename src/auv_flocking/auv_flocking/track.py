@@ -10,8 +10,7 @@ else, and beliefs are kept by reference.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from operator import attrgetter
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,8 +34,7 @@ HISTORY_S = 20.0
 _LONGEST = 128
 
 
-@dataclass(frozen=True, slots=True)
-class HeardReport:
+class HeardReport(NamedTuple):
     """A packet as a measurement: what it says at its time tag, and what was stated of both navigations."""
 
     time_s: float
@@ -46,7 +44,6 @@ class HeardReport:
 
 Measurement = OwnFix | HeardReport | Sighting
 _ORDER = {OwnFix: 0, HeardReport: 1, Sighting: 2}
-_when = attrgetter("time_s")
 
 
 class Track:

@@ -119,8 +119,8 @@ def test_flock_feedforward_gives_everybody_the_flocks_velocity(is_leader):
 def test_a_blind_follower_never_depends_on_the_path(view, position, velocity, heard, feedforward):
     law = _law(is_leader=False, followers="blind", feedforward=feedforward)
     other = PathPoint(position, velocity)
-    assert law.velocity(view) == law.velocity(replace(view, path=other))
-    assert _belief(law, view, heard) == _belief(law, replace(view, path=other), heard)
+    assert law.velocity(view) == law.velocity(view._replace(path=other))
+    assert _belief(law, view, heard) == _belief(law, view._replace(path=other), heard)
 
 
 @MODERATE
@@ -147,7 +147,7 @@ def test_the_limit_bounds_the_leaders_steering(view, limit_mps):
 @given(VIEWS, st.booleans())
 def test_the_order_of_neighbours_hardly_matters(view, is_leader):
     law = _law(is_leader)
-    turned = replace(view, neighbours=tuple(reversed(view.neighbours)))
+    turned = view._replace(neighbours=tuple(reversed(view.neighbours)))
     forward = law.velocity(view)
     np.testing.assert_allclose(
         law.velocity(turned), forward, rtol=1e-9, atol=1e-9 * (1.0 + math.hypot(*forward))

@@ -3,7 +3,6 @@
 import math
 import random
 import struct
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -26,7 +25,7 @@ EVERY = pytest.mark.parametrize("kind", KINDS)
 FLOAT_32 = st.floats(-1e6, 1e6, width=32)
 VECTORS = st.tuples(FLOAT_32, FLOAT_32, FLOAT_32)
 EXACT_REPORTS = st.builds(
-    lambda report, age_s: replace(report, flock_stamp_s=report.time_s - age_s),
+    lambda report, age_s: report._replace(flock_stamp_s=report.time_s - age_s),
     st.builds(
         Report,
         address=st.integers(1, 255),
@@ -49,8 +48,7 @@ def _vector(bound):
 
 
 COMPACT_REPORTS = st.builds(
-    lambda report, offset, age_s: replace(
-        report,
+    lambda report, offset, age_s: report._replace(
         centre=tuple(np.add(report.position, offset).tolist()),
         flock_stamp_s=report.time_s - age_s,
     ),
@@ -82,7 +80,7 @@ ONE = Report(
     12.0,
     0.5,
 )
-ONE_SHARED = replace(ONE, shared=(1.0, 0.5))
+ONE_SHARED = ONE._replace(shared=(1.0, 0.5))
 
 
 def _format(kind, shared=()):
@@ -102,7 +100,7 @@ def test_exact_gives_a_report_of_32_bit_numbers_back_as_it_was(report):
 @given(EXACT_REPORTS, st.tuples(*[st.floats(-1000.0, 1000.0)] * 3))
 def test_exact_rounds_positions_to_32_bits(report, position):
     form = _format("exact", SHARED)
-    back = form.decode(form.encode(replace(report, position=position)), 0.0)
+    back = form.decode(form.encode(report._replace(position=position)), 0.0)
     np.testing.assert_allclose(back.position, position, rtol=6e-8, atol=1e-40)
 
 
@@ -116,7 +114,7 @@ def test_exact_numbers_stand_where_the_layout_says():
 
 def test_exact_saturates_what_no_vehicle_can_mean():
     form = _format("exact")
-    report = form.decode(form.encode(replace(ONE, velocity=(1e300, -math.inf, 0.0), flock_stamp_s=13.0)), 0.0)
+    report = form.decode(form.encode(ONE._replace(velocity=(1e300, -math.inf, 0.0), flock_stamp_s=13.0)), 0.0)
     assert report.velocity == (1e9, -1e9, 0.0)
     assert report.flock_stamp_s == report.time_s == 12.5
     assert form.saturated == 3
@@ -163,23 +161,23 @@ def test_compact_stamps_are_passed_on_without_a_change():
     for hop in range(1, 40):
         tick = 6013 + 7 * hop
         stamp_s = form.decode(
-            form.encode(replace(ONE, time_s=tick * 0.1, flock_stamp_s=stamp_s)), tick * 0.1 + 2.0
+            form.encode(ONE._replace(time_s=tick * 0.1, flock_stamp_s=stamp_s)), tick * 0.1 + 2.0
         ).flock_stamp_s
     assert stamp_s == pytest.approx(601.3, abs=1e-9)
 
 
 def test_compact_ages_end_at_their_maximum():
     form = _format("compact")
-    old = form.decode(form.encode(replace(ONE, time_s=1000.0, flock_stamp_s=3.0)), 1001.0)
+    old = form.decode(form.encode(ONE._replace(time_s=1000.0, flock_stamp_s=3.0)), 1001.0)
     assert old.flock_stamp_s == pytest.approx(1000.0 - 163.82)
-    newer = form.decode(form.encode(replace(ONE, flock_stamp_s=13.0)), 12.5)
+    newer = form.decode(form.encode(ONE._replace(flock_stamp_s=13.0)), 12.5)
     assert newer.flock_stamp_s == 12.5
     assert form.saturated == 2
 
 
 def test_compact_counts_what_is_out_of_bounds():
     form = _format("compact")
-    far = replace(ONE, position=(6000.0, 0.0, -500.0), centre=(5300.0, 90.0, -100.0))
+    far = ONE._replace(position=(6000.0, 0.0, -500.0), centre=(5300.0, 90.0, -100.0))
     back = form.decode(form.encode(far), 12.5)
     assert form.saturated == 3
     assert back.position == pytest.approx((5242.86, 0.0, -163.84))
@@ -189,7 +187,7 @@ def test_compact_counts_what_is_out_of_bounds():
 def test_compact_resolutions_can_be_chosen():
     form = compact.Format(compact.Params(position_resolution_m=0.1), ())
     assert form.payload_bytes == 32
-    back = form.decode(form.encode(replace(ONE, position=(26000.0, -26000.0, 5000.0))), 12.5)
+    back = form.decode(form.encode(ONE._replace(position=(26000.0, -26000.0, 5000.0))), 12.5)
     assert back.position == pytest.approx((26000.0, -26000.0, 5000.0), abs=0.05)
 
 
@@ -219,7 +217,7 @@ def test_every_report_has_the_stated_length(kind, report):
 )
 def test_what_cannot_be_sent_is_refused(kind, change):
     with pytest.raises(ReportError):
-        _format(kind, SHARED).encode(replace(ONE_SHARED, **change))
+        _format(kind, SHARED).encode(ONE_SHARED._replace(**change))
 
 
 @EVERY

@@ -35,14 +35,14 @@ the vehicle's model takes, and with ``follows`` what it is fed:
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
 from auv_core.messages import VehicleState
 
 
-@dataclass(frozen=True, slots=True)
-class VelocityReference:
+class VelocityReference(NamedTuple):
     """What a flocking law asks of its vehicle: velocity over ground (m/s; NED) and heading (rad)."""
 
     velocity: Vec3

@@ -118,12 +118,9 @@ class Controller:
             Velocity over ground (m/s; NED) and heading (rad).
 
         """
-        tau, growth = self.evaluate(nav.attitude, nav.nu, self._integral, reference)
-        self._integral = (
-            self._integral[0] + self._period_s * growth[0],
-            self._integral[1] + self._period_s * growth[1],
-            self._integral[2] + self._period_s * growth[2],
-        )
+        dt_s, (x, y, z) = self._period_s, self._integral
+        tau, (dx, dy, dz) = self.evaluate(nav.attitude, nav.nu, self._integral, reference)
+        self._integral = (x + dt_s * dx, y + dt_s * dy, z + dt_s * dz)
         return Wrench(tau)
 
     def evaluate(

@@ -8,13 +8,12 @@ its ``kind``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from auv_core.geometry import Vec3
 
 
-@dataclass(frozen=True, slots=True)
-class PathPoint:
+class PathPoint(NamedTuple):
     """
     The reference at one instant.
 

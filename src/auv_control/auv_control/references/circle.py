@@ -31,22 +31,24 @@ class Reference:
 
     def __init__(self, params: Params) -> None:
         self._params = params
+        self._speed_mps = params.radius_m * params.rate_radps
+        self._pull_mps2 = self._speed_mps * params.rate_radps
         self.period_s = 2.0 * math.pi / abs(params.rate_radps) if params.rate_radps else None
 
     def at(self, t_s: float) -> PathPoint:
         """Return the point of the path at `t_s`."""
-        p = self._params
+        p, speed_mps, pull_mps2 = self._params, self._speed_mps, self._pull_mps2
         angle = p.rate_radps * t_s
         sine, cosine = math.sin(angle), math.cos(angle)
-        speed_mps = p.radius_m * p.rate_radps
-        pull_mps2 = speed_mps * p.rate_radps
-        along = p.heading == "tangent"
+        heading_rad, heading_rate_radps = p.heading_rad, 0.0
+        if p.heading == "tangent":
+            heading_rad, heading_rate_radps = math.remainder(_course(p, angle), 2.0 * math.pi), -p.rate_radps
         return PathPoint(
-            position=(p.radius_m * sine, p.radius_m * cosine, p.depth_m),
-            velocity=(speed_mps * cosine, -speed_mps * sine, 0.0),
-            acceleration=(-pull_mps2 * sine, -pull_mps2 * cosine, 0.0),
-            heading_rad=math.remainder(_course(p, angle), 2.0 * math.pi) if along else p.heading_rad,
-            heading_rate_radps=-p.rate_radps if along else 0.0,
+            (p.radius_m * sine, p.radius_m * cosine, p.depth_m),
+            (speed_mps * cosine, -speed_mps * sine, 0.0),
+            (-pull_mps2 * sine, -pull_mps2 * cosine, 0.0),
+            heading_rad,
+            heading_rate_radps,
         )
 
 

@@ -35,7 +35,7 @@ class Params:
         return self.follow_flock
 
 
-@entry("TUPLE3(TUPLE3, float64[:, ::1])")
+@entry("TUPLE3(TUPLE3, float64[:, ::1])", allocates=False)
 def mean(own: Vec3, rows: NDArray[np.float64]) -> Vec3:
     """Return the mean (m; NED) of a position and of those at the beginning of `rows` (n, 3 or more)."""
     x, y, z = own

@@ -22,15 +22,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
 from auv_flocking.estimates import NeighbourEstimate
 
 
-@dataclass(frozen=True, slots=True)
-class FlockVelocity:
+class FlockVelocity(NamedTuple):
     """
     A belief of the flock's velocity (m/s; NED), and when a leader made it (s).
 
@@ -44,8 +43,7 @@ class FlockVelocity:
 NOTHING_HEARD = FlockVelocity((0.0, 0.0, 0.0), -math.inf)
 
 
-@dataclass(frozen=True, slots=True)
-class View:
+class View(NamedTuple):
     """
     What one vehicle knows at one instant; positions in m, velocities in m/s, all NED.
 

@@ -48,7 +48,15 @@ from auv_control.references import PathPoint
 from auv_core.compiled import fastest, specialised
 from auv_core.geometry import Vec3, limited
 from auv_core.params import param
-from auv_flocking.correction import SPACING, Gains, correction, matched, outlook, remember_ages
+from auv_flocking.correction import (
+    SPACING,
+    Gains,
+    correction,
+    matched,
+    newer_stamp,
+    outlook,
+    remember_ages,
+)
 from auv_flocking.estimates import FLOCK_STAMP, FLOCK_VELOCITY, Estimates, NeighbourEstimate
 from auv_flocking.flocking import FlockVelocity, View
 from auv_flocking.flocking.potential import SeparationLaw
@@ -141,7 +149,7 @@ class Flocking:
         self._numbers = numbers, getattr(separation, "obstacle_numbers", numbers)
         self._obstacles: tuple[Obstacles, Matrix] = ((), np.empty((0, 4)))
         self._running_s = 0.0
-        self._remember = fastest(remember_ages)
+        self._remember, self._newer_stamp = fastest(remember_ages), fastest(newer_stamp)
         self._usual_age_s = np.full(_ADDRESSES, -1.0)
         self.age_s = 0.0
 
@@ -191,11 +199,10 @@ class Flocking:
         if self._is_leader:
             return FlockVelocity(self._steered(path, centre), t_s)
         rows, newest = Estimates.of(estimates).rows, own
-        if len(rows):
-            row = rows[rows[:, FLOCK_STAMP].argmax()]
-            if row[FLOCK_STAMP] > own.stamp_s:
-                x, y, z = row[FLOCK_VELOCITY:FLOCK_STAMP].tolist()
-                newest = FlockVelocity((x, y, z), float(row[FLOCK_STAMP]))
+        index = self._newer_stamp(rows, own.stamp_s)
+        if index >= 0:
+            x, y, z, stamp_s = rows[index, FLOCK_VELOCITY : FLOCK_STAMP + 1].tolist()
+            newest = FlockVelocity((x, y, z), stamp_s)
         if self._params.relay == "newest":
             return newest
         heard = [own.velocity, *rows[:, FLOCK_VELOCITY:FLOCK_STAMP].tolist()]
@@ -213,18 +220,18 @@ class Flocking:
     def velocity(self, view: View) -> Vec3:
         """Return the velocity over ground that the vehicle asks of itself (m/s; NED)."""
         flock, estimates = view.flock_velocity, Estimates.of(view.estimates)
-        usual_s = self._usual_age_s[estimates.who]
         x, y, z = self._correction(
             view.position,
             view.centre,
             flock,
             estimates.rows,
-            usual_s,
+            estimates.who,
+            self._usual_age_s,
             self._as_rows(view.obstacles),
             self.age_s,
             self._gains,
             *self._numbers,
-            _NO_PUSHES if self._is_central else self._pushes(view, estimates, usual_s),
+            _NO_PUSHES if self._is_central else self._pushes(view, estimates),
         )
         return (flock[0] + x, flock[1] + y, flock[2] + z)
 
@@ -234,9 +241,9 @@ class Flocking:
             distances_m = [math.dist(view.position, other) for other in view.neighbours]
             self._learn(distances_m, self._params.spacing_m, dt_s)
 
-    def _pushes(self, view: View, estimates: Estimates, usual_s: Matrix) -> Matrix:
+    def _pushes(self, view: View, estimates: Estimates) -> Matrix:
         """Return what a separation law that has no `strength` asks because of neighbours and obstacles."""
-        own, flock = view.position, view.flock_velocity
+        own, flock, usual_s = view.position, view.flock_velocity, self._usual_age_s[estimates.who]
         spacings_m = [
             outlook(row, usual, own, flock, self._gains)[SPACING]
             for row, usual in zip(estimates.rows, usual_s, strict=True)
