@@ -123,7 +123,10 @@ class Layout:
         self.payload_bytes = (self.bits + 7) // 8
         self.saturated = 0
         self._padding = 8 * self.payload_bytes - self.bits
-        self._from_last = [(item, item.bits, (1 << item.bits) - 1) for item in reversed(self.fields)]
+        self._from_last = [
+            (item, item.bits, (1 << item.bits) - 1, item.levels, item.lowest, item.resolution)
+            for item in reversed(self.fields)
+        ]
 
     def pack(self, values: Sequence[float]) -> bytes:
         """
@@ -166,11 +169,11 @@ class Layout:
             raise ReportError("the padding at the end of a report is not zero")
         word >>= self._padding
         values = []
-        for item, bits, mask in self._from_last:
+        for item, bits, mask, levels, lowest, resolution in self._from_last:
             level = word & mask
-            if level >= item.levels:
+            if level >= levels:
                 raise ReportError(f"{item.name}: {level} stands for no value")
-            values.append((level + item.lowest) * item.resolution)
+            values.append((level + lowest) * resolution)
             word >>= bits
         values.reverse()
         return values

@@ -183,6 +183,10 @@ def position_rows(heard: Sequence[Any]) -> Matrix:
     return np.array([other.position for other in heard], dtype=np.float64).reshape(-1, 3)
 
 
+@entry(
+    "void(float64[::1], float64, float64[::1], float64[:, ::1], float64, TUPLE3, TUPLE12, float64)",
+    allocates=False,
+)
 def write_source(
     source: Matrix,
     time_s: float,
@@ -214,11 +218,17 @@ def write_source(
         Time of the newest sonar contact (s).
 
     """
-    drifts = len(state) > 6
-    source[:10] = 0.0
-    source[: len(state)] = state
-    source[_STATE_COVARIANCE:_STATE_TIME] = covariance[:6, :6].ravel()
-    source[_STATE_TIME:] = (time_s, psd, float(drifts), *towards, *report, seen_s)
+    for k in range(10):
+        source[k] = state[k] if k < len(state) else 0.0
+    for i in range(6):
+        for j in range(6):
+            source[_STATE_COVARIANCE + 6 * i + j] = covariance[i, j]
+    source[_STATE_TIME], source[_PSD], source[_SEEN] = time_s, psd, seen_s
+    source[_DRIFTS] = 1.0 if len(state) > 6 else 0.0
+    for k in range(3):
+        source[_TOWARDS + k] = towards[k]
+    for k in range(12):
+        source[_REPORT_TIME + k] = report[k]
 
 
 @entry("int64(float64, float64, float64, float64[:, ::1], float64[:, ::1], int64[::1])", allocates=False)

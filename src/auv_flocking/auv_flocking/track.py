@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from auv_core.compiled import fastest
 from auv_flocking.estimates import (
     SOURCE_WIDTH,
     WIDTH,
@@ -57,6 +58,7 @@ class Track:
     def __init__(self, heard: HeardReport, neighbour_filter: NeighbourFilter, memory_s: float) -> None:
         self._filter = neighbour_filter
         self._memory_s = memory_s
+        self._write_source = fastest(write_source)
         self._measurements: list[Measurement] = [heard]
         self._beliefs = [neighbour_filter.first(heard.report, heard.stated)]
         self._is_whole = True
@@ -121,7 +123,7 @@ class Track:
             report.flock_stamp_s,
             report.position_sd_m,
         )
-        write_source(
+        self._write_source(
             source, belief.time_s, belief.x, belief.P, belief.psd, belief.flock_velocity, said, self.seen_s
         )
 
