@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message, serialize_message
@@ -40,7 +41,7 @@ def message_bytes(vehicle_id: str, neighbours: int) -> dict[str, bytes]:
     """Return the bytes of a message of every topic that a node of a vehicle, or the relay, publishes."""
     name, serialised = vehicle_id, serialize_message
     state = convert.state_stencil().filled(0.0, *[0] * 17)
-    estimates = convert.neighbours_stencil(neighbours).filled(0.0, 0, neighbours, *[0] * 45 * neighbours)
+    estimates = convert.neighbours_stencil(range(neighbours)).filled(0.0, 0, np.zeros((neighbours, 44)))
     status = DiagnosticStatus(name=f"{name}/agent_node: neighbours", message="oldest packet 1.0 s")
     return {
         "state": state,

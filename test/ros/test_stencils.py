@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -130,16 +131,17 @@ def test_neighbour_estimates_hold_every_number(count):
     from auv_core import conversions as convert
     from auv_msgs.msg import NeighbourEstimates
 
-    rows = [[k + 1, *(100.0 * k + n for n in range(44))] for k in range(count)]
-    flat = [number for row in rows for number in row]
-    data = convert.neighbours_stencil(count).filled(2.5, 25, count, *flat)
-    message = read(data, NeighbourEstimates)
+    rows = np.arange(60.0 * count).reshape(count, 60)[:, 5:49]
+    stencil = convert.neighbours_stencil(range(1, count + 1))
+    stencil.filled(1.0, 10, rows + 1.0)
+    message = read(stencil.filled(2.5, 25, rows), NeighbourEstimates)
+    assert_stamped(message.header, 2.5, "map_ned")
     assert (message.tick, len(message.neighbours)) == (25, count)
-    for row, neighbour in zip(rows, message.neighbours, strict=True):
-        assert neighbour.address == row[0]
-        assert [neighbour.position.x, neighbour.velocity.z] == [row[1], row[6]]
-        assert list(neighbour.covariance) == row[7:43]
-        assert [neighbour.age_s, neighbour.sonar_age_s] == row[43:45]
+    for address, row, neighbour in zip(range(1, count + 1), rows, message.neighbours, strict=True):
+        assert neighbour.address == address
+        assert [neighbour.position.x, neighbour.velocity.z] == [row[0], row[5]]
+        assert list(neighbour.covariance) == row[6:42].tolist()
+        assert [neighbour.age_s, neighbour.sonar_age_s] == row[42:].tolist()
 
 
 def test_a_flocking_centre_holds_every_number():
@@ -230,7 +232,7 @@ def test_the_acoustic_log_holds_every_number():
         assert_stamped(message.header, 2.5, "")
         assert message.tick == 25
         for ours, theirs in zip(events[:count], message.events, strict=True):
-            fields = AcousticEvent.__dataclass_fields__
+            fields = AcousticEvent._fields
             assert [getattr(ours, name) for name in fields] == [getattr(theirs, name) for name in fields]
 
 

@@ -21,6 +21,7 @@ _STAMP = slice(4, 12)
 _FRAME_AT = 16
 _OUTBOX = struct.Struct("<qI")
 _INBOX = struct.Struct("<q?3xI")
+_QUIET_INBOX = struct.Struct("<q?3xII")
 _PACKET = struct.Struct("<qBB2xII")
 _COUNT = struct.Struct("<I")
 _THREE = struct.Struct("<3d")
@@ -73,6 +74,10 @@ def read_outbox(data: bytes) -> tuple[int, list[Packet]]:
 def read_inbox(data: bytes) -> Inbox:
     """Return the record of a serialised inbox; raise ValueError for bytes that hold none."""
     reader = _Reader(data)
+    if len(data) - reader.at == _QUIET_INBOX.size:  # in most ticks nothing is received and nothing seen
+        tick, is_ready, received, seen = _QUIET_INBOX.unpack_from(data, reader.at)
+        if not received and not seen:
+            return Inbox(tick, is_ready, ())
     tick, is_ready, count = reader.take(_INBOX)
     receptions = tuple([Reception(reader.packet(), *reader.take(_THREE, 8)) for _ in range(count)])
     (count,) = reader.take(_COUNT, 4)
@@ -82,18 +87,19 @@ def read_inbox(data: bytes) -> Inbox:
 
 
 class _Reader:
-    """Reads one message from the end of its header on."""
+    """Reads one message from the end of its header on, where a number of eight bytes stands."""
 
     def __init__(self, data: bytes) -> None:
         self._data = data
         if data[: len(_ENCAPSULATION)] != _ENCAPSULATION or len(data) < _FRAME_AT:
             raise ValueError(f"{len(data)} bytes that are no message with a header in little-endian CDR")
         (length,) = _COUNT.unpack_from(data, _FRAME_AT - _COUNT.size)
-        self._at = _FRAME_AT + length
+        end = _FRAME_AT + length
+        self.at = end + -(end - len(_ENCAPSULATION)) % 8
 
     def take(self, layout: struct.Struct, size: int = 8) -> tuple:
-        at = self._at + -(self._at - len(_ENCAPSULATION)) % size
-        self._at = at + layout.size
+        at = self.at + -(self.at - len(_ENCAPSULATION)) % size
+        self.at = at + layout.size
         try:
             return layout.unpack_from(self._data, at)
         except struct.error:
@@ -101,10 +107,10 @@ class _Reader:
 
     def packet(self) -> Packet:
         tick, source, destination, sequence, size = self.take(_PACKET)
-        at, self._at = self._at, self._at + size
-        if self._at > len(self._data):
+        at, self.at = self.at, self.at + size
+        if self.at > len(self._data):
             raise ValueError(f"{len(self._data)} bytes that are no such message: a packet goes on")
-        return Packet(tick, source, destination, sequence, self._data[at : self._at])
+        return Packet(tick, source, destination, sequence, self._data[at : self.at])
 
 
 def _begun(frame_id: str, t_s: float) -> bytearray:

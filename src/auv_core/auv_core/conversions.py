@@ -6,11 +6,13 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Sequence
 from functools import cache
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, TransformStamped, TwistStamped, Vector3, WrenchStamped
 from nav_msgs.msg import Odometry
+from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
@@ -23,6 +25,7 @@ from auv_core.messages import (
     VelocityCommand,
     Wrench,
 )
+from auv_core.row_stencil import RowStencil
 from auv_core.stencil import Stencil, read_numbers
 from auv_msgs.msg import (
     ControlStatus,
@@ -36,6 +39,7 @@ WORLD_FRAME = "map_ned"
 
 _STATE = struct.Struct("<q?7x15d")
 _SIX = struct.Struct("<6d")
+_NEIGHBOUR_NUMBERS = 44
 
 
 def body_frame(vehicle_id: str) -> str:
@@ -163,13 +167,12 @@ def centre_stencil() -> Stencil:
     return Stencil(FlockingCentre(header=header(0.0, WORLD_FRAME)), "q6d")
 
 
-@cache
-def neighbours_stencil(count: int) -> Stencil:
+def neighbours_stencil(addresses: Sequence[int]) -> RowStencil:
     """
-    Return auv_msgs/NeighbourEstimates with `count` neighbours: tick, count, then per neighbour 45 numbers.
+    Return auv_msgs/NeighbourEstimates of neighbours; fill it with tick and, in rows, position (m; NED),
+    velocity (m/s; NED), covariance, and the ages of packet and contact (s).
     """
     message = NeighbourEstimates(
-        header=header(0.0, WORLD_FRAME), neighbours=[NeighbourEstimate() for _ in range(count)]
+        header=header(0.0, WORLD_FRAME), neighbours=[NeighbourEstimate(address=k) for k in addresses]
     )
-    layouts = ["B3x44d" if index == 0 else "B7x44d" for index in range(count)]
-    return Stencil(message, "qI" + "".join(layouts))
+    return RowStencil(bytes(serialize_message(message)), len(addresses), _NEIGHBOUR_NUMBERS)

@@ -149,7 +149,7 @@ def make_format(report: Section, consensus: Any) -> Any:
 
 class Agent:
     """
-    One vehicle's computer.
+    One vehicle's computer; `flocks` tells whether it takes part in a flock and estimates its centre.
 
     After a step, for people to look at: `centre` and `centre_rate` (own estimate of the flocking centre, m
     and m/s; NED), `flock_velocity` (m/s; NED, with its stamp), `reference` (what the law asked, or the path's
@@ -168,6 +168,7 @@ class Agent:
         consensus = make_consensus(config.consensus, config.fleet_size)
         self._format = make_format(config.report, consensus)
         self.task = self._make_task(consensus)
+        self.flocks = isinstance(self.task, FlockTask)
         self._table = NeighbourTable(with_rounding(config.neighbours, self._format))
         self._sequence = 0
         self.rejected = 0
@@ -188,11 +189,6 @@ class Agent:
     def takes_velocity(self) -> bool:
         """Whether the commands of this agent are velocities instead of wrenches."""
         return bool(self._controller.command == "velocity")
-
-    @property
-    def flocks(self) -> bool:
-        """Whether this agent takes part in a flock and estimates its centre."""
-        return isinstance(self.task, FlockTask)
 
     @property
     def knows_path(self) -> bool:

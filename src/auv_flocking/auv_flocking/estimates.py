@@ -21,7 +21,8 @@ from auv_flocking.neighbour_motion import carried, grown
 
 Matrix = NDArray[np.float64]
 
-# Columns of an estimate; vectors and the covariance (36 numbers) begin there.
+# Columns of an estimate; vectors and the covariance (36 numbers) begin there. What stands before the centre
+# is published, in the order of auv_msgs/NeighbourEstimate.
 POSITION, VELOCITY, COVARIANCE, AGE, SONAR_AGE, CENTRE, FLOCK_VELOCITY = 0, 3, 6, 42, 43, 44, 47
 FLOCK_STAMP, NAVIGATION_SD, TIME = 50, 51, 52
 WIDTH = 53

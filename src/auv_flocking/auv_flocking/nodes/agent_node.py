@@ -36,7 +36,7 @@ from auv_core.node_main import (
 from auv_core.node_params import declare_config
 from auv_core.run_config import RunConfig, TickClock
 from auv_flocking.agent import Agent, AgentConfig
-from auv_flocking.estimates import AGE, SONAR_AGE
+from auv_flocking.estimates import AGE, CENTRE
 from auv_msgs.msg import (
     AcousticInbox,
     AcousticOutbox,
@@ -74,6 +74,8 @@ class AgentNode(Node):
         self._centre_marker = sphere_stencil(f"{vehicle_id} centre", 0, 0.15, (0.9, 0.2, 0.6, 1.0))
         self._reference_stencil = convert.velocity_stencil()
         self._centre_stencil = convert.centre_stencil()
+        self._known: list[int] = []
+        self._neighbours_stencil = convert.neighbours_stencil(self._known)
         self._body_frame = convert.body_frame(vehicle_id)
         self._command_pub = self.create_publisher(*command, EVERY_TICK)
         self._outbox_pub = self.create_publisher(AcousticOutbox, "acoustic/tx", EVERY_TICK)
@@ -171,11 +173,11 @@ class AgentNode(Node):
             self._publish_centre(self._centre_stencil.filled(t_s, tick, *agent.centre, *agent.centre_rate))
         if agent.law_state or agent.holding:
             self._control_pub.publish(self._control_status(tick, t_s))
-        numbers: list[float] = []
-        for address, row in zip(agent.neighbours.addresses, agent.neighbours.rows.tolist(), strict=True):
-            numbers += (address, *row[: AGE + 1], row[SONAR_AGE])
-        count = len(agent.neighbours)
-        self._publish_neighbours(convert.neighbours_stencil(count).filled(t_s, tick, count, *numbers))
+        neighbours = agent.neighbours
+        if neighbours.addresses != self._known:
+            self._known = neighbours.addresses
+            self._neighbours_stencil = convert.neighbours_stencil(self._known)
+        self._publish_neighbours(self._neighbours_stencil.filled(t_s, tick, neighbours.rows[:, :CENTRE]))
 
     def _control_status(self, tick: int, t_s: float) -> ControlStatus | bytes:
         vehicle_id, holding, memory = self._config.vehicle_id, self._agent.holding, self._agent.law_state

@@ -1,0 +1,59 @@
+"""
+A message that ends with a list of records, filled from the rows of an array as they lie in memory.
+
+A record is an address (one byte) and so many numbers (float64).  In CDR numbers begin at multiples of eight
+bytes behind the encapsulation, and the length of the list stands right before the first record: so the
+numbers of all records lie at even distances, and one assignment fills them in.
+"""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_core.stamp import STAMP_BYTES, stamp_bytes
+
+_NUMBER_BYTES = 8
+_STAMP = slice(4, 4 + STAMP_BYTES)
+_TICK = struct.Struct("<q")
+_LENGTH_BYTES = 4
+_FIRST_ADDRESS_BYTES, _ADDRESS_BYTES = 4, 8
+
+
+class RowStencil:
+    """
+    The bytes of a message with a header, a tick and records.
+
+    Parameters
+    ----------
+    message : bytes
+        Serialised, with the addresses of its records; its numbers do not matter.
+    count : int
+        How many records it has.
+    width : int
+        How many numbers a record has.
+
+    """
+
+    def __init__(self, message: bytes, count: int, width: int) -> None:
+        self._bytes = bytearray(message)
+        stride = _ADDRESS_BYTES + _NUMBER_BYTES * width
+        records = count * stride - (_ADDRESS_BYTES - _FIRST_ADDRESS_BYTES if count else 0)
+        records_at = len(message) - records
+        self._tick_at = records_at - _LENGTH_BYTES - _TICK.size
+        self._numbers = np.ndarray(
+            (count, width),
+            dtype="<f8",
+            buffer=self._bytes,
+            offset=records_at + (_FIRST_ADDRESS_BYTES if count else 0),
+            strides=(stride, _NUMBER_BYTES),
+        )
+
+    def filled(self, t_s: float, tick: int, rows: NDArray[np.float64]) -> bytes:
+        """Return the message with a stamp (s, to the nanosecond), a tick and (count, width) numbers."""
+        self._bytes[_STAMP] = stamp_bytes(t_s)
+        _TICK.pack_into(self._bytes, self._tick_at, tick)
+        self._numbers[:] = rows
+        return bytes(self._bytes)
