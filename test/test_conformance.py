@@ -4,7 +4,7 @@ import copy
 import importlib
 import inspect
 import math
-from dataclasses import MISSING, astuple, fields, replace
+from dataclasses import MISSING, fields
 from pathlib import Path
 
 import numpy as np
@@ -56,7 +56,7 @@ class _Inputs:
         path = PathPoint(self.point(), self.point(0.1))
         neighbours = tuple(self.points(4))
         seen = self.kept(View(self.point(3.0), self.point(), self.point(0.2), neighbours, obstacles, path))
-        return replace(seen, estimates=tuple(self._estimate(k, p) for k, p in enumerate(neighbours, start=2)))
+        return seen._replace(estimates=tuple(self._estimate(k, p) for k, p in enumerate(neighbours, start=2)))
 
     def _estimate(self, address, position):
         velocity, flock_velocity, centre = self.point(0.2), self.point(0.1), self.point()
@@ -148,7 +148,7 @@ def _follow_reference(module, params, _inputs):
             np.testing.assert_allclose(getattr(now, rate), slope, atol=1e-5)
         turned_rad = math.remainder(ahead.heading_rad - behind.heading_rad, 2.0 * math.pi)
         assert now.heading_rate_radps == pytest.approx(turned_rad / (2.0 * step_s), abs=1e-6)
-        outputs.append(astuple(now))
+        outputs.append(now)
     return outputs
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from array import array
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,7 +15,7 @@ from auv_flocking.agent import Agent
 from auv_flocking.estimates import AGE, COVARIANCE, POSITION, SONAR_AGE, VELOCITY, Estimates
 
 _ROWS = ("sent", "received", "delay_s", "contacts", "contact_values", "events", "event_values")
-_BLOCK_TICKS = 256
+_BLOCK_TICKS = 32
 _COLUMNS: dict[str, int | slice] = {
     "position_ned_m": slice(0, 3),
     "attitude_quat_wxyz": slice(3, 7),
@@ -33,8 +34,9 @@ _NOWHERE = (math.nan, math.nan, math.nan)
 
 class RunLog:
     """
-    Collects a recording. What comes at every tick is kept in one list of numbers and written into the arrays
-    by the block: one assignment for many ticks costs little more than one for a single tick.
+    Collects a recording. What comes at every tick is kept in one row of numbers and written into the arrays
+    by the block: one assignment for many ticks costs little more than one for a single tick, and a block is
+    small enough to stay in the processor's cache.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -42,7 +44,7 @@ class RunLog:
         self._recording = Recording.empty(ids, scenario.tick_times())
         self._law_states: dict[tuple[int, int], Sequence[float]] = {}
         self._rows: dict[str, list[Sequence[float]]] = {name: [] for name in _ROWS}
-        self._numbers: list[float] = []
+        self._numbers = array("d")
         self._known: list[tuple[int, int, Estimates]] = []
         self._written = 0
 
@@ -112,10 +114,10 @@ class RunLog:
         """Write the block that ends before `tick` into the arrays."""
         r = self._recording
         block = slice(self._written, tick)
-        numbers = np.array(self._numbers, dtype=np.float64).reshape(-1, r.n_vehicles, _WIDTH)
+        numbers = np.frombuffer(self._numbers).reshape(-1, r.n_vehicles, _WIDTH)
         for name, columns in _COLUMNS.items():
             getattr(r, name)[block] = numbers[..., columns]
-        self._numbers.clear()
+        self._numbers = array("d")
         self._written = tick
         if self._known:
             self._write_known()

@@ -73,11 +73,12 @@ def read_outbox(data: bytes) -> tuple[int, list[Packet]]:
 
 def read_inbox(data: bytes) -> Inbox:
     """Return the record of a serialised inbox; raise ValueError for bytes that hold none."""
-    reader = _Reader(data)
-    if len(data) - reader.at == _QUIET_INBOX.size:  # in most ticks nothing is received and nothing seen
-        tick, is_ready, received, seen = _QUIET_INBOX.unpack_from(data, reader.at)
+    at = _body_at(data)
+    if len(data) - at == _QUIET_INBOX.size:  # in most ticks nothing is received and nothing seen
+        tick, is_ready, received, seen = _QUIET_INBOX.unpack_from(data, at)
         if not received and not seen:
             return Inbox(tick, is_ready, ())
+    reader = _Reader(data)
     tick, is_ready, count = reader.take(_INBOX)
     receptions = tuple([Reception(reader.packet(), *reader.take(_THREE, 8)) for _ in range(count)])
     (count,) = reader.take(_COUNT, 4)
@@ -86,20 +87,25 @@ def read_inbox(data: bytes) -> Inbox:
     )
 
 
+def _body_at(data: bytes) -> int:
+    """Return where a message goes on behind its header, with a number of eight bytes."""
+    if data[: len(_ENCAPSULATION)] != _ENCAPSULATION or len(data) < _FRAME_AT:
+        raise ValueError(f"{len(data)} bytes that are no message with a header in little-endian CDR")
+    (length,) = _COUNT.unpack_from(data, _FRAME_AT - _COUNT.size)
+    end: int = _FRAME_AT + length
+    return end + -(end - len(_ENCAPSULATION)) % 8
+
+
 class _Reader:
-    """Reads one message from the end of its header on, where a number of eight bytes stands."""
+    """Reads one message from the end of its header on."""
 
     def __init__(self, data: bytes) -> None:
         self._data = data
-        if data[: len(_ENCAPSULATION)] != _ENCAPSULATION or len(data) < _FRAME_AT:
-            raise ValueError(f"{len(data)} bytes that are no message with a header in little-endian CDR")
-        (length,) = _COUNT.unpack_from(data, _FRAME_AT - _COUNT.size)
-        end = _FRAME_AT + length
-        self.at = end + -(end - len(_ENCAPSULATION)) % 8
+        self._at = _body_at(data)
 
     def take(self, layout: struct.Struct, size: int = 8) -> tuple:
-        at = self.at + -(self.at - len(_ENCAPSULATION)) % size
-        self.at = at + layout.size
+        at = self._at + -(self._at - len(_ENCAPSULATION)) % size
+        self._at = at + layout.size
         try:
             return layout.unpack_from(self._data, at)
         except struct.error:
@@ -107,10 +113,10 @@ class _Reader:
 
     def packet(self) -> Packet:
         tick, source, destination, sequence, size = self.take(_PACKET)
-        at, self.at = self.at, self.at + size
-        if self.at > len(self._data):
+        at, self._at = self._at, self._at + size
+        if self._at > len(self._data):
             raise ValueError(f"{len(self._data)} bytes that are no such message: a packet goes on")
-        return Packet(tick, source, destination, sequence, self._data[at : self.at])
+        return Packet(tick, source, destination, sequence, self._data[at : self._at])
 
 
 def _begun(frame_id: str, t_s: float) -> bytearray:

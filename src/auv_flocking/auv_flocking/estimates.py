@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +33,7 @@ _SEEN = 64
 SOURCE_WIDTH = 65
 
 
-@dataclass(frozen=True, slots=True)
-class NeighbourEstimate:
+class NeighbourEstimate(NamedTuple):
     """
     A neighbour as believed at one instant.
 
@@ -166,6 +164,9 @@ class Positions(Sequence[Vec3]):
 
     def __len__(self) -> int:
         return len(self._estimates)
+
+    def __iter__(self) -> Iterator[Vec3]:
+        return iter(self._estimates.positions())
 
     @overload
     def __getitem__(self, index: int) -> Vec3: ...

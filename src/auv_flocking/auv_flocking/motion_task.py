@@ -11,7 +11,7 @@ from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Command, Vec6, VehicleState, Wrench
-from auv_flocking.estimates import NeighbourEstimate
+from auv_flocking.estimates import Estimates, NeighbourEstimate
 from auv_flocking.flock_task import Obstacles
 from auv_flocking.flocking import NOTHING_HEARD
 
@@ -47,7 +47,7 @@ class MotionTask:
         is_waiting: bool,
     ) -> Command:
         """Return the wrench of one control period; while `is_waiting` the actuators rest."""
-        view = self.view(t_s, nav, path, tuple(neighbour.position for neighbour in neighbours))
+        view = self.view(t_s, nav, path, Estimates.of(neighbours).positions())
         self.centre = nav.position
         self.law_state = self.law.initial_state(view) if self._next_state is None else self._next_state
         if path is not None:

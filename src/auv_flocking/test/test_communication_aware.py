@@ -1,7 +1,6 @@
 """Claims about the flocking law for a modem: no faster than its information, never closer than it may."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -74,7 +73,7 @@ ESTIMATES = st.lists(
     ),
     min_size=1,
     max_size=4,
-).map(lambda found: [replace(estimate, address=2 + k) for k, estimate in enumerate(found)])
+).map(lambda found: [estimate._replace(address=2 + k) for k, estimate in enumerate(found)])
 
 
 @MODERATE
@@ -250,7 +249,7 @@ def test_barrier_outside_the_spacing_is_refused():
 
 @pytest.mark.parametrize("stated_m", [0.0, 0.2, 0.5, 3.0])
 def test_what_navigations_state_widens_the_spacing_as_far_as_the_filter_shares_the_doubt(stated_m):
-    estimate = replace(_estimate((2.0, 0.0, 0.0), sigma_m=0.5), navigation_sd_m=stated_m)
+    estimate = _estimate((2.0, 0.0, 0.0), sigma_m=0.5)._replace(navigation_sd_m=stated_m)
     row = Estimates.of([estimate]).rows[0]
     law = _law([estimate], spacing_sigmas=2.0, navigation_sigmas=1.5, widening_limit_m=3.0)
     spacing_m = outlook(row, 0.0, ORIGIN, W, law._gains)[SPACING]

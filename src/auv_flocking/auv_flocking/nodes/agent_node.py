@@ -86,10 +86,10 @@ class AgentNode(Node):
         self._publish_command, self._publish_outbox, self._publish_reference = map(
             publishes_bytes, (self._command_pub, self._outbox_pub, self._reference_pub)
         )
-        self._publish_centre, self._publish_neighbours = map(
-            publishes_bytes, (self._centre_pub, self._neighbours_pub)
-        )
         self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
+        self._publish_centre, self._publish_neighbours, self._publish_marker = map(
+            publishes_bytes, (self._centre_pub, self._neighbours_pub, self._marker_pub)
+        )
         self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
         self._path_pub = self.create_publisher(Path, "path", LATCHED) if self._agent.knows_path else None
         self.create_subscription(VehicleState, "nav", self._on_nav, EVERY_TICK, raw=True)
@@ -187,21 +187,24 @@ class AgentNode(Node):
 
     def _publish_markers(self, tick: int, t_s: float) -> None:
         if self._agent.flocks:
-            self._marker_pub.publish(self._centre_marker.filled(t_s, *self._agent.centre))
-        if tick % STANDING_MARKER_TICKS == 0 and (markers := self._standing_markers(t_s)):
-            self._marker_pub.publish(MarkerArray(markers=markers))
+            self._publish_marker(self._centre_marker.filled(t_s, *self._agent.centre))
+        if tick % STANDING_MARKER_TICKS == 0 and self._standing_markers:
+            for marker in self._standing_markers:
+                marker.header.stamp = convert.stamp(t_s)
+            self._marker_pub.publish(MarkerArray(markers=self._standing_markers))
 
-    def _standing_markers(self, t_s: float) -> list[Any]:
+    @cached_property
+    def _standing_markers(self) -> list[Any]:
         name = self._config.vehicle_id
         markers = []
         if self._agent.knows_path:
             markers.append(
-                lines(f"{name} path", 0, t_s, self._path_points, (0.3, 0.9, 0.3, 1.0), joined=True)
+                lines(f"{name} path", 0, 0.0, self._path_points, (0.3, 0.9, 0.3, 1.0), joined=True)
             )
         if self._config.address == 1:
             for number, (obstacle, safety_distance_m) in enumerate(self._config.obstacles):
                 colour = (0.9, 0.3, 0.2, 0.25)
-                markers.append(sphere("obstacles", number, t_s, obstacle, 2.0 * safety_distance_m, colour))
+                markers.append(sphere("obstacles", number, 0.0, obstacle, 2.0 * safety_distance_m, colour))
         return markers
 
     def _diagnostics(self, t_s: float) -> DiagnosticArray:
