@@ -180,12 +180,15 @@ def neighbour_nees(recording: Recording, ticks: IntArray, size: int) -> FloatArr
 
     """
     error = relative_error_ned(recording, ticks)[..., :size]
-    covariance = recording.neighbour_covariance[ticks][..., :size, :size]
-    exists = np.logical_and(np.isfinite(error).all(axis=-1), np.isfinite(covariance).all(axis=(-2, -1)))
-    exists[exists] = np.linalg.det(covariance[exists]) > 0.0
+    exists = np.asarray(np.isfinite(error).all(axis=-1))
+    error, covariance = error[exists], recording.neighbour_covariance[..., :size, :size][ticks][exists]
+    sound = np.asarray(np.isfinite(covariance).all(axis=(-2, -1)))
+    sound[sound] = np.linalg.det(covariance[sound]) > 0.0
+    error, covariance = error[sound], covariance[sound]
+    exists[exists] = sound
     nees = np.full(exists.shape, np.nan)
-    weighted = np.linalg.solve(covariance[exists], error[exists][..., np.newaxis])[..., 0]
-    nees[exists] = np.einsum("ni,ni->n", error[exists], weighted)
+    weighted = np.linalg.solve(covariance, error[..., np.newaxis])[..., 0]
+    nees[exists] = np.einsum("ni,ni->n", error, weighted)
     return nees
 
 
