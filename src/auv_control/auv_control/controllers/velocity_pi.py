@@ -94,6 +94,19 @@ def control(
     return (fx, fy, fz, mx, my, mz), growth
 
 
+@entry("Tuple((TUPLE6, TUPLE3))(TUPLE4, TUPLE6, TUPLE3, TUPLE3, float64, float64, TUPLE6)")
+def stepped(
+    attitude: Quat, nu: Vec6, integral: Vec3, wanted: Vec3, heading_rad: float, period_s: float, gains: Vec6
+) -> tuple[Vec6, Vec3]:
+    """Return the wrench (N, N m; body) of a control period, and the integral (m; NED) after it."""
+    tau, growth = control(attitude, nu, integral, wanted, quaternion_from_heading(heading_rad), gains)
+    return tau, (
+        integral[0] + period_s * growth[0],
+        integral[1] + period_s * growth[1],
+        integral[2] + period_s * growth[2],
+    )
+
+
 class Controller:
     """PI on velocity, PD on attitude; the heading is held and roll and pitch are brought to zero."""
 
@@ -102,7 +115,7 @@ class Controller:
 
     def __init__(self, params: Params, period_s: float) -> None:
         self._gains = params.gains
-        self._control = fastest(control)
+        self._control, self._stepped = fastest(control), fastest(stepped)
         self._period_s = period_s
         self._integral: Vec3 = (0.0, 0.0, 0.0)
 
@@ -118,9 +131,15 @@ class Controller:
             Velocity over ground (m/s; NED) and heading (rad).
 
         """
-        dt_s, (x, y, z) = self._period_s, self._integral
-        tau, (dx, dy, dz) = self.evaluate(nav.attitude, nav.nu, self._integral, reference)
-        self._integral = (x + dt_s * dx, y + dt_s * dy, z + dt_s * dz)
+        tau, self._integral = self._stepped(
+            nav.attitude,
+            nav.nu,
+            self._integral,
+            reference.velocity,
+            reference.heading_rad,
+            self._period_s,
+            self._gains,
+        )
         return Wrench(tau)
 
     def evaluate(
