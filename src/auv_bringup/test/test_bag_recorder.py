@@ -21,7 +21,7 @@ class Desk:
         self.sinks = {name: self.recorder.sink(spec) for name, spec in SPECS.items()}
 
     def take(self, topic, message):
-        self.sinks[topic](bytes(synthetic.typestore().serialize_cdr(message, message.__msgtype__)))
+        self.sinks[topic]([bytes(synthetic.typestore().serialize_cdr(message, message.__msgtype__))])
 
     def clock(self, t_ns):
         self.take(CLOCK_TOPIC, synthetic.make("rosgraph_msgs/msg/Clock", clock=synthetic.time(t_ns)))
