@@ -247,7 +247,8 @@ class BagWriter:
         self._mcap.add_metadata("rosbag2", {"serialized_metadata": self._information()})
 
     def _metadata_text(self) -> str:
-        return f"rosbag2_bagfile_information:\n{textwrap.indent(self._information(), '  ')}\n"
+        indented = self._information().replace("\n", "\n  ")
+        return f"rosbag2_bagfile_information:\n  {indented}\n"
 
     def _replace_metadata(self, text: str) -> None:
         """Replace metadata.yaml in one step."""
