@@ -14,7 +14,7 @@ Padding is zeroed, see :mod:`auv_bringup.cdr_padding`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from operator import itemgetter
 
 from auv_bringup.bag_writer import BagWriter, Qos, Topic
@@ -57,8 +57,8 @@ class BagRecorder:
         """Scenario time reached: that of the newest /clock, or of the newest stamp without one (ns)."""
         return self._now_ns
 
-    def sink(self, spec: TopicSpec) -> Callable[[bytes], None]:
-        """Return the function that takes the messages of one topic.
+    def sink(self, spec: TopicSpec) -> Callable[[Sequence[bytes]], None]:
+        """Return the function that takes messages of one topic, in the order in which they were published.
 
         The topic enters the bag with its first message.
 
@@ -69,23 +69,28 @@ class BagRecorder:
         """
         message_type = self._describe(spec.type_name)
         offset = stamp_offset(message_type.definition) if spec.stamped else None
-        is_clock = spec.name == CLOCK_TOPIC
         zeroed = padding_zeroer(message_type)
         channel = 0
 
-        def take(data: bytes) -> None:
+        def take(messages: Sequence[bytes]) -> None:
             nonlocal channel
-            if not channel:
+            if messages and not channel:
                 qos = self._offered_qos(spec.name) or (_usual_qos(spec),)
                 channel = self._writer.add_topic(Topic(spec.name, message_type, qos))
-            data = zeroed(data)
-            stamp_ns = None if offset is None else read_stamp_ns(data, offset)
-            if stamp_ns is None or (spec.latched and stamp_ns == 0):
-                self._write_untimed(channel, data, at_start=stamp_ns == 0)
-            else:
-                self._write_timed(channel, data, stamp_ns, is_clock=is_clock)
+            for data in map(zeroed, messages):
+                stamp_ns = None if offset is None else read_stamp_ns(data, offset)
+                if stamp_ns is None or (stamp_ns == 0 and spec.latched):
+                    self._take_untimed(channel, data, at_start=stamp_ns == 0)
+                else:
+                    self._take_timed(channel, data, max(stamp_ns, 0))
 
-        return take
+        def take_clock(messages: Sequence[bytes]) -> None:
+            take(messages)
+            if messages:
+                self.ticks += len(messages)
+                self._now_ns = self._taken[-1][0]
+
+        return take_clock if spec.name == CLOCK_TOPIC else take
 
     def flush(self) -> None:
         """
@@ -105,20 +110,16 @@ class BagRecorder:
         self.flush()
         self._writer.close()
 
-    def _write_timed(self, channel: int, data: bytes, stamp_ns: int, *, is_clock: bool) -> None:
-        """Write a message with a stamp of its own."""
-        time_ns = max(stamp_ns, 0)
+    def _take_timed(self, channel: int, data: bytes, time_ns: int) -> None:
+        """Take a message with a stamp of its own."""
         if self._first_ns is None:
             self._release_untimed(time_ns)
         self._taken.append((time_ns, channel, data))
-        if is_clock:
-            self.ticks += 1
-            self._now_ns = time_ns
-        elif self.ticks == 0 and time_ns > self._now_ns:
+        if time_ns > self._now_ns and self.ticks == 0:
             self._now_ns = time_ns
 
-    def _write_untimed(self, channel: int, data: bytes, *, at_start: bool) -> None:
-        """Write a message without a time, or keep it until there is one."""
+    def _take_untimed(self, channel: int, data: bytes, *, at_start: bool) -> None:
+        """Take a message without a time, or keep it until there is one."""
         if self._first_ns is None:
             self._untimed.append((channel, data))
         else:

@@ -71,19 +71,6 @@ class Topic:
     offered_qos: tuple[Qos, ...] = (Qos(),)
 
 
-@dataclass
-class _Tally:
-    """Number of messages and their span of time (ns)."""
-
-    count: int = 0
-    first_ns: int = INFINITE_NS
-    last_ns: int = 0
-
-    @property
-    def duration_ns(self) -> int:
-        return max(0, self.last_ns - self.first_ns)
-
-
 class _UnbufferedFile:
     """A new file whose every write reaches the operating system before it returns."""
 
@@ -129,7 +116,7 @@ class BagWriter:
         self._dir = bag_dir
         self._file_name = f"{bag_dir.resolve().name}_0.mcap"
         self._ros_distro = ros_distro
-        self._tally = _Tally()
+        self._first_ns, self._last_ns = INFINITE_NS, 0
         self._topic_texts: list[str] = []
         self._counts: list[int] = []
         self._schema_ids: dict[str, int] = {}
@@ -143,7 +130,7 @@ class BagWriter:
     @property
     def message_count(self) -> int:
         """Number of messages taken so far."""
-        return self._tally.count
+        return sum(self._counts)
 
     @property
     def byte_count(self) -> int:
@@ -183,12 +170,10 @@ class BagWriter:
         """
         self._mcap.add_message(channel, time_ns, data, time_ns, self._counts[channel - 1])
         self._counts[channel - 1] += 1
-        tally = self._tally
-        tally.count += 1
-        if time_ns < tally.first_ns:
-            tally.first_ns = time_ns
-        if time_ns > tally.last_ns:
-            tally.last_ns = time_ns
+        if time_ns < self._first_ns:
+            self._first_ns = time_ns
+        if time_ns > self._last_ns:
+            self._last_ns = time_ns
 
     def checkpoint(self) -> None:
         """
@@ -232,20 +217,19 @@ class BagWriter:
 
         Topics are serialised once, when they come: this is done again and again while messages wait.
         """
-        tally = self._tally
         span = {
-            "duration": {"nanoseconds": tally.duration_ns},
-            "starting_time": {"nanoseconds_since_epoch": tally.first_ns},
+            "duration": {"nanoseconds": max(0, self._last_ns - self._first_ns)},
+            "starting_time": {"nanoseconds_since_epoch": self._first_ns},
         }
         head = {
             "version": METADATA_VERSION,
             "storage_identifier": "mcap",
             **span,
-            "message_count": tally.count,
+            "message_count": self.message_count,
         }
         pairs = zip(self._topic_texts, self._counts, strict=True)
         topics = [f"{text}\n    message_count: {count}" for text, count in pairs]
-        file = {"path": self._file_name, **dict(reversed(span.items())), "message_count": tally.count}
+        file = {"path": self._file_name, **dict(reversed(span.items())), "message_count": self.message_count}
         tail = {
             "compression_format": "",
             "compression_mode": "",
@@ -263,7 +247,8 @@ class BagWriter:
         self._mcap.add_metadata("rosbag2", {"serialized_metadata": self._information()})
 
     def _metadata_text(self) -> str:
-        return f"rosbag2_bagfile_information:\n{textwrap.indent(self._information(), '  ')}\n"
+        indented = self._information().replace("\n", "\n  ")
+        return f"rosbag2_bagfile_information:\n  {indented}\n"
 
     def _replace_metadata(self, text: str) -> None:
         """Replace metadata.yaml in one step."""

@@ -55,7 +55,6 @@ class _List:
 _Step = _Numbers | _Text | _List
 
 
-@dataclass(frozen=True)
 class _Shape:
     """
     Where padding is in all messages that have these lengths of strings and sequences at these places.
@@ -64,12 +63,29 @@ class _Shape:
     before it is walked through.
     """
 
-    lengths: tuple[tuple[slice, bytes], ...]
-    padding: tuple[slice, ...]
-    end: int
+    def __init__(self, data: bytes, lengths: Sequence[slice], padding: Sequence[slice], end: int) -> None:
+        self.read_lengths = _reader(lengths, len(data))
+        self.lengths = self.read_lengths(data)
+        self.read_padding = _reader(padding, len(data))
+        self.no_padding = tuple(bytes(gap.stop - gap.start) for gap in padding)
+        self.padding = padding
+        self.end = end
 
-    def fits(self, data: bytes) -> bool:
-        return all(data[place] == length for place, length in self.lengths)
+    def cleared(self, data: bytes) -> bytes:
+        """Return a message of this shape with zeros in its padding."""
+        clean = bytearray(data)
+        for gap, zeros in zip(self.padding, self.no_padding, strict=True):
+            clean[gap] = zeros
+        return bytes(clean)
+
+
+def _reader(places: Sequence[slice], size: int) -> Callable[[bytes], tuple[bytes, ...]]:
+    """Return the function that takes the bytes at ascending places out of messages of one size."""
+    layout, position = "", 0
+    for place in places:
+        layout += f"{place.start - position}x{place.stop - place.start}s"
+        position = place.stop
+    return struct.Struct(f"{layout}{size - position}x").unpack
 
 
 def padding_zeroer(message_type: MessageType) -> Callable[[bytes], bytes]:
@@ -83,26 +99,29 @@ def padding_zeroer(message_type: MessageType) -> Callable[[bytes], bytes]:
     shapes: dict[int, _Shape] = {}
 
     def zeroed(data: bytes) -> bytes:
-        if data[:2] != _LITTLE_ENDIAN_CDR:
-            return data
         size = len(data)
         shape = shapes.get(size)
-        if shape is None or not shape.fits(data):
-            try:
-                shape = _Walk(data).shape(steps)
-            except (struct.error, IndexError):
-                return data
-            if not 0 <= size - shape.end < _HEADER_BYTES:
+        if shape is None or shape.read_lengths(data) != shape.lengths:
+            shape = _shape_of(data, steps)
+            if shape is None:
                 return data
             shapes[size] = shape
-        if any(map(any, map(data.__getitem__, shape.padding))):
-            clean = bytearray(data)
-            for gap in shape.padding:
-                clean[gap] = bytes(gap.stop - gap.start)
-            data = bytes(clean)
+        if shape.read_padding(data) != shape.no_padding:
+            data = shape.cleared(data)
         return data if shape.end == size else data[: shape.end]
 
     return zeroed
+
+
+def _shape_of(data: bytes, steps: Sequence[_Step]) -> _Shape | None:
+    """Return the shape of a message, or None for bytes that do not fit the definition."""
+    if data[:2] != _LITTLE_ENDIAN_CDR:
+        return None
+    try:
+        shape = _Walk(data).shape(steps)
+    except (struct.error, IndexError):
+        return None
+    return shape if 0 <= len(data) - shape.end < _HEADER_BYTES else None
 
 
 class _Walk:
@@ -110,13 +129,13 @@ class _Walk:
 
     def __init__(self, data: bytes) -> None:
         self._data = data
-        self._lengths: list[tuple[slice, bytes]] = []
+        self._lengths = [slice(0, len(_LITTLE_ENDIAN_CDR))]
         self._padding: list[slice] = []
 
     def shape(self, steps: Sequence[_Step]) -> _Shape:
         """Return the shape of the message."""
         end = self._walk(_HEADER_BYTES, steps)
-        return _Shape(tuple(self._lengths), tuple(self._padding), end)
+        return _Shape(self._data, self._lengths, self._padding, end)
 
     def _walk(self, position: int, steps: Sequence[_Step]) -> int:
         """Note the padding before every step from `position` on; return the position behind the last one."""
@@ -126,8 +145,7 @@ class _Walk:
                 continue
             position = self._aligned(position, 4)
             (length,) = _LENGTH.unpack_from(self._data, position)
-            place = slice(position, position + 4)
-            self._lengths.append((place, self._data[place]))
+            self._lengths.append(slice(position, position + 4))
             position += 4
             if type(step) is _Text:
                 position += length

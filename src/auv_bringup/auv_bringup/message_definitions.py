@@ -130,8 +130,9 @@ def read_stamp_ns(data: bytes, offset: int) -> int | None:
     """
     if offset == 8 and data[4:8] == b"\0\0\0\0":
         return None
-    sec, nanosec = _STAMP.unpack_from(data, offset)
-    return int(sec) * 1_000_000_000 + int(nanosec)
+    stamp: tuple[int, int] = _STAMP.unpack_from(data, offset)
+    sec, nanosec = stamp
+    return sec * 1_000_000_000 + nanosec
 
 
 def _block(blocks: Mapping[str, str], type_name: str) -> str:

@@ -20,11 +20,13 @@ class Desk:
         self.recorder = BagRecorder(self.writer, lambda topic: tuple(offered), synthetic.message_type)
         self.sinks = {name: self.recorder.sink(spec) for name, spec in SPECS.items()}
 
-    def take(self, topic, message):
-        self.sinks[topic](bytes(synthetic.typestore().serialize_cdr(message, message.__msgtype__)))
+    def take(self, topic, *messages):
+        store = synthetic.typestore()
+        self.sinks[topic]([bytes(store.serialize_cdr(each, each.__msgtype__)) for each in messages])
 
-    def clock(self, t_ns):
-        self.take(CLOCK_TOPIC, synthetic.make("rosgraph_msgs/msg/Clock", clock=synthetic.time(t_ns)))
+    def clock(self, *times_ns):
+        stamps = map(synthetic.time, times_ns)
+        self.take(CLOCK_TOPIC, *(synthetic.make("rosgraph_msgs/msg/Clock", clock=stamp) for stamp in stamps))
 
     def path(self, t_ns, topic="/auv_1/path"):
         header = synthetic.header(t_ns, "map_ned")
@@ -84,6 +86,15 @@ def test_a_message_has_the_time_of_its_stamp(desk):
     ]
     assert desk.times() == expected
     assert desk.recorder.ticks == 2
+
+
+def test_messages_that_come_together_have_their_own_times_and_nothing_enters_the_bag_without_one(desk):
+    desk.clock(100, 200, 300)
+    desk.take("/auv_1/flocking_centre")
+    desk.no_markers()
+    assert (desk.recorder.ticks, desk.recorder.now_ns) == (3, 300)
+    assert desk.times() == [("/clock", 100), ("/clock", 200), ("/clock", 300), ("/markers", 300)]
+    assert set(Bag(desk.bag_dir).topics) == {"/clock", "/markers"}
 
 
 def test_a_message_without_a_stamp_has_the_time_of_the_newest_clock(desk):

@@ -57,9 +57,9 @@ class RecorderNode(Node):
         config = declare_config(self, RecorderConfig)
         self._bag_dir = Path(config.bag_dir)
         self._status = self.create_publisher(RecorderStatus, "/recorder/status", LATCHED)
-        self._takers: list[tuple[Subscription, Callable[[bytes], None]]] = []
+        self._takers: list[tuple[Subscription, Callable[[Sequence[bytes]], None]]] = []
         self._clock: Subscription | None = None
-        self._ticks_recorded = 0
+        self._heard_ticks: list[bytes] = []
         try:
             self._writer = BagWriter(self._bag_dir)
             self._recorder = BagRecorder(self._writer, self._offered_qos)
@@ -85,21 +85,18 @@ class RecorderNode(Node):
             self._publish_status(closed=True)
 
     def _subscribe(self, config: RecorderConfig) -> None:
-        """Subscribe to everything, raw."""
+        """Subscribe to everything, raw; of all topics the executor serves the clock's only."""
         for spec in topics_of_graph(config.topics_vehicles, kinematic=config.kinematic):
-            take = self._recorder.sink(spec)
-            is_clock = spec.name == CLOCK_TOPIC
-            callback = partial(self._hear_clock, take) if is_clock else take
             kind, qos = message_class(spec.type_name), _keep_all(latched=spec.latched)
-            subscription = self.create_subscription(kind, spec.name, callback, qos, raw=True)
-            if is_clock:
+            subscription = self.create_subscription(kind, spec.name, self._hear_clock, qos, raw=True)
+            if spec.name == CLOCK_TOPIC:
                 self._clock = subscription
-            self._takers.append((subscription, take))
+            self._takers.append((subscription, self._recorder.sink(spec)))
 
-    def _hear_clock(self, take: Callable[[bytes], None], data: bytes) -> None:
-        """Take a tick, and now and then everything, saying how far the recorder is."""
-        take(data)
-        if self._recorder.ticks - self._ticks_recorded >= TICKS_PER_BATCH:
+    def _hear_clock(self, data: bytes) -> None:
+        """Keep a tick, and now and then record everything, saying how far the recorder is."""
+        self._heard_ticks.append(data)
+        if len(self._heard_ticks) >= TICKS_PER_BATCH:
             self._record()
             self._publish_status()
 
@@ -111,9 +108,15 @@ class RecorderNode(Node):
 
     def _record(self) -> int:
         """Take all messages that wait; return how many."""
-        count = sum(_take_pending(subscription, take) for subscription, take in self._takers)
+        count = 0
+        for subscription, take in self._takers:
+            messages = _waiting(subscription)
+            if subscription is self._clock:
+                messages = self._heard_ticks + messages
+                self._heard_ticks = []
+            take(messages)
+            count += len(messages)
         self._guarded(self._recorder.flush)
-        self._ticks_recorded = self._recorder.ticks
         return count
 
     def _guarded(self, write: Callable[[], None]) -> None:
@@ -158,15 +161,12 @@ class RecorderNode(Node):
         self._writer.abandon()
 
 
-def _take_pending(subscription: Subscription, take: Callable[[bytes], None]) -> int:
-    """Take every message that waits in a subscription; return how many there were."""
-    count = 0
+def _waiting(subscription: Subscription) -> list[bytes]:
+    """Take every message that waits in a subscription."""
     handle = subscription.handle
     with handle:
-        while (item := handle.take_message(subscription.msg_type, True)) is not None:
-            take(item[0])
-            count += 1
-    return count
+        take = partial(handle.take_message, subscription.msg_type, True)
+        return [data for data, _ in iter(take, None)]
 
 
 def _keep_all(*, latched: bool) -> QoSProfile:
