@@ -272,3 +272,81 @@ def test_a_sphere_filled_in_is_the_sphere_built():
     for centre in ((1.0, -2.0, 3.0), (0.0, 0.0, 0.0)):
         built = serialize_message(MarkerArray(markers=[sphere("auv_1", 3, 2.5, centre, 1.5, HULL)]))
         assert read(stencil.filled(2.5, *centre), MarkerArray) == read(built, MarkerArray)
+
+
+def assert_serialises_to(data, message):
+    """Hold bytes against what ROS makes of a message, but for the padding, where ROS leaves what it finds."""
+    from rclpy.serialization import serialize_message
+
+    from auv_bringup.cdr_padding import padding_zeroer
+    from auv_bringup.message_definitions import load_message_type
+
+    package, kind = type(message).__module__.split(".")[0], type(message).__name__
+    zeroed = padding_zeroer(load_message_type(f"{package}/msg/{kind}"))
+    assert zeroed(data) == zeroed(serialize_message(message))
+
+
+@pytest.mark.parametrize("count", [0, 1, 4])
+def test_counters_of_links_hold_every_number(count):
+    from dataclasses import asdict
+
+    from auv_core import conversions as convert
+    from auv_core.acoustic_bytes import stats_bytes
+    from auv_msgs.msg import AcousticLinkStats, AcousticStats
+    from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
+
+    links = [LinkCounters(*range(k, k + 8), [k + n for n in range(12)]) for k in range(count)]
+    rows = [((k + 1, k + 2, *link.numbers()), link.delay_counts) for k, link in enumerate(links)]
+    messages = [
+        AcousticLinkStats(source=k + 1, destination=k + 2, **asdict(link)) for k, link in enumerate(links)
+    ]
+    stats = AcousticStats(header=convert.header(2.5, ""), delay_edges_s=DELAY_EDGES_S, links=messages)
+    assert_serialises_to(stats_bytes(DELAY_EDGES_S, rows, 2.5), stats)
+
+
+@pytest.mark.parametrize("texts", [[], ["a"], ["ab", "", "abc", "Tiefe in \N{GREEK SMALL LETTER MU}m"]])
+def test_diagnostics_hold_every_text(texts):
+    from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+    from auv_core import conversions as convert
+    from auv_core.diagnostic_bytes import Status, diagnostics_bytes
+
+    warn = DiagnosticStatus.WARN
+    ours = [Status(warn, text, "message", "id", [(each, text) for each in texts]) for text in texts]
+    theirs = [
+        DiagnosticStatus(
+            level=warn,
+            name=text,
+            message="message",
+            hardware_id="id",
+            values=[KeyValue(key=each, value=text) for each in texts],
+        )
+        for text in texts
+    ]
+    message = DiagnosticArray(header=convert.header(2.5, ""), status=theirs)
+    assert_serialises_to(diagnostics_bytes(ours, 2.5), message)
+
+
+def test_lines_filled_in_are_the_lines_built():
+    from visualization_msgs.msg import MarkerArray
+
+    from auv_core.markers import LINK, LineList, lines
+
+    line_list = LineList("links", 3, LINK)
+    for points in ([], [(1.0, -2.0, 3.0), (0.0, 0.0, 0.0)], [(float(k), 0.5, -1.0) for k in range(6)]):
+        built = MarkerArray(markers=[lines("links", 3, 2.5, points, LINK, joined=False)])
+        assert_serialises_to(line_list.filled(2.5, points), built)
+
+
+def test_the_tick_is_read_from_whatever_begins_with_header_and_tick():
+    from auv_core import conversions as convert
+    from auv_core.acoustic_bytes import outbox_bytes
+    from auv_core.cdr import read_tick
+
+    for tick in (0, 7, 2**40):
+        state = convert.state_stencil().filled(1.0, tick, True, *[0.0] * 15)
+        for message in (state, outbox_bytes("", tick, [], 1.0), outbox_bytes("auv_1/base", tick, [], 1.0)):
+            assert read_tick(message) == tick
+    for broken in (b"", state[:20], state[:-140], b"\0\0" + state[2:]):
+        with pytest.raises(ValueError, match="bytes that are no message"):
+            read_tick(broken)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 
@@ -14,16 +15,17 @@ class Barrier:
     """
 
     def __init__(self, count: int) -> None:
-        self._count = count
-        self._lost: set[int] = set()
         self.tick = -1
-        self._states_owed = set(range(count))
-        self._outboxes_owed: set[int] = set()
+        self._present = count
+        self._missing = count
+        # Tick of the last answer of each vehicle; infinity once it is lost.
+        self._outbox_ticks: list[float] = [-1] * count
+        self._state_ticks: list[float] = [-1] * count
 
     @property
     def complete(self) -> bool:
         """Whether everybody has answered."""
-        return not self._states_owed and not self._outboxes_owed
+        return self._missing == 0
 
     def owed(self) -> list[tuple[str, int]]:
         """
@@ -32,35 +34,41 @@ class Barrier:
         A vehicle cannot answer before its agent has commanded it, so of a pair that owes both only the agent
         is named.
         """
-        agents = [("agent_node", vehicle) for vehicle in sorted(self._outboxes_owed)]
-        return agents + [
-            ("vehicle_node", vehicle) for vehicle in sorted(self._states_owed - self._outboxes_owed)
-        ]
+        agents = self._outboxes_owed()
+        vehicles = [vehicle for vehicle in self._states_owed() if vehicle not in agents]
+        return [("agent_node", agent) for agent in agents] + [("vehicle_node", each) for each in vehicles]
 
     def state(self, vehicle: int, tick: int) -> bool:
         """Note the state of a vehicle at a tick; return whether it was owed."""
-        if tick != self.tick + 1 or vehicle not in self._states_owed:
+        if tick != self.tick + 1 or self._state_ticks[vehicle] >= tick:
             return False
-        self._states_owed.discard(vehicle)
+        self._state_ticks[vehicle] = tick
+        self._missing -= 1
         return True
 
     def outbox(self, vehicle: int, tick: int) -> bool:
         """Note what a vehicle handed over in a tick; return whether it was owed."""
-        if tick != self.tick or vehicle not in self._outboxes_owed:
+        if tick != self.tick or self._outbox_ticks[vehicle] >= tick:
             return False
-        self._outboxes_owed.discard(vehicle)
+        self._outbox_ticks[vehicle] = tick
+        self._missing -= 1
         return True
 
     def advance(self) -> int:
         """Begin the next tick and return it."""
         self.tick += 1
-        present = set(range(self._count)) - self._lost
-        self._states_owed = set(present)
-        self._outboxes_owed = set(present)
+        self._missing = 2 * self._present
         return self.tick
 
     def drop(self, vehicles: Sequence[int]) -> None:
         """Go on without these vehicles."""
-        self._lost.update(vehicles)
-        self._states_owed.difference_update(vehicles)
-        self._outboxes_owed.difference_update(vehicles)
+        for vehicle in vehicles:
+            self._outbox_ticks[vehicle] = self._state_ticks[vehicle] = math.inf
+        self._present = sum(tick < math.inf for tick in self._state_ticks)
+        self._missing = len(self._outboxes_owed()) + len(self._states_owed())
+
+    def _outboxes_owed(self) -> list[int]:
+        return [vehicle for vehicle, tick in enumerate(self._outbox_ticks) if tick < self.tick]
+
+    def _states_owed(self) -> list[int]:
+        return [vehicle for vehicle, tick in enumerate(self._state_ticks) if tick <= self.tick]

@@ -44,6 +44,13 @@ class LinkCounters:
         """Number of packets lost, whatever the cause."""
         return sum(getattr(self, name) for name in _LOSSES.values())
 
+    def numbers(self) -> tuple[int, ...]:
+        """Return all counters but those of the delays, in their order."""
+        return (
+            self.sent, self.delivered, self.lost_range, self.lost_noise, self.lost_collision,
+            self.lost_half_duplex, self.lost_outage, self.bytes_sent,
+        )  # fmt: skip
+
     def count_sent(self, size_bytes: int) -> None:
         """Count a packet that went on the air."""
         self.sent += 1

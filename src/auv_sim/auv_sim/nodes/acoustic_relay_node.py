@@ -9,23 +9,21 @@ run goes on without drifts on here.
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from itertools import product
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
-from visualization_msgs.msg import MarkerArray
+from visualization_msgs.msg import Marker
 
 from auv_core import conversions as convert
 from auv_core.acoustic_bytes import events_bytes, inbox_bytes, read_outbox
-from auv_core.geometry import Vec3
-from auv_core.markers import LINK, LOST_HULL, MARKER_TICKS, lines, sphere
-from auv_core.messages import Packet, VehicleState
+from auv_core.cdr import read_tick
+from auv_core.markers import LOST_HULL, MARKER_TICKS, sphere
+from auv_core.messages import VehicleState
 from auv_core.node_main import (
     EVERY_TICK,
     Audience,
@@ -38,11 +36,12 @@ from auv_core.node_main import (
 from auv_core.node_params import declare_config
 from auv_core.params import param
 from auv_core.run_config import RunConfig, TickClock
-from auv_msgs.msg import AcousticEvents, AcousticInbox, AcousticLinkStats, AcousticOutbox, AcousticStats
+from auv_msgs.msg import AcousticEvents, AcousticInbox, AcousticOutbox
 from auv_msgs.msg import VehicleState as VehicleStateMsg
-from auv_sim.acoustics.medium import DELAY_EDGES_S, AcousticMedium, MediumConfig
+from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
 from auv_sim.barrier import Barrier
 from auv_sim.nodes.clock_node import ClockNode, WatchConfig
+from auv_sim.nodes.link_reports import LinkReports
 from auv_sim.vehicle import Vehicle, VehicleConfig
 
 _STATS_TICKS = 10
@@ -75,11 +74,10 @@ class AcousticRelayNode(Node):
         self._medium = AcousticMedium(medium)
         self._ticks = TickClock(run, medium.period_s, now_s(self))
         self._barrier = Barrier(len(self._ids))
-        self._states: dict[int, VehicleState] = {}
-        self._next_states: dict[int, VehicleState] = {}
-        self._packets: dict[int, list[Packet]] = {}
+        self._states: list[VehicleState] = []
+        self._newest: dict[int, bytes] = {}
+        self._outboxes: dict[int, bytes] = {}
         self._heard_at_s: dict[tuple[str, int], float] = {}
-        self._links: list[tuple[int, int, int]] = []
         self._adrift: dict[int, Vehicle] = {}
         self._hulls: dict[int, VehicleConfig] = {}
         if watch.on_vehicle_loss == "continue":
@@ -110,22 +108,25 @@ class AcousticRelayNode(Node):
             i: self.create_publisher(VehicleStateMsg, f"/{self._ids[i]}/state", EVERY_TICK)
             for i in self._hulls
         }
-        self._stats_pub = self.create_publisher(AcousticStats, "/acoustic/stats", EVERY_TICK)
         self._events_pub = self.create_publisher(AcousticEvents, "/acoustic/events", EVERY_TICK)
-        self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
-        self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
+        self._publish_events = publishes_bytes(self._events_pub)
+        self._reports = LinkReports(self)
+        on_state, on_outbox = (
+            (self._take_state, self._take_outbox)
+            if self._ticks.lockstep
+            else (self._hear_state, self._hear_outbox)
+        )
         for index, name in enumerate(self._ids):
             self.create_subscription(
-                VehicleStateMsg, f"/{name}/state", partial(self._on_state, index), EVERY_TICK, raw=True
+                VehicleStateMsg, f"/{name}/state", partial(on_state, index), EVERY_TICK, raw=True
             )
             self.create_subscription(
-                AcousticOutbox, f"/{name}/acoustic/tx", partial(self._on_outbox, index), EVERY_TICK, raw=True
+                AcousticOutbox, f"/{name}/acoustic/tx", partial(on_outbox, index), EVERY_TICK, raw=True
             )
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
         recorder = {"/recorder_node"} if run.recorded else set()
-        publishers = [self._stats_pub, self._events_pub, self._marker_pub, self._diagnostics_pub]
-        publishers += self._hull_pubs.values()
+        publishers = [self._events_pub, *self._reports.publishers, *self._hull_pubs.values()]
         if self._ticks.lockstep:
             publishers.append(self.clock.clock_pub)
         audiences = [Audience(publisher, frozenset(recorder)) for publisher in publishers]
@@ -139,84 +140,95 @@ class AcousticRelayNode(Node):
         else:
             steady_timer(self, self._period_s, self._run_free)
 
-    def _on_state(self, index: int, data: bytes) -> None:
-        if index in self._adrift:
-            return
-        self._heard_at_s["vehicle_node", index] = time.monotonic()
-        state = convert.state_from_bytes(data)
-        if not self._ticks.lockstep:
-            self._states[index] = state
-        elif self._barrier.state(index, state.tick):
-            self._next_states[index] = state
+    def _take_state(self, index: int, data: bytes) -> None:
+        """Take an answer in lock-step; what is in it waits until the tick is complete."""
+        if self._barrier.state(index, read_tick(data)):
+            self._newest[index] = data
             self._try_advance()
 
-    def _on_outbox(self, index: int, data: bytes) -> None:
-        self._heard_at_s["agent_node", index] = time.monotonic()
-        tick, packets = read_outbox(data)
-        if not self._ticks.lockstep:
-            self._transmit({index + 1: packets})
-        elif self._barrier.outbox(index, tick):
-            self._packets[index + 1] = packets
+    def _take_outbox(self, index: int, data: bytes) -> None:
+        """Take an answer in lock-step; what is in it waits until the tick is complete."""
+        if self._barrier.outbox(index, read_tick(data)):
+            self._outboxes[index] = data
             self._try_advance()
 
     def _try_advance(self) -> None:
-        if self._meeting.ready and self._barrier.complete and self.clock.has_room and not self.clock.ended:
-            self._transmit(self._packets)
-            self._packets = {}
-            self._publish_events(self._barrier.tick)
-            self._states, self._next_states = self._next_states, {}
-            tick = self._barrier.advance()
-            self._begin_tick(tick)
-            if not self.clock.ended:
-                self._drift()
+        """Begin the next tick of lock-step where nothing is in its way."""
+        if not self._barrier.complete or not self._meeting.ready:
+            return
+        if not self.clock.has_room or self.clock.ended:
+            return
+        for index in sorted(self._outboxes):
+            self._transmit(index, self._outboxes[index])
+        self._states = self._fleet()
+        self._newest, self._outboxes = {}, {}
+        last, tick = self._barrier.tick, self._barrier.advance()
+        self._begin_tick(last, tick)
+        if not self.clock.ended:
+            self._drift()
+
+    def _hear_state(self, index: int, data: bytes) -> None:
+        """Take a state in real time."""
+        if index not in self._adrift:
+            self._heard_at_s["vehicle_node", index] = time.monotonic()
+            self._newest[index] = data
+
+    def _hear_outbox(self, index: int, data: bytes) -> None:
+        """Take packets in real time."""
+        self._heard_at_s["agent_node", index] = time.monotonic()
+        if self._all_known:
+            self._states = self._fleet()
+            self._transmit(index, data)
 
     def _run_free(self) -> None:
-        if len(self._states) < len(self._ids) or self.clock.ended:
+        """Begin the tick of the wall clock."""
+        if not self._all_known or self.clock.ended:
             return
         if self._barrier.tick < 0:
             self._ticks.start()
             self._heard_at_s = dict.fromkeys(product(_ROLES, range(len(self._ids))), time.monotonic())
-        tick = self._ticks.tick_now()
-        if tick <= self._barrier.tick:
-            return
-        self._drift()
-        self._states.update(self._next_states)
-        self._publish_events(self._barrier.tick)
-        self._barrier.tick = tick
-        self._begin_tick(tick)
+        last, tick = self._barrier.tick, self._ticks.tick_now()
+        if tick > last:
+            self._drift()
+            self._states = self._fleet()
+            self._barrier.tick = tick
+            self._begin_tick(last, tick)
 
-    def _begin_tick(self, tick: int) -> None:
-        self.clock.begin_tick(tick)
-        if tick % _STATS_TICKS == 0 or self.clock.ended:
-            self._publish_stats(tick)
-        if self.clock.ended:
-            return
-        inboxes = self._medium.exchange(tick, self._fleet())
-        t_s = self._ticks.stamp_s(tick)
-        for frame, publish, inbox in zip(self._frames, self._publish_inbox, inboxes, strict=True):
-            publish(inbox_bytes(frame, inbox, t_s))
-        for index, inbox in enumerate(inboxes):
-            self._links += [(tick, reception.packet.source - 1, index) for reception in inbox.receptions]
-        if tick % MARKER_TICKS == 0:
-            self._publish_markers(tick)
-
-    def _transmit(self, packets: dict[int, list[Packet]]) -> None:
-        if len(self._states) < len(self._ids):
-            return
-        fleet = self._fleet()
-        for source in sorted(packets):
-            try:
-                self._medium.transmit({source: packets[source]}, fleet)
-            except ValueError as error:
-                self.get_logger().error(f"{error}: not sent")
+    @property
+    def _all_known(self) -> bool:
+        return len(self._newest) == len(self._ids)
 
     def _fleet(self) -> list[VehicleState]:
-        return [self._states[index] for index in range(len(self._ids))]
+        """Return the newest states."""
+        return [convert.state_from_bytes(self._newest[index]) for index in range(len(self._ids))]
 
-    def _publish_events(self, tick: int) -> None:
+    def _begin_tick(self, last: int, tick: int) -> None:
+        """Begin a tick, and tell what became known in the last one."""
         events = self._medium.take_events()
+        t_s = self._ticks.stamp_s(tick)
+        self.clock.begin_tick(tick)
+        if tick % _STATS_TICKS == 0 or self.clock.ended:
+            self._reports.count(self._medium.links, t_s)
+        if not self.clock.ended:
+            self._deliver(tick, t_s)
         if events:
-            self._events_pub.publish(events_bytes(tick, events, self._ticks.stamp_s(tick)))
+            self._publish_events(events_bytes(last, events, self._ticks.stamp_s(last)))
+
+    def _deliver(self, tick: int, t_s: float) -> None:
+        """Give every modem its inbox."""
+        for index, inbox in enumerate(self._medium.exchange(tick, self._states)):
+            self._publish_inbox[index](inbox_bytes(self._frames[index], inbox, t_s))
+            self._reports.note(index, inbox)
+        if tick % MARKER_TICKS == 0:
+            self._reports.draw(tick, t_s, self._states, self._lost_hulls(t_s))
+
+    def _transmit(self, index: int, outbox: bytes) -> None:
+        _, packets = read_outbox(outbox)
+        if packets:
+            try:
+                self._medium.transmit({index + 1: packets}, self._states)
+            except ValueError as error:
+                self.get_logger().error(f"{error}: not sent")
 
     def _awaited(self) -> list[str]:
         if not self._meeting.ready:
@@ -225,7 +237,7 @@ class AcousticRelayNode(Node):
             return [self._node_name(role, index) for role, index in self._barrier.owed()]
         if self._barrier.tick < 0:
             return [
-                self._node_name("vehicle_node", i) for i in range(len(self._ids)) if i not in self._states
+                self._node_name("vehicle_node", i) for i in range(len(self._ids)) if i not in self._newest
             ]
         return [self._node_name(role, index) for role, index in self._silent()]
 
@@ -246,9 +258,10 @@ class AcousticRelayNode(Node):
         vehicles = sorted({index for _, index in owed})
         for index in vehicles:
             hull = Vehicle(self._hulls[index])
-            hull.restore(self._next_states.get(index) or self._states[index])
+            newest = self._newest.get(index)
+            hull.restore(convert.state_from_bytes(newest) if newest else self._states[index])
             self._adrift[index] = hull
-            if self._ticks.lockstep and index not in self._next_states:
+            if self._ticks.lockstep and index not in self._newest:
                 self._publish_drift(index)
         self._barrier.drop(vehicles)
         return [self._ids[index] for index in vehicles]
@@ -259,42 +272,17 @@ class AcousticRelayNode(Node):
 
     def _publish_drift(self, index: int) -> None:
         state = self._adrift[index].step(None)
-        self._next_states[index] = state
         t_s = self._ticks.stamp_s(state.tick)
-        self._hull_pubs[index].publish(self._state_stencil.filled(t_s, *convert.state_numbers(state)))
+        self._newest[index] = self._state_stencil.filled(t_s, *convert.state_numbers(state))
+        self._hull_pubs[index].publish(self._newest[index])
 
-    def _publish_stats(self, tick: int) -> None:
-        links = [
-            AcousticLinkStats(source=source, destination=destination, **asdict(counters))
-            for (source, destination), counters in sorted(self._medium.links.items())
-        ]
-        t_s = self._ticks.stamp_s(tick)
-        stats = AcousticStats(header=convert.header(t_s, ""), delay_edges_s=DELAY_EDGES_S, links=links)
-        self._stats_pub.publish(stats)
-        sent, delivered = sum(link.sent for link in links), sum(link.delivered for link in links)
-        ratio = delivered / sent if sent else math.nan
-        status = DiagnosticStatus(
-            level=DiagnosticStatus.WARN if sent and not delivered else DiagnosticStatus.OK,
-            name="acoustic_relay_node: links",
-            message=f"{delivered} of {sent} receptions" if sent else "nothing sent yet",
-            hardware_id="acoustic medium",
-            values=[KeyValue(key="delivery_ratio", value=f"{ratio:.4f}")],
-        )
-        self._diagnostics_pub.publish(DiagnosticArray(header=convert.header(t_s, ""), status=[status]))
-
-    def _publish_markers(self, tick: int) -> None:
-        t_s = self._ticks.stamp_s(tick)
-        self._links = [link for link in self._links if link[0] > tick - 2 * MARKER_TICKS]
-        ends: list[Vec3] = []
-        for _, source, destination in self._links:
-            ends += [self._states[source].position, self._states[destination].position]
-        markers = [lines("acoustic links", 0, t_s, ends, LINK, joined=False)]
+    def _lost_hulls(self, t_s: float) -> list[Marker]:
+        markers = []
         for index in sorted(self._adrift):
             diameter_m = 2.0 * self._hulls[index].model.params.hull_radius_m
-            markers.append(
-                sphere(self._ids[index], 0, t_s, self._states[index].position, diameter_m, LOST_HULL)
-            )
-        self._marker_pub.publish(MarkerArray(markers=markers))
+            centre = self._states[index].position
+            markers.append(sphere(self._ids[index], 0, t_s, centre, diameter_m, LOST_HULL))
+        return markers
 
 
 def make_nodes(**options: Any) -> Sequence[Node]:

@@ -17,7 +17,7 @@ from rosgraph_msgs.msg import Clock
 from tf2_msgs.msg import TFMessage
 
 from auv_core import conversions as convert
-from auv_core.node_main import EVERY_TICK, LATCHED, steady_timer
+from auv_core.node_main import EVERY_TICK, LATCHED, publishes_bytes, steady_timer
 from auv_core.params import param
 from auv_core.run_config import TickClock
 from auv_msgs.msg import FlockStatus, RecorderStatus
@@ -87,10 +87,13 @@ class ClockNode(Node):
         self._recorder_heard_at_s = math.inf
         self._lost: list[str] = []
         self._moved_at_s = time.monotonic()
-        self._ended_at_s = float("inf")
+        self._ended_at_s = math.inf
+        self.ended = False
+        """Whether the run has come to its end, good or bad."""
         self.exit_code = 0
         self._clock_stencil = convert.clock_stencil()
         self.clock_pub = self.create_publisher(Clock, "/clock", EVERY_TICK)
+        self._publish_clock = publishes_bytes(self.clock_pub)
         self._status_pub = self.create_publisher(FlockStatus, "/flock/status", LATCHED)
         self._static_pub = self.create_publisher(TFMessage, "/tf_static", LATCHED)
         self._static_pub.publish(TFMessage(transforms=[convert.map_to_map_ned()]))
@@ -104,11 +107,6 @@ class ClockNode(Node):
         return time.monotonic() - self._ended_at_s > _GRACE_S
 
     @property
-    def ended(self) -> bool:
-        """Whether the run has come to its end, good or bad."""
-        return self._state in (FlockStatus.FINISHED, FlockStatus.ABORTED)
-
-    @property
     def has_room(self) -> bool:
         """Whether the recorder is near enough for another tick; only lock-step could outrun it."""
         lead = self._tick - self._recorded_ticks
@@ -119,7 +117,7 @@ class ClockNode(Node):
         self._tick = tick
         self._moved_at_s = time.monotonic()
         if self._ticks.lockstep:
-            self.clock_pub.publish(self._clock_stencil.filled(self._ticks.stamp_s(tick)))
+            self._publish_clock(self._clock_stencil.filled(self._ticks.stamp_s(tick)))
         if tick >= self._watch.duration_ticks:
             self._end(FlockStatus.FINISHED, "")
         elif self._state != FlockStatus.RUNNING:
@@ -182,6 +180,7 @@ class ClockNode(Node):
     def _end(self, state: str, detail: str) -> None:
         self._state = state
         self._detail = detail
+        self.ended = True
         self._ended_at_s = time.monotonic()
         self._publish()
 

@@ -1,0 +1,75 @@
+"""
+What the writers and readers of messages as bytes share: the layout of little-endian CDR.
+
+Numbers are aligned to their size, counted behind the four bytes of the encapsulation; a text is its length in
+bytes with the zero at its end, then both.
+"""
+
+from __future__ import annotations
+
+import struct
+from functools import cache
+
+from auv_core.stamp import stamp_bytes
+
+ENCAPSULATION = b"\x00\x01\x00\x00"
+COUNT = struct.Struct("<I")
+_STAMP = slice(4, 12)
+_HEADER = struct.Struct("<4s8xI")
+_TICK = struct.Struct("<q")
+
+
+def begun(frame_id: str, t_s: float) -> bytearray:
+    """Return a message as far as its header, with the time `t_s` (s), ready for a number of eight bytes."""
+    out = bytearray(_header(frame_id))
+    out[_STAMP] = stamp_bytes(t_s)
+    return out
+
+
+def align(out: bytearray, size: int) -> None:
+    """Pad a message until a number of `size` bytes can follow."""
+    out += bytes(-(len(out) - len(ENCAPSULATION)) % size)
+
+
+def put_text(out: bytearray, text: str) -> None:
+    """Append a text."""
+    data = text.encode()
+    align(out, COUNT.size)
+    out += COUNT.pack(len(data) + 1) + data + b"\0"
+
+
+def body_at(data: bytes) -> int:
+    """
+    Return the place of a number of eight bytes behind the header of a message.
+
+    Raises
+    ------
+    ValueError
+        For bytes that are no message with a header in little-endian CDR.
+
+    """
+    try:
+        encapsulation, length = _HEADER.unpack_from(data)
+    except struct.error:
+        encapsulation = b""
+    if encapsulation != ENCAPSULATION:
+        raise ValueError(f"{len(data)} bytes that are no message with a header in little-endian CDR")
+    end = _HEADER.size + length
+    return end + -(end - len(ENCAPSULATION)) % 8
+
+
+def read_tick(data: bytes) -> int:
+    """Return the tick of a message that begins with a header and a tick; raise ValueError without one."""
+    try:
+        (tick,) = _TICK.unpack_from(data, body_at(data))
+    except struct.error:
+        raise ValueError(f"{len(data)} bytes that are no message with a tick") from None
+    return int(tick)
+
+
+@cache
+def _header(frame_id: str) -> bytes:
+    out = bytearray(ENCAPSULATION + bytes(8))
+    put_text(out, frame_id)
+    align(out, 8)
+    return bytes(out)

@@ -1,0 +1,69 @@
+"""What the relay tells those who look on: counters of the acoustic links, their diagnostics and markers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.node import Node
+from visualization_msgs.msg import Marker, MarkerArray
+
+from auv_core.acoustic_bytes import stats_bytes
+from auv_core.diagnostic_bytes import Status, diagnostics_bytes
+from auv_core.geometry import Vec3
+from auv_core.markers import LINK, MARKER_TICKS, LineList, lines
+from auv_core.messages import Inbox, VehicleState
+from auv_core.node_main import EVERY_TICK, publishes_bytes
+from auv_msgs.msg import AcousticStats
+from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
+
+_NAMESPACE, _NUMBER = "acoustic links", 0
+
+
+class LinkReports:
+    """Publishes, on behalf of `node`, what became of packets; `publishers` are those that it uses."""
+
+    def __init__(self, node: Node) -> None:
+        stats = node.create_publisher(AcousticStats, "/acoustic/stats", EVERY_TICK)
+        diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
+        self._marker_pub = node.create_publisher(MarkerArray, "/markers", EVERY_TICK)
+        self.publishers = [stats, diagnostics, self._marker_pub]
+        self._publish_stats = publishes_bytes(stats)
+        self._publish_diagnostics = publishes_bytes(diagnostics)
+        self._publish_markers = publishes_bytes(self._marker_pub)
+        self._line_list = LineList(_NAMESPACE, _NUMBER, LINK)
+        self._links: list[tuple[int, int, int]] = []
+
+    def count(self, counters: Mapping[tuple[int, int], LinkCounters], t_s: float) -> None:
+        """Publish the counters of all links, and what they come to, at the time `t_s` (s)."""
+        links = sorted(counters.items())
+        numbers = [((*ends, *link.numbers()), link.delay_counts) for ends, link in links]
+        self._publish_stats(stats_bytes(DELAY_EDGES_S, numbers, t_s))
+        sent, delivered = sum(link.sent for _, link in links), sum(link.delivered for _, link in links)
+        ratio = delivered / sent if sent else math.nan
+        status = Status(
+            level=DiagnosticStatus.WARN if sent and not delivered else DiagnosticStatus.OK,
+            name="acoustic_relay_node: links",
+            message=f"{delivered} of {sent} receptions" if sent else "nothing sent yet",
+            hardware_id="acoustic medium",
+            values=[("delivery_ratio", f"{ratio:.4f}")],
+        )
+        self._publish_diagnostics(diagnostics_bytes([status], t_s))
+
+    def note(self, index: int, inbox: Inbox) -> None:
+        """Take note of who was heard by the vehicle at an index."""
+        for reception in inbox.receptions:
+            self._links.append((inbox.tick, reception.packet.source - 1, index))
+
+    def draw(self, tick: int, t_s: float, states: Sequence[VehicleState], others: Sequence[Marker]) -> None:
+        """Publish the links of late between vehicles in these states, and other markers with them."""
+        self._links = [link for link in self._links if link[0] > tick - 2 * MARKER_TICKS]
+        ends: list[Vec3] = []
+        for _, source, destination in self._links:
+            ends += (states[source].position, states[destination].position)
+        if others:
+            links = lines(_NAMESPACE, _NUMBER, t_s, ends, LINK, joined=False)
+            self._marker_pub.publish(MarkerArray(markers=[links, *others]))
+        else:
+            self._publish_markers(self._line_list.filled(t_s, ends))
