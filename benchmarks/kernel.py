@@ -22,7 +22,7 @@ from auv_bringup.continuous import run_continuous
 from auv_bringup.continuous_fleet import Fleet
 from auv_bringup.scenario import load_scenario
 from auv_core.compiled import use_compiler
-from benchmarks.peers import Peer
+from benchmarks.peers import PEERS, Peer
 from benchmarks.rows import Row, cpu_seconds, spread, taking_turns
 
 COUNTS = (4, 16, 64, 256, 1024, 4096)
@@ -77,7 +77,7 @@ def beside_peers(blocks: int, block_s: float, peers: Path | None) -> Iterator[Ro
         flight = Flight(count)
         flight.fly()
         name = f"kernel, {count} vehicles: vehicle-steps/s"
-        for peer in ("auv_sim_bench", "vmas"):
+        for peer in PEERS:
             with Peer(peer, count, peers) as other:
                 if other.absent:
                     yield Row(name, "", f"{peer}: {other.absent}")

@@ -17,6 +17,9 @@ from typing import Any
 
 ROOT = Path(__file__).parents[1]
 VENV = ROOT / ".venv-peers"
+PEERS = ("auv_sim_bench", "vmas", "vmas_1000")
+RUNS = {"vmas_1000": 1000}
+"""How many runs a peer advances at once, where that is more than one."""
 _INSTALL_S = 600.0
 
 
@@ -93,20 +96,21 @@ def _auv_sim_bench(count: int) -> Any:
     return step
 
 
-def _vmas(count: int) -> Any:
-    """Return one step of the flocking environment: so many points in the plane, five substeps of Euler."""
+def _vmas(count: int, runs: int) -> Any:
+    """Return one step of so many runs of flocking: points in the plane, five substeps of Euler."""
     import torch
     from vmas import make_env
 
     torch.set_num_threads(1)
-    env = make_env(scenario="flocking", num_envs=1, n_agents=count, device="cpu", seed=1)
+    env = make_env(scenario="flocking", num_envs=runs, n_agents=count, device="cpu", seed=1)
     env.reset()
-    actions = [torch.zeros(1, 2) for _ in range(count)]
+    actions = [torch.zeros(runs, 2) for _ in range(count)]
     return lambda: env.step(actions)
 
 
 def _answer(name: str, count: int) -> None:
-    step = {"auv_sim_bench": _auv_sim_bench, "vmas": _vmas}[name](count)
+    runs = RUNS.get(name, 1)
+    step = _auv_sim_bench(count) if name == "auv_sim_bench" else _vmas(count, runs)
     step()
     print("ready", flush=True)
     for line in sys.stdin:
@@ -114,7 +118,7 @@ def _answer(name: str, count: int) -> None:
         while time.process_time() - began_s < float(line):
             step()
             steps += 1
-        print(count * steps / (time.process_time() - began_s), flush=True)
+        print(count * runs * steps / (time.process_time() - began_s), flush=True)
 
 
 if __name__ == "__main__":
