@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
 from nav_msgs.msg import Path
 from rclpy.node import Node
@@ -18,6 +18,7 @@ from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
 from auv_core.acoustic_bytes import outbox_bytes, read_inbox
+from auv_core.diagnostic_bytes import Status, diagnostics_bytes
 from auv_core.geometry import Vec3
 from auv_core.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere, sphere_stencil
 from auv_core.messages import Inbox, Reception, command_numbers
@@ -91,6 +92,7 @@ class AgentNode(Node):
             publishes_bytes, (self._centre_pub, self._neighbours_pub, self._marker_pub)
         )
         self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
+        self._publish_diagnostics = publishes_bytes(self._diagnostics_pub)
         self._path_pub = self.create_publisher(Path, "path", LATCHED) if self._agent.knows_path else None
         self.create_subscription(VehicleState, "nav", self._on_nav, EVERY_TICK, raw=True)
         self.create_subscription(AcousticInbox, "acoustic/rx", self._on_inbox, EVERY_TICK, raw=True)
@@ -164,7 +166,7 @@ class AgentNode(Node):
         if tick % MARKER_TICKS == 0:
             self._publish_markers(tick, t_s)
         if tick % _DIAGNOSTIC_TICKS == 0:
-            self._diagnostics_pub.publish(self._diagnostics(t_s))
+            self._publish_diagnostics(diagnostics_bytes(self._diagnostics(), t_s))
 
     def _publish_beliefs(self, tick: int, t_s: float) -> None:
         agent = self._agent
@@ -207,32 +209,32 @@ class AgentNode(Node):
                 markers.append(sphere("obstacles", number, 0.0, obstacle, 2.0 * safety_distance_m, colour))
         return markers
 
-    def _diagnostics(self, t_s: float) -> DiagnosticArray:
-        agent = self._agent
+    def _diagnostics(self) -> list[Status]:
+        agent, name = self._agent, self._config.vehicle_id
         oldest_s = max(agent.neighbours.column(AGE), default=math.inf)
         missing = self._config.fleet_size - 1 - len(agent.neighbours)
         quiet = missing > 0 or (self._config.fleet_size > 1 and oldest_s > _OLD_S)
-        status = DiagnosticStatus(
+        neighbours = Status(
             level=DiagnosticStatus.WARN if quiet else DiagnosticStatus.OK,
-            name=f"{self._config.vehicle_id}/agent_node: neighbours",
+            name=f"{name}/agent_node: neighbours",
             message=f"{missing} not heard" if missing else f"oldest packet {oldest_s:.1f} s",
-            hardware_id=self._config.vehicle_id,
+            hardware_id=name,
             values=[
-                KeyValue(key="neighbours", value=str(len(agent.neighbours))),
-                KeyValue(key="oldest_packet_s", value=f"{oldest_s:.3f}"),
-                KeyValue(key="packets_rejected", value=str(agent.rejected)),
-                KeyValue(key="packets_outdated", value=str(agent.outdated)),
-                KeyValue(key="values_saturated", value=str(agent.saturated)),
-                KeyValue(key="reports_unsent", value=str(agent.unsent)),
+                ("neighbours", str(len(agent.neighbours))),
+                ("oldest_packet_s", f"{oldest_s:.3f}"),
+                ("packets_rejected", str(agent.rejected)),
+                ("packets_outdated", str(agent.outdated)),
+                ("values_saturated", str(agent.saturated)),
+                ("reports_unsent", str(agent.unsent)),
             ],
         )
-        law = DiagnosticStatus(
+        law = Status(
             level=DiagnosticStatus.ERROR if agent.holding else DiagnosticStatus.OK,
-            name=f"{self._config.vehicle_id}/agent_node: control law",
+            name=f"{name}/agent_node: control law",
             message=f"safe command: {agent.holding}" if agent.holding else "acts",
-            hardware_id=self._config.vehicle_id,
+            hardware_id=name,
         )
-        return DiagnosticArray(header=convert.header(t_s, ""), status=[status, law])
+        return [neighbours, law]
 
     @cached_property
     def _path_points(self) -> list[Vec3]:

@@ -55,6 +55,7 @@ class VehicleNode(Node):
             publishes_bytes, (self._state_pub, self._nav_pub, self._odom_pub, self._tf_pub)
         )
         self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
+        self._publish_marker = publishes_bytes(self._marker_pub)
         command = (TwistStamped, "cmd_vel") if self._vehicle.takes_velocity else (WrenchStamped, "cmd_wrench")
         self.create_subscription(*command, self._on_command, EVERY_TICK, raw=True)
         self._state_stencil = convert.state_stencil()
@@ -127,7 +128,7 @@ class VehicleNode(Node):
         self._publish_odom(self._odom_stencil.filled(t_s, *numbers[2:15]))
         self._publish_tf(self._tf_stencil.filled(t_s, *numbers[2:9]))
         if state.tick % MARKER_TICKS == 0:
-            self._marker_pub.publish(self._hull_stencil.filled(t_s, *state.position))
+            self._publish_marker(self._hull_stencil.filled(t_s, *state.position))
 
 
 def make_nodes(**options: Any) -> Sequence[Node]:
