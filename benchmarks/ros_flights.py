@@ -36,7 +36,7 @@ _WARM_TICKS = 30
 
 @dataclasses.dataclass(frozen=True)
 class Block:
-    """What one stretch of a flight cost; memory is proportional set size, by process (MiB)."""
+    """What one stretch of a flight cost; memory is proportional set size, by process with children (MiB)."""
 
     ticks_per_s: float
     cpu_us_per_tick: float
@@ -124,12 +124,23 @@ def measure(scenario: Scenario, layout: str, what: str, *, block_s: float) -> Bl
             if time.monotonic() > deadline_s or children.collect_exits():
                 raise TimeoutError(f"{len(scenario.vehicles)} vehicles, {layout}: no flight")
             time.sleep(0.01)
-        pids = {name: children.pid(name) for name in children.running}
-        first, first_s, first_cpu_us = tick.value, time.monotonic(), sum(map(cpu_us, pids.values()))
+        families = {name: family(children.pid(name)) for name in children.running}
+        pids = [pid for members in families.values() for pid in members]
+        first, first_s, first_cpu_us = tick.value, time.monotonic(), sum(map(cpu_us, pids))
         time.sleep(block_s)
         ticks, wall_s = tick.value - first, time.monotonic() - first_s
-        spent_us = sum(map(cpu_us, pids.values())) - first_cpu_us
-        return Block(ticks / wall_s, spent_us / ticks, {n: pss_mib(pid) for n, pid in pids.items()})
+        spent_us = sum(map(cpu_us, pids)) - first_cpu_us
+        memory_mib = {name: sum(map(pss_mib, members)) for name, members in families.items()}
+        return Block(ticks / wall_s, spent_us / ticks, memory_mib)
+
+
+def family(pid: int) -> list[int]:
+    """Return a process and all that it and its children have started."""
+    found = [pid]
+    for path in Path(f"/proc/{pid}/task").glob("*/children"):
+        for child in map(int, path.read_text().split()):
+            found += family(child)
+    return found
 
 
 def cpu_us(pid: int) -> float:

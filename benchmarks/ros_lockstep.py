@@ -30,6 +30,7 @@ from benchmarks.ros_flights import (
     OURS,
     PLAIN,
     Block,
+    family,
     fleet_scenario,
     measure,
     pss_mib,
@@ -137,20 +138,12 @@ def _start(layout: str) -> tuple[float, float]:
         while child.poll() is None and time.monotonic() - began_s < _START_LIMIT_S:
             if not first_tick_s and re.search("nodes are up", errors.read_text(encoding="utf-8")):
                 first_tick_s = time.monotonic() - began_s
-            most_mib = max(most_mib, sum(map(pss_mib, _family(child.pid))))
+            most_mib = max(most_mib, sum(map(pss_mib, family(child.pid))))
             time.sleep(_LOOK_S)
         if child.poll() is None or child.returncode or not first_tick_s:
             child.kill()
             raise TimeoutError(f"the main job did not end well: {errors.read_text(encoding='utf-8')}")
         return first_tick_s, most_mib
-
-
-def _family(pid: int) -> list[int]:
-    """Return a process and its children."""
-    found = [pid]
-    for path in Path(f"/proc/{pid}/task").glob("*/children"):
-        found += map(int, path.read_text().split())
-    return found
 
 
 def rows(*, quick: bool = False) -> Iterator[Row]:

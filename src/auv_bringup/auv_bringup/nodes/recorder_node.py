@@ -3,7 +3,8 @@ Node that records every topic of the graph into a rosbag2 bag, without deseriali
 
 Messages wait in the middleware until the recorder takes many at once, topic by topic: at every so many ticks
 of `/clock`, and once a second.  Taken one by one, each as an event of its own, they would cost several times
-as much processor time, which in lock-step is the flight's.
+as much processor time, which in lock-step is the flight's.  They go as they are to a process of its own that
+writes the bag, and closes it even if this one is killed (:mod:`auv_bringup.bag_process`).
 """
 
 from __future__ import annotations
@@ -21,10 +22,9 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.subscription import Subscription
 from rclpy.time import Time
 
-from auv_bringup.bag_recorder import BagRecorder
-from auv_bringup.bag_writer import BagError, BagWriter, Qos
-from auv_bringup.message_definitions import DefinitionError
-from auv_bringup.recorded_topics import CLOCK_TOPIC, topics_of_graph
+from auv_bringup.bag_link import BagLink, Batch
+from auv_bringup.bag_writer import BagError, Qos
+from auv_bringup.recorded_topics import CLOCK_TOPIC, TopicSpec, topics_of_graph
 from auv_bringup.ros_types import message_class, qos_of_profile
 from auv_core.node_main import LATCHED, main_loop, steady_timer
 from auv_core.node_params import declare_config
@@ -55,16 +55,15 @@ class RecorderNode(Node):
         self.done = False
         self.exit_code = 0
         config = declare_config(self, RecorderConfig)
-        self._bag_dir = Path(config.bag_dir)
         self._status = self.create_publisher(RecorderStatus, "/recorder/status", LATCHED)
-        self._takers: list[tuple[Subscription, Callable[[Sequence[bytes]], None]]] = []
-        self._clock: Subscription | None = None
         self._heard_ticks: list[bytes] = []
+        self._topics_met: set[str] = set()
+        topics = topics_of_graph(config.topics_vehicles, kinematic=config.kinematic)
+        self._bag = BagLink(Path(config.bag_dir), topics)
+        self._by_topic = {spec.name: self._subscription(spec) for spec in topics}
         try:
-            self._writer = BagWriter(self._bag_dir)
-            self._recorder = BagRecorder(self._writer, self._offered_qos)
-            self._subscribe(config)
-        except (BagError, DefinitionError) as error:
+            self._bag.wait_until_open()
+        except BagError as error:
             raise ConfigError(str(error)) from None
         steady_timer(self, CHECKPOINT_PERIOD_S, self._checkpoint)
         self._publish_status()
@@ -72,26 +71,21 @@ class RecorderNode(Node):
     @property
     def subscriptions(self) -> Iterator[Subscription]:
         """The subscriptions that the executor shall serve: that of the clock."""
-        if self._clock is not None:
-            yield self._clock
+        yield self._by_topic[CLOCK_TOPIC]
 
     def on_stop(self) -> None:
         """Record what has arrived, close the bag, say so."""
         self._drain()
         if self.done:
             return
-        self._guarded(self._recorder.finish)
+        self._guarded(self._bag.close)
         if not self.done:
-            self._publish_status(closed=True)
+            self._publish_status()
 
-    def _subscribe(self, config: RecorderConfig) -> None:
-        """Subscribe to everything, raw; of all topics the executor serves the clock's only."""
-        for spec in topics_of_graph(config.topics_vehicles, kinematic=config.kinematic):
-            kind, qos = message_class(spec.type_name), _keep_all(latched=spec.latched)
-            subscription = self.create_subscription(kind, spec.name, self._hear_clock, qos, raw=True)
-            if spec.name == CLOCK_TOPIC:
-                self._clock = subscription
-            self._takers.append((subscription, self._recorder.sink(spec)))
+    def _subscription(self, spec: TopicSpec) -> Subscription:
+        """Subscribe to a topic, raw; of all topics the executor serves the clock's only."""
+        kind, qos = message_class(spec.type_name), _keep_all(latched=spec.latched)
+        return self.create_subscription(kind, spec.name, self._hear_clock, qos, raw=True)
 
     def _hear_clock(self, data: bytes) -> None:
         """Keep a tick, and now and then record everything, saying how far the recorder is."""
@@ -101,32 +95,16 @@ class RecorderNode(Node):
             self._publish_status()
 
     def _checkpoint(self) -> None:
-        """Take everything and bring the files up to date."""
-        self._record()
-        self._guarded(self._writer.checkpoint)
+        """Take everything and have the files brought up to date."""
+        self._record(is_checkpoint=True)
         self._publish_status()
 
-    def _record(self) -> int:
-        """Take all messages that wait; return how many."""
-        count = 0
-        for subscription, take in self._takers:
-            messages = _waiting(subscription)
-            if subscription is self._clock:
-                messages = self._heard_ticks + messages
-                self._heard_ticks = []
-            take(messages)
-            count += len(messages)
-        self._guarded(self._recorder.flush)
-        return count
-
-    def _guarded(self, write: Callable[[], None]) -> None:
-        """Write; where that cannot be, end the recording with one error."""
-        if self.done:
-            return
-        try:
-            write()
-        except OSError as error:
-            self._fail(error)
+    def _record(self, *, is_checkpoint: bool = False) -> int:
+        """Take all messages that wait and have them written; return how many."""
+        batch = self._batch(is_checkpoint)
+        if batch.messages or is_checkpoint:
+            self._guarded(lambda: self._bag.write(batch))
+        return sum(map(len, batch.messages.values()))
 
     def _drain(self) -> None:
         """Take messages until none has come for a while: some may still be on their way."""
@@ -139,26 +117,44 @@ class RecorderNode(Node):
             else:
                 pause.wait(0.01)
 
+    def _batch(self, is_checkpoint: bool) -> Batch:
+        """Take all messages that wait, topic by topic."""
+        batch = Batch({}, {}, is_checkpoint)
+        for topic, subscription in self._by_topic.items():
+            messages = _waiting(subscription)
+            if topic == CLOCK_TOPIC:
+                messages = self._heard_ticks + messages
+                self._heard_ticks = []
+            if messages:
+                batch.messages[topic] = messages
+                if topic not in self._topics_met:
+                    self._topics_met.add(topic)
+                    batch.offered_qos[topic] = self._offered_qos(topic)
+        return batch
+
+    def _guarded(self, write: Callable[[], None]) -> None:
+        """Write; where that cannot be, end with one error: what is in the file stays readable."""
+        if self.done:
+            return
+        try:
+            write()
+        except BagError as error:
+            self.get_logger().error(str(error))
+            self.exit_code = EXIT_INTERNAL
+            self.done = True
+
     def _offered_qos(self, topic: str) -> tuple[Qos, ...]:
         """Return what the publishers of a topic offer."""
         return tuple(qos_of_profile(each.qos_profile) for each in self.get_publishers_info_by_topic(topic))
 
-    def _publish_status(self, *, closed: bool = False) -> None:
+    def _publish_status(self) -> None:
+        """Say what the bag holds: what is still on its way there does not count."""
+        written = self._bag.written
         status = RecorderStatus(
-            ticks=self._recorder.ticks,
-            messages=self._writer.message_count,
-            bytes=self._writer.byte_count,
-            closed=closed,
+            ticks=written.ticks, messages=written.messages, bytes=written.bytes, closed=written.closed
         )
-        status.header.stamp = Time(nanoseconds=self._recorder.now_ns).to_msg()
+        status.header.stamp = Time(nanoseconds=written.now_ns).to_msg()
         self._status.publish(status)
-
-    def _fail(self, error: OSError) -> None:
-        """End the recording with one error: what is in the file stays readable."""
-        self.get_logger().error(f"cannot write the bag {self._bag_dir}: {error.strerror}")
-        self.exit_code = EXIT_INTERNAL
-        self.done = True
-        self._writer.abandon()
 
 
 def _waiting(subscription: Subscription) -> list[bytes]:

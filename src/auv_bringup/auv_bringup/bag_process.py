@@ -1,0 +1,90 @@
+"""
+Process that writes the bag of one recorder: ``python -m auv_bringup.bag_process FILE_DESCRIPTOR``.
+
+The recorder starts it and talks to it over that line (:mod:`auv_bringup.bag_link`). It ends when told to
+close the bag, when the line ends, which it does with a recorder that is killed, or when the bag cannot be
+written; signals that ask for an end are the recorder's to heed. So all that was handed to it is in the bag,
+and the bag has its summary, unless this process itself is killed: then the chunk in progress is lost, see
+:mod:`auv_bringup.bag_writer`.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from multiprocessing.connection import Connection
+
+from auv_bringup.bag_link import Batch, Opening, Written
+from auv_bringup.bag_recorder import BagRecorder
+from auv_bringup.bag_writer import BagError, BagWriter, Qos
+from auv_bringup.message_definitions import DefinitionError
+
+
+def serve(line: Connection) -> None:
+    """Write one bag, answering each word with what is written, or with a `BagError` as the last answer."""
+    try:
+        bag = _Bag(line.recv())
+    except (BagError, DefinitionError) as error:
+        _answer(line, BagError(str(error)))
+        return
+    _answer(line, bag.written())
+    try:
+        for batch in _batches(line):
+            bag.take(batch)
+            _answer(line, bag.written())
+        bag.close()
+        _answer(line, bag.written(closed=True))
+    except OSError as error:
+        bag.abandon()
+        _answer(line, BagError(f"cannot write the bag {bag.folder}: {error.strerror}"))
+
+
+class _Bag:
+    """A bag and the recorder that feeds it."""
+
+    def __init__(self, opening: Opening) -> None:
+        self.folder = opening.bag_dir
+        self._offered_qos: dict[str, tuple[Qos, ...]] = {}
+        self._writer = BagWriter(opening.bag_dir)
+        self._recorder = BagRecorder(self._writer, lambda topic: self._offered_qos.get(topic, ()))
+        self._sinks = {spec.name: self._recorder.sink(spec) for spec in opening.topics}
+        self.close = self._recorder.finish
+        self.abandon = self._writer.abandon
+
+    def take(self, batch: Batch) -> None:
+        """Write a batch."""
+        self._offered_qos.update(batch.offered_qos)
+        for topic, messages in batch.messages.items():
+            self._sinks[topic](messages)
+        self._recorder.flush()
+        if batch.is_checkpoint:
+            self._writer.checkpoint()
+
+    def written(self, *, closed: bool = False) -> Written:
+        """Return what is in the bag."""
+        recorder, writer = self._recorder, self._writer
+        return Written(recorder.ticks, recorder.now_ns, writer.message_count, writer.byte_count, closed)
+
+
+def _batches(line: Connection) -> Iterator[Batch]:
+    """Yield what comes until the recorder says that it was the last, or is gone."""
+    with suppress(EOFError, OSError):
+        yield from iter(line.recv, None)
+
+
+def _answer(line: Connection, answer: Written | BagError) -> None:
+    with suppress(ConnectionError):  # nobody hears it any more; the bag is written all the same
+        line.send(answer)
+
+
+def main() -> None:
+    """Write a bag as the process at the other end of the line asks."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    serve(Connection(int(sys.argv[1])))
+
+
+if __name__ == "__main__":
+    main()
