@@ -1,8 +1,10 @@
 """The recorder as a process, fed by a real graph."""
 
+import os
 import resource
 import signal
 from collections import defaultdict
+from pathlib import Path
 
 import pytest
 import yaml
@@ -40,6 +42,12 @@ def recorder_arguments(folder, vehicles=("auv_1", "auv_2"), *, alone=False):
     if alone:
         return [RECORDER, "--ros-args", "--params-file", path]
     return [CONTAINER_MODULE, *container_arguments([Part(RECORDER, "/", str(path))])]
+
+
+def writer_of(recorder):
+    """Return the id of the process that writes a recorder's bag."""
+    (pid,) = Path(f"/proc/{recorder.pid}/task/{recorder.pid}/children").read_text().split()
+    return int(pid)
 
 
 def canonical(message):
@@ -109,6 +117,8 @@ def test_everything_published_is_in_the_bag(tmp_path):
         graph.run(range(300))
         at.until(lambda: statuses and statuses[-1].ticks >= 280, "the recorder says how far it is")
         graph.hand_over()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            os.kill(writer_of(recorder), number)  # as a desktop or a container that ends everything
         recorder.send_signal(signal.SIGINT)
         at.until(lambda: statuses[-1].closed, "the recorder says that the bag is closed")
         status, _, errors = finish(recorder, None)
@@ -130,17 +140,38 @@ def test_everything_published_is_in_the_bag(tmp_path):
         assert (reader.start_time, reader.end_time) == (0, 299 * TICK_NS + 1)
 
 
-def test_a_killed_recorder_leaves_a_readable_bag(tmp_path):
+def record_1001_messages(at, folder):
+    """Publish and wait until all of it is in the files of the bag."""
+    graph = Graph(at)
+    statuses = at.listen(RecorderStatus, "/recorder/status", latched=True)
+    graph.wait_for_recorder()
+    graph.run(range(200))
+    at.until(lambda: statuses and statuses[-1].ticks == 200, "the recorder has all ticks")
+    metadata = folder / "bag" / "metadata.yaml"
+    at.until(lambda: "message_count: 1001" in metadata.read_text(), "metadata.yaml follows")
+    return graph
+
+
+def test_a_killed_recorder_leaves_a_closed_bag(tmp_path):
     with desk() as at, process(*recorder_arguments(tmp_path)) as recorder:
-        graph = Graph(at)
-        statuses = at.listen(RecorderStatus, "/recorder/status", latched=True)
-        graph.wait_for_recorder()
-        graph.run(range(200))
-        metadata = tmp_path / "bag" / "metadata.yaml"
-        at.until(lambda: statuses and statuses[-1].ticks == 200, "a checkpoint after the last message")
-        at.until(lambda: "message_count: 1001" in metadata.read_text(), "metadata.yaml follows")
+        graph = record_1001_messages(at, tmp_path)
         graph.run(range(200, 210))
+        # Its output ends with the last process that has it: the one that writes the bag.
         assert finish(recorder, signal.SIGKILL)[0] == -signal.SIGKILL
+    bag = Bag(tmp_path)
+    assert bag.complete
+    assert sum(1 for _ in bag.messages()) >= 1001
+
+
+def test_a_killed_writer_ends_the_recorder_with_one_error_and_leaves_a_readable_bag(tmp_path):
+    with desk() as at, process(*recorder_arguments(tmp_path)) as recorder:
+        record_1001_messages(at, tmp_path)
+        os.kill(writer_of(recorder), signal.SIGKILL)
+        at.until(lambda: recorder.poll() is not None, "the recorder gives up")
+        status, _, errors = finish(recorder, None)
+    assert status == 1
+    assert errors.count("\n") == 1
+    assert f"cannot write the bag {tmp_path / 'bag'}: its process has ended (killed by SIGKILL)" in errors
     bag = Bag(tmp_path)
     assert not bag.complete
     assert sum(1 for _ in bag.messages()) >= 1001

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from auv_bringup.bag import Bag
 from auv_bringup.bag_reader import read_recording
 from auv_bringup.scenario import SCENARIOS_DIR, load_scenario
 
@@ -80,13 +81,13 @@ class Run:
         self.watches = {}
 
     def wait_until_up(self):
-        """Wait until the flight has begun and something is recorded, and keep an eye on every node."""
+        """Wait until the flight has begun and something is recorded, and keep an eye on every process."""
         pause, deadline_s = threading.Event(), time.monotonic() + PATIENCE_S
         while "all nodes are up" not in self.errors.read_text() or self.recorded_bytes < RECORDED_BYTES:
             assert time.monotonic() < deadline_s, self.errors.read_text()
             assert self.process.poll() is None, self.errors.read_text()
             pause.wait(0.02)
-        self.watches = {pid: os.pidfd_open(pid) for pid in children_of(self.process.pid)}
+        self.watches = {pid: os.pidfd_open(pid) for pid in descendants_of(self.process.pid)}
         return self
 
     def wait_for_word(self, word):
@@ -105,7 +106,7 @@ class Run:
         return pid
 
     def wait(self):
-        """Wait for the end; return status, output and errors. No node outlives the command."""
+        """Wait for the end; return status, output and errors. No process outlives the command."""
         output, _ = self.process.communicate(timeout=PATIENCE_S)
         for pid, watch in self.watches.items():
             assert select.select([watch], [], [], 10.0)[0], f"{pid} is still there"
@@ -137,12 +138,12 @@ def start(scenario_file):
         run.close()
 
 
-def children_of(parent):
+def descendants_of(parent):
     found = []
     for entry in Path("/proc").iterdir():
         with contextlib.suppress(OSError, ValueError):
             if int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1]) == parent:
-                found.append(int(entry.name))
+                found += [int(entry.name), *descendants_of(int(entry.name))]
     return found
 
 
@@ -247,7 +248,7 @@ def test_a_node_that_raises_in_a_process_of_all_nodes_is_named_in_one_line(start
 
 def test_a_run_may_have_few_processes(start):
     run = start("--layout", "vehicle").wait_until_up()
-    assert len(run.watches) == 4
+    assert len(run.watches) == 5  # with the one that writes the bag
     run.process.send_signal(signal.SIGINT)
     assert run.wait()[0] == 130
     assert recorded_s(run) > 0.0
@@ -255,9 +256,10 @@ def test_a_run_may_have_few_processes(start):
 
 def test_nodes_die_with_a_killed_launcher(start):
     run = start().wait_until_up()
-    assert len(run.watches) == 6
+    assert len(run.watches) == 7
     run.process.kill()
     run.wait()
+    assert Bag(run.folder).complete
     assert recorded_s(run) > 0.0
 
 
