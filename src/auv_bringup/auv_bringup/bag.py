@@ -58,7 +58,7 @@ class Bag:
     topics
         Recorded topics by name, sorted.
     complete
-        False if the recorder was killed before it finished the file; what it wrote is there all the same.
+        False if its writer was killed before it finished the file; what it wrote is there all the same.
 
     Raises
     ------

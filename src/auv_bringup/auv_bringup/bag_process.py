@@ -24,34 +24,36 @@ from auv_bringup.message_definitions import DefinitionError
 
 def serve(line: Connection) -> None:
     """Write one bag, answering each word with what is written, or with a `BagError` as the last answer."""
+    opening: Opening = line.recv()
     try:
-        bag = _Bag(line.recv())
+        for written in _record(line, opening):
+            _answer(line, written)
     except (BagError, DefinitionError) as error:
         _answer(line, BagError(str(error)))
-        return
-    _answer(line, bag.written())
-    try:
-        for batch in _batches(line):
-            bag.take(batch)
-            _answer(line, bag.written())
-        bag.close()
-        _answer(line, bag.written(closed=True))
     except OSError as error:
-        bag.abandon()
-        _answer(line, BagError(f"cannot write the bag {bag.folder}: {error.strerror}"))
+        _answer(line, BagError(f"cannot write the bag {opening.bag_dir}: {error.strerror}"))
+
+
+def _record(line: Connection, opening: Opening) -> Iterator[Written]:
+    """Write the batches that come and close the bag, yielding what is written after each step."""
+    bag = _Bag(opening)
+    yield bag.written()
+    for batch in _batches(line):
+        bag.take(batch)
+        yield bag.written()
+    bag.close()
+    yield bag.written(closed=True)
 
 
 class _Bag:
     """A bag and the recorder that feeds it."""
 
     def __init__(self, opening: Opening) -> None:
-        self.folder = opening.bag_dir
         self._offered_qos: dict[str, tuple[Qos, ...]] = {}
         self._writer = BagWriter(opening.bag_dir)
         self._recorder = BagRecorder(self._writer, lambda topic: self._offered_qos.get(topic, ()))
         self._sinks = {spec.name: self._recorder.sink(spec) for spec in opening.topics}
         self.close = self._recorder.finish
-        self.abandon = self._writer.abandon
 
     def take(self, batch: Batch) -> None:
         """Write a batch."""

@@ -1,7 +1,7 @@
 """Write a rosbag2 directory (MCAP) as Jazzy's own recorder writes it, so that a crash loses little.
 
 A bag ``results/x/bag`` is the folder ``bag`` with ``bag_0.mcap`` (the name that ``ros2 bag reindex`` looks
-for) and ``metadata.yaml`` (version 9). What a killed recorder leaves behind can be read:
+for) and ``metadata.yaml`` (version 9). What a killed writer leaves behind can be read:
 
 * chunks are small (64 kB before compression) and go to the file, unbuffered, when they are full, so that
   at most the chunk in progress is lost;
@@ -197,10 +197,6 @@ class BagWriter:
         if self._replacing is not None:
             self._replacing.join()
         self._replace_metadata(self._metadata_text())
-
-    def abandon(self) -> None:
-        """Close the file as it is, after a write error: what is in it can be read."""
-        self._file.close()
 
     def _create(self) -> _UnbufferedFile:
         """Make the folder and the MCAP file in it."""

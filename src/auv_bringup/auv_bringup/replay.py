@@ -40,7 +40,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         bag = Bag(options.bag)
         if not bag.complete:
-            _tell(f"note: the recorder was killed before it finished {bag.folder}; what it wrote is used")
+            _tell(f"note: the writer of {bag.folder} was killed before it finished; what it wrote is used")
         return _re_estimate(bag) if options.re_estimate else _replay(bag, options)
     except (BagError, ConfigError) as error:
         _tell(f"error: {error}")
