@@ -10,7 +10,7 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from importlib import import_module
 from multiprocessing.sharedctypes import RawValue
@@ -36,11 +36,11 @@ _WARM_TICKS = 30
 
 @dataclasses.dataclass(frozen=True)
 class Block:
-    """What one stretch of a flight cost; memory is proportional set size, by process with children (MiB)."""
+    """What one stretch of a flight cost; memory is proportional set size, of each process (MiB)."""
 
     ticks_per_s: float
     cpu_us_per_tick: float
-    memory_mib: dict[str, float]
+    memory_mib: list[float]
 
 
 def fleet_scenario(count: int, folder: Path) -> Scenario:
@@ -124,22 +124,21 @@ def measure(scenario: Scenario, layout: str, what: str, *, block_s: float) -> Bl
             if time.monotonic() > deadline_s or children.collect_exits():
                 raise TimeoutError(f"{len(scenario.vehicles)} vehicles, {layout}: no flight")
             time.sleep(0.01)
-        families = {name: family(children.pid(name)) for name in children.running}
-        pids = [pid for members in families.values() for pid in members]
+        pids = [pid for name in children.running for pid in family(children.pid(name))]
         first, first_s, first_cpu_us = tick.value, time.monotonic(), sum(map(cpu_us, pids))
         time.sleep(block_s)
         ticks, wall_s = tick.value - first, time.monotonic() - first_s
         spent_us = sum(map(cpu_us, pids)) - first_cpu_us
-        memory_mib = {name: sum(map(pss_mib, members)) for name, members in families.items()}
-        return Block(ticks / wall_s, spent_us / ticks, memory_mib)
+        return Block(ticks / wall_s, spent_us / ticks, [pss_mib(pid) for pid in pids])
 
 
 def family(pid: int) -> list[int]:
     """Return a process and all that it and its children have started."""
     found = [pid]
     for path in Path(f"/proc/{pid}/task").glob("*/children"):
-        for child in map(int, path.read_text().split()):
-            found += family(child)
+        with suppress(OSError):  # it has just ended
+            for child in map(int, path.read_text().split()):
+                found += family(child)
     return found
 
 

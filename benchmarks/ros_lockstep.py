@@ -81,7 +81,7 @@ def rates(scenario: Scenario, layout: str, blocks: int, block_s: float) -> Itera
     memory = ours[-1].memory_mib
     yield Row(
         f"{name}: memory, MiB (PSS)",
-        f"{sum(memory.values()):.0f} in {len(memory)} processes, {max(memory.values()):.0f} the largest",
+        f"{sum(memory):.0f} in {len(memory)} processes, {max(memory):.0f} the largest",
     )
 
 
