@@ -76,8 +76,6 @@ class RecorderNode(Node):
     def on_stop(self) -> None:
         """Record what has arrived, close the bag, say so."""
         self._drain()
-        if self.done:
-            return
         self._guarded(self._bag.close)
         if not self.done:
             self._publish_status()
