@@ -22,7 +22,7 @@ import yaml
 from auv_bringup.compose import NodeSpec, compile_ahead, node_specs
 from auv_bringup.layout import process_specs
 from auv_bringup.node_start import Part, adopt, log_name, node_environment, parts_of
-from auv_bringup.processes import ChildProcesses
+from auv_bringup.processes import ChildProcesses, schedule_as_batch
 from auv_bringup.scenario import SCENARIOS_DIR, Scenario, load_scenario
 
 MAIN_JOB = "flock_acoustic"
@@ -67,6 +67,7 @@ def run_ours(parts: Sequence[Part], environ: dict[str, str], tick: Any) -> int:
         begin(clock, number)
 
     ClockNode.begin_tick = counted
+    schedule_as_batch()
     adopt(environ)
     return run(parts)
 
@@ -74,10 +75,12 @@ def run_ours(parts: Sequence[Part], environ: dict[str, str], tick: Any) -> int:
 def run_bare(
     nodes: Sequence[NodeSpec], fleet: Sequence[str], environ: dict[str, str], tick: Any, *, is_lean: bool
 ) -> int:
-    """Be a process of a bare pattern; the plain one takes the middleware as it comes."""
+    """Be a process of a bare pattern; the plain one takes middleware and scheduling as they come."""
     from benchmarks.bare_pattern import run
 
-    if not is_lean:
+    if is_lean:
+        schedule_as_batch()
+    else:
         environ = {name: value for name, value in environ.items() if name != PROFILES}
 
     def count(number: int) -> None:

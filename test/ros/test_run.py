@@ -246,9 +246,11 @@ def test_a_node_that_raises_in_a_process_of_all_nodes_is_named_in_one_line(start
     assert recorded_s(run) > 1.5
 
 
-def test_a_run_may_have_few_processes(start):
+def test_a_run_may_have_few_processes_and_none_interrupts_another(start):
     run = start("--layout", "vehicle").wait_until_up()
     assert len(run.watches) == 5  # with the one that writes the bag
+    threads = [int(path.name) for pid in run.watches for path in Path(f"/proc/{pid}/task").iterdir()]
+    assert {os.sched_getscheduler(thread) for thread in threads} == {os.SCHED_BATCH}
     run.process.send_signal(signal.SIGINT)
     assert run.wait()[0] == 130
     assert recorded_s(run) > 0.0

@@ -38,7 +38,13 @@ from auv_bringup.node_start import (
     node_environment,
     parts_of,
 )
-from auv_bringup.processes import ChildProcesses, Interrupts, last_lines, threads_allow_fork
+from auv_bringup.processes import (
+    ChildProcesses,
+    Interrupts,
+    last_lines,
+    schedule_as_batch,
+    threads_allow_fork,
+)
 from auv_bringup.progress import Progress
 from auv_bringup.results import BAG, LOGS
 from auv_bringup.scenario import Scenario
@@ -109,6 +115,8 @@ def fly(
     environ = node_environment(os.environ, domain_id=domain_id, discovery=discovery)
     if threads_allow_fork():
         compile_ahead(scenario, progress.message)
+    if mode == "lockstep":
+        schedule_as_batch()
     return fly_nodes(
         process_specs(nodes, layout),
         on_vehicle_loss=scenario.on_vehicle_loss,
