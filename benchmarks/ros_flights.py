@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import select
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -99,7 +100,7 @@ def flight(scenario: Scenario, layout: str, what: str) -> Iterator[tuple[ChildPr
     tick = RawValue("q", -1)
     fleet = [vehicle.id for vehicle in scenario.vehicles]
     compile_ahead(scenario, print)
-    with tempfile.TemporaryDirectory() as name, ChildProcesses() as children:
+    with tempfile.TemporaryDirectory() as name, _ends_awaited() as orphans, ChildProcesses() as children:
         folder = Path(name)
         nodes = node_specs(scenario, mode="lockstep", bag_dir=folder / "bag")
         for module in sorted({node.module for node in nodes} | {"benchmarks.bare_pattern"}):
@@ -117,6 +118,23 @@ def flight(scenario: Scenario, layout: str, what: str) -> Iterator[tuple[ChildPr
             for log in sorted(folder.glob("*.log")):
                 print(log.name, log.read_text(encoding="utf-8")[-2000:])
             raise
+        finally:
+            found = [pid for each in children.running for pid in family(children.pid(each))[1:]]
+            orphans += map(os.pidfd_open, found)
+
+
+@contextmanager
+def _ends_awaited() -> Iterator[list[int]]:
+    """
+    Give a list of process watches; when left, wait until those have ended: who writes a bag closes it first.
+    """
+    watches: list[int] = []
+    try:
+        yield watches
+    finally:
+        for watch in watches:
+            select.select([watch], [], [], _PATIENCE_S)
+            os.close(watch)
 
 
 def measure(scenario: Scenario, layout: str, what: str, *, block_s: float) -> Block:
