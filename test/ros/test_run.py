@@ -164,7 +164,9 @@ def test_a_flight_from_start_to_report(start):
     assert run.folder.name.startswith("pair-3-lockstep-")
     for name in ("scenario.yaml", "provenance.json", "metrics.json", "report.html", "bag/metadata.yaml"):
         assert (run.folder / name).is_file(), name
-    assert sorted(path.stem for path in (run.folder / "logs").glob("*.log")) == [*NODES, "recorder_node"]
+    logs = sorted((run.folder / "logs").glob("*.log"))
+    assert [path.stem for path in logs] == [*NODES, "recorder_node"]
+    assert not any("XML" in path.read_text() for path in logs), "Fast DDS refuses its profiles"
     assert output.splitlines()[-1] == f"report: {run.folder / 'report.html'}"
     assert "export ROS_DOMAIN_ID=" in output
     assert "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST" in output
