@@ -111,6 +111,7 @@ class NeighbourTable:
         self._own = _OwnNavigation()
         self._tracks: dict[int, Track] = {}
         self._in_order: list[Track] = []
+        self._rows: dict[Track, int] = {}
         self._sources = np.empty((0, SOURCE_WIDTH))
         self._source_of = np.empty(0, dtype=np.int64)
         self._said: _Said = ([], [], np.empty(0, dtype=np.int64))
@@ -138,15 +139,23 @@ class NeighbourTable:
         heard = HeardReport(report.time_s, report, stated)
         track = self._tracks.get(report.address)
         if track is None:
-            self._tracks[report.address] = Track(heard, self._filter, self._config.velocity_memory_s)
-            self._in_order = [track for _, track in sorted(self._tracks.items())]
-            self._sources = np.empty((len(self._in_order), SOURCE_WIDTH))
-            self._source_of = np.empty(len(self._in_order), dtype=np.int64)
-            self._stale.update(self._in_order)
+            self._add(report.address, Track(heard, self._filter, self._config.velocity_memory_s))
         elif track.hear(heard):
             self._stale.add(track)
         else:
             self.outdated += 1
+
+    def _add(self, address: int, track: Track) -> None:
+        """Make room for a neighbour heard for the first time; what is written of the others stays."""
+        self._tracks[address] = track
+        self._in_order = [each for _, each in sorted(self._tracks.items())]
+        self._rows = {each: row for row, each in enumerate(self._in_order)}
+        row, addresses, shared = self._rows[track], sorted(self._tracks), self._said[1].copy()
+        shared.insert(row, ())
+        self._sources = np.insert(self._sources, row, 0.0, axis=0)
+        self._source_of = np.empty(len(addresses), dtype=np.int64)
+        self._said = (addresses, shared, np.array(addresses))
+        self._stale.add(track)
 
     def observe(self, t_s: float, nav: VehicleState, contacts: Sequence[SonarContact]) -> None:
         """Use the sonar contacts of one tick, seen from the pose that the own navigation gives."""
@@ -201,12 +210,13 @@ class NeighbourTable:
 
     def _write_stale(self) -> None:
         """Write what has changed since the last time into the sources."""
-        tracks = self._in_order
-        for row, track in enumerate(tracks):
-            if track in self._stale:
-                track.write(self._sources[row])
-        addresses = [track.report.address for track in tracks]
-        self._said = (addresses, [track.report.shared for track in tracks], np.array(addresses))
+        addresses, shared, numbers = self._said
+        shared = shared.copy()
+        for track in self._stale:
+            row = self._rows[track]
+            track.write(self._sources[row])
+            shared[row] = track.report.shared
+        self._said = (addresses, shared, numbers)
         self._stale.clear()
 
     def _follow(self, t_s: float, nav: VehicleState) -> None:
