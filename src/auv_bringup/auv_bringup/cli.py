@@ -8,17 +8,16 @@ import math
 import os
 import shutil
 import sys
-import tempfile
 import time
-import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from auv_bringup import results
 from auv_bringup.domains import DomainClaim, DomainError, claim_domain
-from auv_bringup.interrupts import make_signals_interrupt
+from auv_bringup.failures import DONE, INTERRUPTED, answered, internal_error
 from auv_bringup.layout import LAYOUTS
 from auv_bringup.node_start import ONE_THREAD
 from auv_bringup.one_line_parser import OneLineParser, fail
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
     from auv_bringup.scenario import Scenario
 from auv_core.params import ConfigError
 
-DONE, INTERNAL_ERROR, BAD_INPUT, LOST, COLLISION, INTERRUPTED = 0, 1, 2, 3, 4, 130
+LOST, COLLISION = 3, 4
 
 _HELP = """\
 Fly a flock of autonomous underwater vehicles, and say in numbers and figures what came
@@ -101,24 +100,15 @@ examples:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status."""
-    make_signals_interrupt()
     for name, value in ONE_THREAD.items():
         os.environ.setdefault(name, value)  # before numpy is imported; nodes are forks of this process
     place = _TracebackPlace()
-    try:
-        options = _parser().parse_args(arguments)
-        return _run(options, place)
-    except (ConfigError, DomainError, results.ResultsError) as error:
-        return fail(BAD_INPUT, str(error))
-    except KeyboardInterrupt:
-        return fail(INTERRUPTED, "interrupted")
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return INTERNAL_ERROR
-    except Exception as error:
-        return fail(
-            INTERNAL_ERROR, f"{type(error).__name__}: {_one_line(error)}; the traceback is in {place.write()}"
-        )
+    return answered(
+        lambda: _run(_parser().parse_args(arguments), place),
+        (ConfigError, DomainError, results.ResultsError),
+        interrupted="interrupted",
+        explained=lambda error: internal_error(error, place.folder),
+    )
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -394,28 +384,11 @@ def _list() -> int:
     return DONE
 
 
+@dataclass
 class _TracebackPlace:
-    """Where an internal error's traceback goes: the run's logs, or a temporary file before there are any."""
+    """The run's logs, once there are any: where an internal error's traceback goes."""
 
-    def __init__(self) -> None:
-        self.folder: Path | None = None
-
-    def write(self) -> Path:
-        """Write the traceback of the exception being handled; return its file."""
-        text = traceback.format_exc()
-        if self.folder is not None and self.folder.is_dir():
-            path = self.folder / "traceback.txt"
-            path.write_text(text, encoding="utf-8")
-            return path
-        with tempfile.NamedTemporaryFile(
-            "w", prefix="shoal-", suffix=".traceback.txt", delete=False
-        ) as stream:
-            stream.write(text)
-            return Path(stream.name)
-
-
-def _one_line(error: BaseException) -> str:
-    return " ".join(str(error).split()) or "no message"
+    folder: Path | None = None
 
 
 if __name__ == "__main__":
