@@ -115,7 +115,7 @@ class Controller:
 
     def __init__(self, params: Params, period_s: float) -> None:
         self._gains = params.gains
-        self._control, self._stepped = fastest(control), fastest(stepped)
+        self._stepped = fastest(stepped)
         self._period_s = period_s
         self._integral: Vec3 = (0.0, 0.0, 0.0)
 
@@ -147,4 +147,4 @@ class Controller:
     ) -> tuple[Vec6, Vec3]:
         """Return wrench (N, N m; body) and rate of the integral (m/s; NED), both at one instant."""
         facing = quaternion_from_heading(reference.heading_rad)
-        return self._control(attitude, nu, integral, reference.velocity, facing, self._gains)
+        return fastest(control)(attitude, nu, integral, reference.velocity, facing, self._gains)
