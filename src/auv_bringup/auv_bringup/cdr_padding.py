@@ -17,6 +17,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from auv_bringup.message_definitions import SEPARATOR, MessageType
+from auv_core.cdr import aligned
 
 _LITTLE_ENDIAN_CDR = b"\x00\x01"
 _HEADER_BYTES = 4
@@ -166,7 +167,7 @@ class _Walk:
         return position
 
     def _aligned(self, position: int, size: int) -> int:
-        end = position + -(position - _HEADER_BYTES) % size
+        end = aligned(position, size)
         if end > position:
             if end > len(self._data):
                 raise IndexError(end)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 
-from auv_core.cdr import COUNT, ENCAPSULATION, align, begun, body_at
+from auv_core.cdr import COUNT, align, aligned, begun, body_at
 from auv_core.messages import AcousticEvent, Inbox, Packet, Reception, SonarContact
 
 _OUTBOX = struct.Struct("<qI")
@@ -114,7 +114,7 @@ class _Reader:
         self._at = body_at(data)
 
     def take(self, layout: struct.Struct, size: int = 8) -> tuple:
-        at = self._at + -(self._at - len(ENCAPSULATION)) % size
+        at = aligned(self._at, size)
         self._at = at + layout.size
         try:
             return layout.unpack_from(self._data, at)

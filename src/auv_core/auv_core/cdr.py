@@ -10,11 +10,13 @@ from __future__ import annotations
 import struct
 from functools import cache
 
-from auv_core.stamp import stamp_bytes
+from auv_core.stamp import STAMP_BYTES, stamp_bytes
 
 ENCAPSULATION = b"\x00\x01\x00\x00"
 COUNT = struct.Struct("<I")
-_STAMP = slice(4, 12)
+STAMP_AT = len(ENCAPSULATION)
+"""Place of the stamp in a message that begins with a header."""
+STAMP = slice(STAMP_AT, STAMP_AT + STAMP_BYTES)
 _HEADER = struct.Struct("<4s8xI")
 _TICK = struct.Struct("<q")
 
@@ -22,13 +24,18 @@ _TICK = struct.Struct("<q")
 def begun(frame_id: str, t_s: float) -> bytearray:
     """Return a message as far as its header, with the time `t_s` (s), ready for a number of eight bytes."""
     out = bytearray(_header(frame_id))
-    out[_STAMP] = stamp_bytes(t_s)
+    out[STAMP] = stamp_bytes(t_s)
     return out
+
+
+def aligned(place: int, size: int) -> int:
+    """Return where, from `place` on, a number of `size` bytes can stand."""
+    return place + -(place - len(ENCAPSULATION)) % size
 
 
 def align(out: bytearray, size: int) -> None:
     """Pad a message until a number of `size` bytes can follow."""
-    out += bytes(-(len(out) - len(ENCAPSULATION)) % size)
+    out += bytes(aligned(len(out), size) - len(out))
 
 
 def put_text(out: bytearray, text: str) -> None:
@@ -54,8 +61,7 @@ def body_at(data: bytes) -> int:
         encapsulation = b""
     if encapsulation != ENCAPSULATION:
         raise ValueError(f"{len(data)} bytes that are no message with a header in little-endian CDR")
-    end = _HEADER.size + length
-    return end + -(end - len(ENCAPSULATION)) % 8
+    return aligned(_HEADER.size + length, 8)
 
 
 def read_tick(data: bytes) -> int:
@@ -69,7 +75,7 @@ def read_tick(data: bytes) -> int:
 
 @cache
 def _header(frame_id: str) -> bytes:
-    out = bytearray(ENCAPSULATION + bytes(8))
+    out = bytearray(ENCAPSULATION + bytes(STAMP_BYTES))
     put_text(out, frame_id)
     align(out, 8)
     return bytes(out)

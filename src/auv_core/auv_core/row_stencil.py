@@ -13,12 +13,11 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_core.stamp import STAMP_BYTES, stamp_bytes
+from auv_core.cdr import COUNT, STAMP
+from auv_core.stamp import stamp_bytes
 
 _NUMBER_BYTES = 8
-_STAMP = slice(4, 4 + STAMP_BYTES)
 _TICK = struct.Struct("<q")
-_LENGTH_BYTES = 4
 _FIRST_ADDRESS_BYTES, _ADDRESS_BYTES = 4, 8
 
 
@@ -42,7 +41,7 @@ class RowStencil:
         stride = _ADDRESS_BYTES + _NUMBER_BYTES * width
         records = count * stride - (_ADDRESS_BYTES - _FIRST_ADDRESS_BYTES if count else 0)
         records_at = len(message) - records
-        self._tick_at = records_at - _LENGTH_BYTES - _TICK.size
+        self._tick_at = records_at - COUNT.size - _TICK.size
         self._numbers = np.ndarray(
             (count, width),
             dtype="<f8",
@@ -53,7 +52,7 @@ class RowStencil:
 
     def filled(self, t_s: float, tick: int, rows: NDArray[np.float64]) -> bytes:
         """Return the message with a stamp (s, to the nanosecond), a tick and (count, width) numbers."""
-        self._bytes[_STAMP] = stamp_bytes(t_s)
+        self._bytes[STAMP] = stamp_bytes(t_s)
         _TICK.pack_into(self._bytes, self._tick_at, tick)
         self._numbers[:] = rows
         return bytes(self._bytes)

@@ -12,9 +12,9 @@ from typing import Any
 
 from rclpy.serialization import serialize_message
 
+from auv_core.cdr import STAMP_AT
 from auv_core.stamp import STAMP_BYTES, read_stamp_s, stamp_bytes
 
-_HEADER_STAMP_AT = 4
 _LITTLE_ENDIAN_CDR = b"\x00\x01"
 
 
@@ -37,7 +37,7 @@ class Stencil:
     """
 
     def __init__(
-        self, message: Any, numbers: str, *, stamp_at: int = _HEADER_STAMP_AT, numbers_at: int | None = None
+        self, message: Any, numbers: str, *, stamp_at: int = STAMP_AT, numbers_at: int | None = None
     ) -> None:
         data = bytes(serialize_message(message))
         size = struct.calcsize("<" + numbers)
@@ -65,11 +65,11 @@ def read_numbers(data: bytes, layout: struct.Struct) -> tuple[Any, ...]:
         For bytes that are too short or not little-endian.
 
     """
-    if data[:2] != _LITTLE_ENDIAN_CDR or len(data) < _HEADER_STAMP_AT + layout.size:
+    if data[:2] != _LITTLE_ENDIAN_CDR or len(data) < STAMP_AT + layout.size:
         raise ValueError(f"{len(data)} bytes that are not such a message in little-endian CDR")
     return layout.unpack_from(data, len(data) - layout.size)
 
 
 def header_stamp_s(data: bytes) -> float:
     """Return the stamp (s) of a serialised message that begins with a header."""
-    return read_stamp_s(data, _HEADER_STAMP_AT)
+    return read_stamp_s(data, STAMP_AT)
