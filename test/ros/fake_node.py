@@ -43,12 +43,14 @@ def status_publisher():
     def publish(state: str, time_s: float, **more) -> None:
         publisher.publish(FlockStatus(state=state, time_s=time_s, duration_s=duration_s, **more))
 
-    return publish
+    return publisher, publish
 
 
 def fly() -> None:
-    publish = status_publisher()
+    publisher, publish = status_publisher()
     publish("waiting", 0.0, waiting_for=["/auv_1/agent_node"])
+    while not stop.is_set() and not publisher.get_subscription_count():
+        pause.wait(0.01)  # a flight of a second could be over before the launcher has found it
     time_s, lost = 0.0, []
     while not stop.is_set() and (time_s < duration_s or behaviour == "fly_for_ever"):
         publish("running", time_s, lost_vehicles=lost)
