@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -89,8 +89,7 @@ def make_plan(
     mode = mode or ("inprocess" if is_continuous else "lockstep")
     is_switched = is_continuous and mode in ROS_MODES
     if is_switched:
-        sampled = [*overrides, "sampling=sampled"]
-        scenario = load_scenario(name_or_path, overrides=sampled, seed=seed, duration_s=duration_s)
+        scenario = replace(scenario, sampling="sampled")
     layout = check_layout(
         layout,
         mode=mode,

@@ -23,7 +23,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import yaml
+from auv_bringup.strict_yaml import parse_yaml
 
 if TYPE_CHECKING:
     from auv_bringup.recording import Recording
@@ -55,7 +55,7 @@ def overrides_hash(overrides: Sequence[str], duration_s: float | None = None) ->
     values: dict[str, Any] = {}
     for override in overrides:
         path, _, text = override.partition("=")
-        values[path] = _canonical(yaml.safe_load(text))
+        values[path] = _canonical(parse_yaml(text, f"--set {path}"))
     if duration_s is not None:
         values["duration_s"] = _canonical(duration_s)
     if not values:

@@ -25,9 +25,9 @@ from auv_bringup.scenario_file import (
     find_file,
     override,
     read_raw,
-    to_yaml,
     with_presets,
 )
+from auv_bringup.strict_yaml import to_yaml
 from auv_core.geometry import Vec3, distance
 from auv_core.params import ConfigError, Section, dump, load, param, shown
 from auv_core.plugins import find_plugin

@@ -1,5 +1,5 @@
 """
-Scenario files as raw data: reading YAML strictly, `--set` overrides, and presets.
+Scenario files as raw data: finding and reading them, `--set` overrides, and presets.
 
 Everything here works on plain mappings, before `auv_bringup.scenario` loads them into its dataclasses; errors
 are one line.
@@ -10,16 +10,14 @@ from __future__ import annotations
 import copy
 import re
 from collections.abc import Mapping
-from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import yaml
-
 import auv_control.controllers
 import auv_core.models
 import auv_sim.acoustics
+from auv_bringup.strict_yaml import parse_yaml, read_text
 from auv_core.params import ConfigError, shown
 from auv_core.plugins import PluginError, find_plugin, plugin_places
 
@@ -27,32 +25,6 @@ MOST_VEHICLES = 254
 SCENARIOS_DIR = Path(__file__).parent / "scenarios"
 ID = re.compile(r"[a-z][a-z0-9_]{0,30}\Z")
 ID_WORDS = "a lower-case letter, then at most 30 lower-case letters, digits or underscores"
-
-
-class _StrictYaml(yaml.SafeLoader):
-    """YAML without duplicate keys, and with numbers such as 1e-3 read as numbers."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        pairs = node.value if isinstance(node, yaml.MappingNode) else []
-        keys = [key.value for key, _ in pairs if isinstance(key, yaml.ScalarNode)]
-        for key in keys:
-            if keys.count(key) > 1:
-                raise yaml.constructor.ConstructorError(
-                    None, None, f"the key {key!r} stands twice", node.start_mark
-                )
-        return super().construct_mapping(node, deep)
-
-
-class _StrictYamlDumper(yaml.SafeDumper):
-    """The dumper for `_StrictYaml`: it quotes words that look like the numbers which that one reads."""
-
-
-for _yaml in (_StrictYaml, _StrictYamlDumper):
-    _yaml.add_implicit_resolver(
-        "tag:yaml.org,2002:float",
-        re.compile(r"[-+]?[0-9][0-9_]*(\.[0-9_]*)?[eE][-+]?[0-9]+\Z"),
-        list("-+0123456789"),
-    )
 
 _FLOCK_WITHOUT_MODEM: dict[str, Any] = {
     "flocking": {"kind": "potential"},
@@ -71,43 +43,6 @@ _FLOCK_ON_A_MODEM: dict[str, Any] = {
     },
     "hold_s": 120.0,
 }
-
-# What PyYAML's constructors raise on an explicit tag that does not fit its value, such as `!!int ""`.
-_MISFIT = (ValueError, TypeError, LookupError, AttributeError, OverflowError)
-
-
-def to_yaml(plain: Any) -> str:
-    """Return plain data as YAML that `read_raw` reads back as it was."""
-    text: str = yaml.dump(
-        plain,
-        Dumper=_StrictYamlDumper,
-        sort_keys=False,
-        allow_unicode=True,
-        default_flow_style=None,
-        width=120,
-    )
-    return text
-
-
-def _parse_yaml(text: str, where: str) -> Any:
-    """Return what a text says; presets and overrides of many runs are the same few texts."""
-    return copy.deepcopy(_parsed(text, where))
-
-
-@lru_cache(maxsize=128)
-def _parsed(text: str, where: str) -> Any:
-    try:
-        return yaml.load(text, Loader=_StrictYaml)  # noqa: S506 (a SafeLoader)
-    except yaml.MarkedYAMLError as error:
-        line = error.problem_mark.line + 1 if error.problem_mark else 0
-        problem = " ".join(str(error.problem).split())
-        raise ConfigError(f"{where}: not YAML: {problem} (line {line})") from None
-    except yaml.YAMLError as error:
-        raise ConfigError(f"{where}: not YAML: {' '.join(str(error).split())}") from None
-    except RecursionError:
-        raise ConfigError(f"{where}: not YAML that can be read: nested too deeply") from None
-    except _MISFIT:
-        raise ConfigError(f"{where}: not YAML: a value that does not fit its type") from None
 
 
 def is_path(name_or_path: str) -> bool:
@@ -143,17 +78,10 @@ def read_raw(path: Path, what: str = "scenario") -> dict[str, Any]:
     Raises
     ------
     ConfigError
-        For a file that cannot be read, is not YAML, has a key twice, or does not hold a mapping.
+        For a file that cannot be read, is not the YAML that `strict_yaml` takes, or does not hold a mapping.
 
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not UTF-8 text"
-        raise ConfigError(
-            f"{what}: {str(path)!r} cannot be read ({reason}); allowed: a readable YAML file"
-        ) from None
-    raw = _parse_yaml(text, what)
+    raw = parse_yaml(read_text(path, what), what)
     if not isinstance(raw, dict):
         raise ConfigError(f"{what}: {shown(raw)} is not allowed; allowed: a mapping of {what} keys")
     return raw
@@ -180,7 +108,7 @@ def override(raw: dict[str, Any], override: str) -> None:
         # A copy: what the file names by an alias (*name) in several places changes only here.
         target[where] = {} if inner is None else inner.copy() if isinstance(inner, dict | list) else inner
         target = target[where]
-    target[_place(target, keys)] = _parse_yaml(text, f"--set {path}")
+    target[_place(target, keys)] = parse_yaml(text, f"--set {path}")
 
 
 def _place(target: Any, keys: list[str]) -> str | int:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from auv_bringup.html_page import embedded_png, head, pairs_table
 from auv_bringup.metric_words import value_text as metric_text
-from auv_bringup.scenario_file import to_yaml
+from auv_bringup.strict_yaml import to_yaml
 from auv_bringup.sweeps.figures import axis_parameter, line_parameters, meaning_of, short_names
 from auv_bringup.sweeps.plan import override_texts
 from auv_bringup.sweeps.summary import Group, grid_groups, metric_of, n_failed
