@@ -31,7 +31,8 @@ from auv_core import conversions as convert
 from auv_core.acoustic_bytes import inbox_bytes, outbox_bytes
 from auv_core.markers import HULL, MARKER_TICKS, sphere
 from auv_core.messages import Inbox
-from auv_core.node_main import EVERY_TICK, LATCHED, Audience, Rendezvous, main_loop, publishes_bytes
+from auv_core.node_main import Audience, Rendezvous, main_loop, publishes_bytes
+from auv_core.qos import EVERY_TICK, LATCHED
 
 RELAY, RECORDER = "/acoustic_relay_node", "/recorder_node"
 DIAGNOSTIC_TICKS = 10

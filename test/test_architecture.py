@@ -43,7 +43,7 @@ ROS = {
 
 # ROS is imported at the top of nodes and of these.
 ROS_FILES = {
-    f"auv_core/{name}.py" for name in ("conversions", "markers", "node_main", "node_params", "stencil")
+    f"auv_core/{name}.py" for name in ("conversions", "markers", "node_main", "node_params", "qos", "stencil")
 }
 # ROS is imported only when a function that needs it runs: these import, and give their help, without ROS.
 LAZY_ROS_FILES = {f"auv_bringup/{name}.py" for name in ("launcher", "replay", "ros_types", "topic")}

@@ -33,7 +33,7 @@ def status_publisher():
     import rclpy
     from rclpy.signals import SignalHandlerOptions
 
-    from auv_core.node_main import LATCHED
+    from auv_core.qos import LATCHED
     from auv_msgs.msg import FlockStatus
 
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)

@@ -15,6 +15,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from auv_bringup.node_start import config_file
+from auv_core.qos import own_qos
 
 LIMIT_S = 30.0
 
@@ -49,7 +50,12 @@ class Desk:
         rclpy.shutdown(context=self.context)
 
     def publisher(self, kind, topic, *, latched=False):
-        return self.node.create_publisher(kind, topic, reliable(latched=latched))
+        """Return a publisher that the nodes of a run hear."""
+        return self.node.create_publisher(kind, topic, own_qos(latched=latched))
+
+    def stranger(self, kind, topic):
+        """Return a publisher as tools make them."""
+        return self.node.create_publisher(kind, topic, 10)
 
     def listen(self, kind, topic, *, latched=False, raw=False) -> list:
         """Return the list that fills with the messages of a topic."""

@@ -44,7 +44,8 @@ def test_an_idle_executor_wakes_for_what_comes(ros):
     from rclpy.task import Future
     from std_msgs.msg import Int64
 
-    from auv_core.node_main import EVERY_TICK, make_executor
+    from auv_core.node_main import make_executor
+    from auv_core.qos import EVERY_TICK
 
     node, spin_until = ros
     talker = node("talker")
@@ -71,7 +72,8 @@ def test_an_idle_executor_wakes_for_what_comes(ros):
 def test_a_reader_that_asks_for_more_than_is_offered_keeps_nobody_waiting(ros):
     from std_msgs.msg import Int64
 
-    from auv_core.node_main import EVERY_TICK, LATCHED, Audience, Rendezvous
+    from auv_core.node_main import Audience, Rendezvous
+    from auv_core.qos import EVERY_TICK, LATCHED
 
     node, spin_until = ros
     talker, listener, stranger = node("talker"), node("listener"), node("stranger")

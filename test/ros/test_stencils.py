@@ -19,7 +19,9 @@ def states():
     from auv_core.messages import VehicleState
 
     quaternion = st.tuples(numbers, numbers, numbers, numbers)
-    return st.builds(VehicleState, st.integers(0, 2**62), vec3, quaternion, vec6, st.booleans())
+    return st.builds(
+        VehicleState, st.integers(0, 2**62), vec3, quaternion, vec6, st.booleans(), numbers, numbers
+    )
 
 
 def read(data, kind):

@@ -271,7 +271,7 @@ class StatusListener:
         from rclpy.executors import SingleThreadedExecutor
         from rclpy.signals import SignalHandlerOptions
 
-        from auv_core.node_main import LATCHED
+        from auv_core.qos import LATCHED
         from auv_msgs.msg import FlockStatus
 
         self._context = rclpy.Context()

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 CLOCK_TOPIC = "/clock"
+LOG_TOPIC = "/rosout"
+"""Its writers are of the client library, which offers what strangers do."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ _GLOBAL_TOPICS = (
     TopicSpec("/tf_static", "tf2_msgs/msg/TFMessage", latched=True),
     TopicSpec("/markers", "visualization_msgs/msg/MarkerArray"),
     TopicSpec("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"),
-    TopicSpec("/rosout", "rcl_interfaces/msg/Log", latched=True, stamped=False),
+    TopicSpec(LOG_TOPIC, "rcl_interfaces/msg/Log", latched=True, stamped=False),
 )
 
 

@@ -38,7 +38,11 @@ def message_class(type_name: str) -> Any:
 
 
 def qos_of_profile(profile: QoSProfile) -> Qos:
-    """Return an offered profile in rosbag2's words."""
+    """
+    Return an offered profile in rosbag2's words.
+
+    The liveliness is left out: it marks the writers of a run, and what is played from a bag is none of them.
+    """
     return Qos(
         history=profile.history.name.lower(),
         depth=profile.depth,
@@ -46,8 +50,6 @@ def qos_of_profile(profile: QoSProfile) -> Qos:
         durability=profile.durability.name.lower(),
         deadline_ns=profile.deadline.nanoseconds,
         lifespan_ns=profile.lifespan.nanoseconds,
-        liveliness=profile.liveliness.name.lower(),
-        liveliness_lease_duration_ns=profile.liveliness_lease_duration.nanoseconds,
         avoid_ros_namespace_conventions=bool(profile.avoid_ros_namespace_conventions),
     )
 

@@ -24,38 +24,19 @@ from rclpy.duration import Duration
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import (
-    DurabilityPolicy,
-    HistoryPolicy,
-    QoSCompatibility,
-    QoSProfile,
-    ReliabilityPolicy,
-    qos_check_compatible,
-)
+from rclpy.qos import QoSCompatibility, qos_check_compatible
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from auv_core.params import ConfigError
+from auv_core.qos import LATCHED
 from auv_core.run_config import TickClock
 from auv_msgs.msg import FlockStatus
 
 _WAKE_S = 0.25
 _HAND_OVER_S = 5.0
 _LOOK_S = 0.02
-
-EVERY_TICK = QoSProfile(
-    depth=1,
-    history=HistoryPolicy.KEEP_ALL,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.VOLATILE,
-)
-LATCHED = QoSProfile(
-    depth=1,
-    history=HistoryPolicy.KEEP_LAST,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
 
 
 def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str] | None = None) -> int:

@@ -21,7 +21,17 @@ class RunConfig:
         "ROS time of scenario time 0 (s), for nodes that wait for nobody; 0: when the run says running",
         default=0.0,
     )
+    publishers: str = param(
+        "whom nodes hear: own, the nodes of this project only; any, also a modem's driver or a navigation",
+        default="own",
+        choices=("own", "any"),
+    )
     recorded: bool = param("whether a recorder must hear everything from the first tick", default=False)
+
+    @property
+    def admits_strangers(self) -> bool:
+        """Whether nodes hear publishers that are not of this project."""
+        return self.publishers == "any"
 
     @property
     def waits(self) -> bool:

@@ -18,17 +18,18 @@ from pathlib import Path
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import HistoryPolicy
 from rclpy.subscription import Subscription
 from rclpy.time import Time
 
 from auv_bringup.bag_link import BagLink, Batch
 from auv_bringup.bag_writer import BagError, Qos
-from auv_bringup.recorded_topics import CLOCK_TOPIC, TopicSpec, topics_of_graph
+from auv_bringup.recorded_topics import CLOCK_TOPIC, LOG_TOPIC, TopicSpec, topics_of_graph
 from auv_bringup.ros_types import message_class, qos_of_profile
-from auv_core.node_main import LATCHED, main_loop, steady_timer
+from auv_core.node_main import main_loop, steady_timer
 from auv_core.node_params import declare_config
 from auv_core.params import ConfigError, param
+from auv_core.qos import LATCHED, own_qos
 from auv_msgs.msg import RecorderStatus
 
 EXIT_INTERNAL = 1
@@ -82,7 +83,10 @@ class RecorderNode(Node):
 
     def _subscription(self, spec: TopicSpec) -> Subscription:
         """Subscribe to a topic, raw; of all topics the executor serves the clock's only."""
-        kind, qos = message_class(spec.type_name), _keep_all(latched=spec.latched)
+        kind = message_class(spec.type_name)
+        qos = own_qos(
+            latched=spec.latched, history=HistoryPolicy.KEEP_ALL, admits_strangers=spec.name == LOG_TOPIC
+        )
         return self.create_subscription(kind, spec.name, self._hear_clock, qos, raw=True)
 
     def _hear_clock(self, data: bytes) -> None:
@@ -161,15 +165,6 @@ def _waiting(subscription: Subscription) -> list[bytes]:
     with handle:
         take = partial(handle.take_message, subscription.msg_type, True)
         return [data for data, _ in iter(take, None)]
-
-
-def _keep_all(*, latched: bool) -> QoSProfile:
-    """Return a reliable profile that drops nothing."""
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_ALL,
-        reliability=ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
-    )
 
 
 def make_nodes(**options: Any) -> Sequence[Node]:

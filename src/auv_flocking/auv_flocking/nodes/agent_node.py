@@ -14,6 +14,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
 from nav_msgs.msg import Path
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
@@ -24,8 +25,6 @@ from auv_core.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere,
 from auv_core.messages import Inbox, Reception, command_numbers
 from auv_core.messages import VehicleState as State
 from auv_core.node_main import (
-    EVERY_TICK,
-    LATCHED,
     Audience,
     Rendezvous,
     main_loop,
@@ -35,6 +34,7 @@ from auv_core.node_main import (
     when_running,
 )
 from auv_core.node_params import declare_config
+from auv_core.qos import EVERY_TICK, LATCHED, own_qos
 from auv_core.run_config import RunConfig, TickClock
 from auv_flocking.agent import Agent, AgentConfig
 from auv_flocking.estimates import AGE, CENTRE
@@ -65,10 +65,10 @@ class AgentNode(Node):
         self._navs: dict[int, State] = {}
         self._inboxes: dict[int, Inbox] = {}
         self._tick = 0
-        self._connect()
+        self._connect(own_qos(admits_strangers=run.admits_strangers))
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
 
-    def _connect(self) -> None:
+    def _connect(self, heard: QoSProfile) -> None:
         command = (TwistStamped, "cmd_vel") if self._agent.takes_velocity else (WrenchStamped, "cmd_wrench")
         vehicle_id = self._config.vehicle_id
         self._command_stencil = convert.command_stencil(vehicle_id, takes_velocity=self._agent.takes_velocity)
@@ -94,8 +94,8 @@ class AgentNode(Node):
         self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
         self._publish_diagnostics = publishes_bytes(self._diagnostics_pub)
         self._path_pub = self.create_publisher(Path, "path", LATCHED) if self._agent.knows_path else None
-        self.create_subscription(VehicleState, "nav", self._on_nav, EVERY_TICK, raw=True)
-        self.create_subscription(AcousticInbox, "acoustic/rx", self._on_inbox, EVERY_TICK, raw=True)
+        self.create_subscription(VehicleState, "nav", self._on_nav, heard, raw=True)
+        self.create_subscription(AcousticInbox, "acoustic/rx", self._on_inbox, heard, raw=True)
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
         recorder = {"/recorder_node"} if run.recorded else set()

@@ -17,6 +17,7 @@ from itertools import product
 from typing import Any
 
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from visualization_msgs.msg import Marker
 
 from auv_core import conversions as convert
@@ -24,17 +25,10 @@ from auv_core.acoustic_bytes import events_bytes, inbox_bytes, read_outbox
 from auv_core.cdr import read_tick
 from auv_core.markers import LOST_HULL, MARKER_TICKS, sphere
 from auv_core.messages import VehicleState
-from auv_core.node_main import (
-    EVERY_TICK,
-    Audience,
-    Rendezvous,
-    main_loop,
-    now_s,
-    publishes_bytes,
-    steady_timer,
-)
+from auv_core.node_main import Audience, Rendezvous, main_loop, now_s, publishes_bytes, steady_timer
 from auv_core.node_params import declare_config
 from auv_core.params import param
+from auv_core.qos import EVERY_TICK, own_qos
 from auv_core.run_config import RunConfig, TickClock
 from auv_msgs.msg import AcousticEvents, AcousticInbox, AcousticOutbox
 from auv_msgs.msg import VehicleState as VehicleStateMsg
@@ -94,10 +88,10 @@ class AcousticRelayNode(Node):
             **options,
         )
         self.clock.on_room = self._try_advance
-        self._connect()
+        self._connect(own_qos(admits_strangers=run.admits_strangers))
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
 
-    def _connect(self) -> None:
+    def _connect(self, heard: QoSProfile) -> None:
         self._state_stencil = convert.state_stencil()
         self._frames = [convert.body_frame(name) for name in self._ids]
         self._rx_pubs = [
@@ -118,10 +112,10 @@ class AcousticRelayNode(Node):
         )
         for index, name in enumerate(self._ids):
             self.create_subscription(
-                VehicleStateMsg, f"/{name}/state", partial(on_state, index), EVERY_TICK, raw=True
+                VehicleStateMsg, f"/{name}/state", partial(on_state, index), heard, raw=True
             )
             self.create_subscription(
-                AcousticOutbox, f"/{name}/acoustic/tx", partial(on_outbox, index), EVERY_TICK, raw=True
+                AcousticOutbox, f"/{name}/acoustic/tx", partial(on_outbox, index), heard, raw=True
             )
 
     def _audiences(self, run: RunConfig) -> list[Audience]:

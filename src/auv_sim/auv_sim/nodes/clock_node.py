@@ -17,8 +17,9 @@ from rosgraph_msgs.msg import Clock
 from tf2_msgs.msg import TFMessage
 
 from auv_core import conversions as convert
-from auv_core.node_main import EVERY_TICK, LATCHED, publishes_bytes, steady_timer
+from auv_core.node_main import publishes_bytes, steady_timer
 from auv_core.params import param
+from auv_core.qos import EVERY_TICK, LATCHED
 from auv_core.run_config import TickClock
 from auv_msgs.msg import FlockStatus, RecorderStatus
 

@@ -14,7 +14,8 @@ from auv_core.diagnostic_bytes import Status, diagnostics_bytes
 from auv_core.geometry import Vec3
 from auv_core.markers import LINK, MARKER_TICKS, LineList, lines
 from auv_core.messages import Inbox, VehicleState
-from auv_core.node_main import EVERY_TICK, publishes_bytes
+from auv_core.node_main import publishes_bytes
+from auv_core.qos import EVERY_TICK
 from auv_msgs.msg import AcousticStats
 from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
 

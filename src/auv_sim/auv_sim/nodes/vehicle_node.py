@@ -18,7 +18,6 @@ from auv_core import conversions as convert
 from auv_core.markers import HULL, MARKER_TICKS, sphere_stencil
 from auv_core.messages import Command
 from auv_core.node_main import (
-    EVERY_TICK,
     Audience,
     Rendezvous,
     main_loop,
@@ -28,6 +27,7 @@ from auv_core.node_main import (
     when_running,
 )
 from auv_core.node_params import declare_config
+from auv_core.qos import EVERY_TICK, own_qos
 from auv_core.run_config import RunConfig, TickClock
 from auv_core.stencil import header_stamp_s
 from auv_msgs.msg import VehicleState
@@ -57,7 +57,8 @@ class VehicleNode(Node):
         self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
         self._publish_marker = publishes_bytes(self._marker_pub)
         command = (TwistStamped, "cmd_vel") if self._vehicle.takes_velocity else (WrenchStamped, "cmd_wrench")
-        self.create_subscription(*command, self._on_command, EVERY_TICK, raw=True)
+        heard = own_qos(admits_strangers=run.admits_strangers)
+        self.create_subscription(*command, self._on_command, heard, raw=True)
         self._state_stencil = convert.state_stencil()
         self._odom_stencil = convert.odometry_stencil(self._config.vehicle_id)
         self._tf_stencil = convert.transform_stencil(self._config.vehicle_id)
