@@ -1,4 +1,4 @@
-"""Kills and stops at random moments: whatever process of a run is hit, the run says so and leaves nothing behind."""
+"""Kill or stop any process of a run at a random moment: the run names it and leaves nothing behind."""
 
 from collections import Counter
 from pathlib import Path

@@ -15,7 +15,6 @@ from pathlib import Path
 from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader
 
-
 NAMED_WITHIN_S = 5.0
 RUN_LIMIT_S = 90.0
 REPORT_LIMIT_S = 60.0
@@ -75,8 +74,9 @@ class HitRun:
         self._said = folder / "said.txt"
         with self._said.open("wb") as stream:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "auv_bringup.cli", str(folder / "pair.yaml"), "--no-figures"]
-                + ["--mode", trial.mode, "--layout", trial.layout, "--out", str(self.out)],
+                _command(
+                    folder / "pair.yaml", "--mode", trial.mode, "--layout", trial.layout, "--out", self.out
+                ),
                 stdin=subprocess.DEVNULL,
                 stdout=stream,
                 stderr=stream,
@@ -119,6 +119,11 @@ class HitRun:
             except ProcessLookupError:
                 continue
         self.process.wait(10.0)
+
+
+def _command(*arguments: object) -> list[str]:
+    """Return the run command with these arguments, without figures."""
+    return [sys.executable, "-m", "auv_bringup.cli", *map(str, arguments), "--no-figures"]
 
 
 def until(condition, limit_s: float) -> bool:
@@ -197,9 +202,9 @@ def _judge_end(run: HitRun, trial: Trial, before: set[Path]) -> None:
     if not until(lambda: not run.processes(), 5.0):
         trial.faults.append(f"left behind: {run.processes()}")
     if trial.victim == "launcher":  # nobody is left who could clean up: the next run does
+        scenario = run.out.parent / "pair.yaml"
         subprocess.run(
-            [sys.executable, "-m", "auv_bringup.cli", str(run.out.parent / "pair.yaml"), "--no-figures"]
-            + ["--layout", "single", "--duration", "1", "--out", str(run.out.parent / "next")],
+            _command(scenario, "--layout", "single", "--duration", 1, "--out", run.out.parent / "next"),
             stdin=subprocess.DEVNULL,
             capture_output=True,
             timeout=RUN_LIMIT_S,
@@ -219,7 +224,7 @@ def _judge_results(run: HitRun, trial: Trial) -> None:
     if not readable:
         return
     report = subprocess.run(
-        [sys.executable, "-m", "auv_bringup.cli", "--report", str(folders[0]), "--no-figures"],
+        _command("--report", folders[0]),
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
