@@ -81,7 +81,8 @@ exit status:
   0    done (also where the scenario lets a flight go on without a lost vehicle)
   1    internal error; the traceback is in the logs
   2    bad input; nothing was started, nothing was written
-  3    a vehicle or node was lost, and the flight was stopped
+  3    a vehicle or node was lost, and the flight was stopped; or the results cannot be
+       written (full disk, folder moved)
   4    two hulls touched; the flight was completed
   130  Ctrl-C
   A touch of hulls is found in the recording. With --no-bag a run with nodes has none:

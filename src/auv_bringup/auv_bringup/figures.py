@@ -38,6 +38,7 @@ from auv_bringup.plotting import (
     plot_sphere,
     plot_thinned,
     round_step,
+    save_canvas,
     span_time,
     vehicle_style,
 )
@@ -150,7 +151,7 @@ def save_figures(
             if drawing is None:
                 continue
             path = out_dir / f"{name}.png"
-            drawing.canvas.savefig(path, dpi=DPI, metadata={"Software": None})
+            save_canvas(drawing.canvas, path, DPI)
         thesis_figure = _THESIS_FIGURES.get((scenario.name, name))
         title = drawing.title + (f" (thesis Fig. {thesis_figure})" if thesis_figure else "")
         figures.append(Figure(path, title, drawing.caption))

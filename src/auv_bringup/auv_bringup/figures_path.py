@@ -24,6 +24,7 @@ from auv_bringup.plotting import (
     plot_obstacle,
     plot_plan_line,
     plot_thinned,
+    save_canvas,
     span_time,
     vehicle_style,
 )
@@ -64,7 +65,7 @@ def path_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> lis
             canvas = Canvas(layout="constrained")
             title, caption = draw(canvas, recording, scenario)
             path = out_dir / f"{name}.png"
-            canvas.savefig(path, dpi=DPI, metadata={"Software": None})
+            save_canvas(canvas, path, DPI)
         figures.append(Figure(path, title, caption))
     return figures
 

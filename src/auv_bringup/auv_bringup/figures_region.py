@@ -29,6 +29,7 @@ from auv_bringup.plotting import (
     marker,
     plot_plan_line,
     plot_thinned,
+    save_canvas,
     span_time,
     vehicle_style,
 )
@@ -72,7 +73,7 @@ def region_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> l
             canvas = Canvas(layout=None if draw is _draw_space else "constrained")
             title, caption = draw(canvas, recording, scenario, ring)
             path = out_dir / f"{name}.png"
-            canvas.savefig(path, dpi=DPI, metadata={"Software": None})
+            save_canvas(canvas, path, DPI)
         figures.append(Figure(path, title, caption))
     return figures
 

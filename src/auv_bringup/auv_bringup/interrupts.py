@@ -6,6 +6,9 @@ import signal
 from types import FrameType
 from typing import NoReturn
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+"""What asks a command to end."""
+
 
 class Interrupted(KeyboardInterrupt):
     """
@@ -16,12 +19,25 @@ class Interrupted(KeyboardInterrupt):
     """
 
 
+def heeded_signals() -> list[signal.Signals]:
+    """
+    Return `SIGNALS` without those that were ignored when the command started: `nohup` and `trap '' HUP` hold.
+
+    SIGINT is always heeded, since a shell script ignores it for all that it starts in the background.
+    """
+    return [
+        number
+        for number in SIGNALS
+        if number == signal.SIGINT or signal.getsignal(number) is not signal.SIG_IGN
+    ]
+
+
 def make_signals_interrupt() -> None:
-    """Let SIGINT, SIGTERM and SIGHUP raise KeyboardInterrupt, even in a shell's background."""
+    """Let the signals that are heeded raise KeyboardInterrupt."""
 
     def interrupt(number: int, frame: FrameType | None) -> NoReturn:
         del number, frame
         raise Interrupted
 
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    for number in heeded_signals():
         signal.signal(number, interrupt)

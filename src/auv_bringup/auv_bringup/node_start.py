@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from auv_bringup.whole_files import write_text
+
 if TYPE_CHECKING:
     from auv_bringup.compose import NodeSpec
     from auv_bringup.layout import ProcessSpec
@@ -68,7 +70,7 @@ def write_params_file(spec: NodeSpec, folder: Path) -> Path:
     key = "/**" if spec.role == "relay" else spec.name
     path = folder / f"{log_name(spec.name)}.yaml"
     # JSON is YAML with every word in quotes: without them ROS reads a vehicle called `y` as true.
-    path.write_text(json.dumps({key: {"ros__parameters": spec.params}}, indent=2) + "\n", encoding="utf-8")
+    write_text(path, json.dumps({key: {"ros__parameters": spec.params}}, indent=2) + "\n")
     return path
 
 

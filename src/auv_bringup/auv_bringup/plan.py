@@ -7,6 +7,7 @@ The run command and the launch file both begin here.
 from __future__ import annotations
 
 import math
+import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from auv_bringup import results
 from auv_bringup.layout import check_layout
+from auv_bringup.whole_files import write_text
 from auv_core.params import ConfigError
 
 if TYPE_CHECKING:
@@ -101,7 +103,17 @@ def make_plan(
 
 
 def start_results(plan: Plan, parent: Path) -> Path:
-    """Make the results folder of a run in `parent`, with its scenario and provenance, and return it."""
+    """
+    Make the results folder of a run in `parent`, with its scenario and provenance, and return it.
+
+    Raises
+    ------
+    ResultsError
+        When the folder cannot be made.
+    WriteError
+        When the files in it cannot be written, as on a full disk; the folder is removed again.
+
+    """
     from auv_bringup.scenario import scenario_to_yaml
 
     text = scenario_to_yaml(plan.scenario)
@@ -111,7 +123,11 @@ def start_results(plan: Plan, parent: Path) -> Path:
     if plan.mode in ROS_MODES:
         record["layout"] = plan.layout
     folder = results.make_results_dir(parent, plan.name)
-    (folder / results.LOGS).mkdir()
-    (folder / results.SCENARIO_FILE).write_text(text, encoding="utf-8")
-    results.write_json(folder / results.PROVENANCE_FILE, record)
+    try:
+        (folder / results.LOGS).mkdir()
+        write_text(folder / results.SCENARIO_FILE, text)
+        results.write_json(folder / results.PROVENANCE_FILE, record)
+    except OSError:
+        shutil.rmtree(folder, ignore_errors=True)  # nothing of a run that did not start
+        raise
     return folder

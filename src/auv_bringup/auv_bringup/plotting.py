@@ -8,6 +8,7 @@ up.
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator
 from numpy.typing import NDArray
 
 from auv_bringup.recording import FloatArray
+from auv_bringup.whole_files import whole_file
 
 MAX_COLUMNS = 1200
 STYLE = {
@@ -53,6 +55,12 @@ def marker(i: int) -> str:
 def vehicle_style(i: int) -> dict[str, Any]:
     """Return colour and line style of line i."""
     return {"color": colour(i), "linestyle": _DASHES[i % len(_DASHES)]}
+
+
+def save_canvas(canvas: Canvas, path: Path, dpi: int) -> None:
+    """Write a PNG file whole or not at all, the same bytes whenever it is drawn; raise WriteError."""
+    with whole_file(path) as unfinished:
+        canvas.savefig(unfinished, dpi=dpi, metadata={"Software": None})
 
 
 def plot_plan_line(axes: Any, ned_m: FloatArray, **style: Any) -> None:

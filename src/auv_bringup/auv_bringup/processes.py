@@ -24,6 +24,8 @@ from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, NoReturn
 
+from auv_bringup.interrupts import SIGNALS, heeded_signals
+
 SIGINT_GRACE_S = 6.0
 SIGTERM_GRACE_S = 2.0
 HURRY_GRACE_S = 1.0
@@ -193,12 +195,11 @@ class ChildProcesses:
 
 class Interrupts:
     """
-    Counts requests to end (Ctrl-C, SIGTERM, SIGHUP) while entered, in place of Python's own handling.
+    Counts requests to end (Ctrl-C, SIGTERM, SIGHUP) while entered, in place of Python's own handling; what
+    was ignored at the start stays ignored.
 
     The first asks for a clean end, the second for a quick one.
     """
-
-    SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
     def __init__(self) -> None:
         self.count = 0
@@ -210,7 +211,7 @@ class Interrupts:
         return self.count > 1
 
     def __enter__(self) -> Interrupts:
-        for number in self.SIGNALS:
+        for number in heeded_signals():
             self._previous[number] = signal.signal(number, self._on_signal)
         return self
 
@@ -247,8 +248,8 @@ def _run_forked(run: Callable[[], int], parent_pid: int, log: Path) -> NoReturn:
         os.dup2(nothing.fileno(), 0)
         os.dup2(output.fileno(), 1)
         os.dup2(output.fileno(), 2)
-    sys.stdout = os.fdopen(1, "w", buffering=1)
-    sys.stderr = os.fdopen(2, "w", buffering=1)
+    sys.stdout = os.fdopen(1, "w", buffering=1, encoding="utf-8", errors="backslashreplace")
+    sys.stderr = os.fdopen(2, "w", buffering=1, encoding="utf-8", errors="backslashreplace")
     raise SystemExit(run())
 
 
@@ -288,7 +289,7 @@ def _child_setup(parent_pid: int) -> Callable[[], None]:
         if os.getppid() != parent_pid:  # the parent died before the line above
             os._exit(1)
         # A parent started in the background by a shell ignores SIGINT, and a child would inherit that.
-        for number in Interrupts.SIGNALS:
+        for number in SIGNALS:
             signal.signal(number, signal.SIG_DFL)
 
     return setup

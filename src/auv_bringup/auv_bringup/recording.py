@@ -10,6 +10,7 @@ not exist: the estimate of a neighbour that was never heard, the command of a ve
 
 from __future__ import annotations
 
+import math
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -17,8 +18,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 from numpy.typing import NDArray
 
+from auv_bringup.whole_files import whole_file
 from auv_core.messages import AcousticEvent, Outcome
 
 FloatArray = NDArray[np.float64]
@@ -203,30 +206,38 @@ class Recording:
 
         Equal recordings give equal bytes. The fastest compression is used: covariances hardly
         compress and would cost seconds.
+
+        Raises
+        ------
+        WriteError
+            When the file cannot be written, as on a full disk.
+
         """
         path = Path(path)
-        unfinished = path.with_name(path.name + ".part")
-        with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        with (
+            whole_file(path) as unfinished,
+            zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+        ):
             _write_array(archive, _VERSION_KEY, np.array(FORMAT_VERSION))
             for field in fields(self):
                 _write_array(archive, field.name, np.asarray(getattr(self, field.name)))
-        unfinished.replace(path)
         return path
 
     @classmethod
     def load(cls, path: str | Path) -> Recording:
-        """Read what `save` has written; raise RecordingError for anything else."""
+        """Read what `save` has written; raise RecordingError, one line, for anything else."""
         try:
+            _check_size(Path(path))
             with np.load(path, allow_pickle=False) as archive:
                 version = int(archive[_VERSION_KEY])
                 if version != FORMAT_VERSION:
-                    raise RecordingError(f"{path}: format {version}, this program reads {FORMAT_VERSION}")
-                values = {field.name: archive[field.name] for field in fields(cls)}
-        except (KeyError, AttributeError, TypeError, zipfile.BadZipFile, EOFError, ValueError) as error:
-            if isinstance(error, RecordingError):
-                raise
-            raise RecordingError(f"{path}: not a recording ({error})") from error
-        return cls(**values)
+                    raise RecordingError(f"format {version}, this program reads {FORMAT_VERSION}")
+                return cls(**{field.name: archive[field.name] for field in fields(cls)})
+        except RecordingError as error:
+            raise RecordingError(f"{path}: {error}") from None
+        except Exception as error:  # each layer of a damaged file has errors of its own
+            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            raise RecordingError(f"{path} is damaged or not a recording ({reason})") from error
 
 
 def acoustic_log(recording: Recording) -> list[AcousticEvent]:
@@ -296,6 +307,28 @@ def _dtype(name: str) -> type[np.int64] | type[np.float64] | type[np.bool_]:
 def _fits(shape: tuple[int, ...], expected: tuple[int | None, ...]) -> bool:
     pairs = zip(shape, expected, strict=False)
     return len(shape) == len(expected) and all(want is None or size == want for size, want in pairs)
+
+
+def _check_size(path: Path) -> None:
+    """Raise RecordingError for a file that unpacks to more than the memory of this machine can take."""
+    with zipfile.ZipFile(path) as archive:
+        unpacked = sum(_stated_bytes(archive, member) for member in archive.infolist())
+    available = psutil.virtual_memory().available
+    if unpacked > available:
+        raise RecordingError(
+            f"it unpacks to {unpacked / 1e9:.1f} GB, and this machine has {available / 1e9:.1f} GB free"
+        )
+
+
+def _stated_bytes(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:
+    """Return the size of an array by its header or by its place in the archive, whichever is larger."""
+    with archive.open(member) as stream:
+        read_header = {
+            (1, 0): np.lib.format.read_array_header_1_0,
+            (2, 0): np.lib.format.read_array_header_2_0,
+        }[np.lib.format.read_magic(stream)]
+        shape, _, dtype = read_header(stream)
+    return max(member.file_size, math.prod(shape) * dtype.itemsize)
 
 
 def _write_array(archive: zipfile.ZipFile, name: str, array: NDArray[Any]) -> None:

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from auv_bringup.metric_words import shown_metrics, value_text
+from auv_bringup.whole_files import write_text
 
 if TYPE_CHECKING:
     from auv_bringup.figures import Figure
@@ -171,7 +172,7 @@ def write_report(
         scenario=html.escape(_scenario_text(results_dir, scenario)),
     )
     path = results_dir / REPORT_FILE
-    path.write_text(page, encoding="utf-8")
+    write_text(path, page)
     return path
 
 

@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from auv_bringup.strict_yaml import parse_yaml
+from auv_bringup.whole_files import write_text
 
 if TYPE_CHECKING:
     from auv_bringup.recording import Recording
@@ -174,7 +175,7 @@ def _git(folder: Path, *arguments: str) -> str:
 def write_json(path: Path, data: dict[str, Any]) -> None:
     """Write strict JSON; a number that is not finite becomes null."""
     plain = {key: None if isinstance(v, float) and not math.isfinite(v) else v for key, v in data.items()}
-    path.write_text(json.dumps(plain, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    write_text(path, json.dumps(plain, indent=2, allow_nan=False) + "\n")
 
 
 def read_json(path: Path) -> dict[str, Any]:
@@ -241,7 +242,7 @@ def write_results(
 
     on_step("metrics")
     metrics = compute_metrics(recording, scenario, mode=mode, real_time_factor=real_time_factor)
-    (results_dir / METRICS_FILE).write_text(metrics_to_json(metrics), encoding="utf-8")
+    write_text(results_dir / METRICS_FILE, metrics_to_json(metrics))
 
     from auv_bringup.report import write_report
 

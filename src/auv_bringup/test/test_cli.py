@@ -3,6 +3,7 @@
 import json
 import os
 import select
+import shutil
 import signal
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from full_disk import files_of_at_most
 
 from auv_bringup import cli, experiment, law_figures
 from auv_bringup.plan import make_plan
@@ -28,11 +30,8 @@ def folders(tmp_path):
 
 
 @pytest.fixture(autouse=True)
-def _keep_signal_handlers():
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
-    yield
-    for number, handler in before.items():
-        signal.signal(number, handler)
+def _keep_signal_handlers(keep_signal_handlers):
+    """Every test here calls the command."""
 
 
 def test_list_has_one_line_per_scenario(capsys):
@@ -237,6 +236,37 @@ def test_an_internal_error_leaves_its_traceback_in_the_logs(tmp_path, capsys, mo
     assert last.startswith("error: ZeroDivisionError: first line second line")
     assert str(path) in last
     assert "in broken" in path.read_text()
+
+
+@pytest.mark.parametrize(("size_bytes", "left"), [(30_000, {"scenario.yaml", "provenance.json"}), (1, None)])
+def test_a_full_disk_is_status_3_one_line_and_nothing_half_written(tmp_path, capsys, size_bytes, left):
+    with files_of_at_most(size_bytes):
+        assert run(tmp_path, "--mode", "inprocess", "--duration", "20") == 3
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last.startswith(f"error: cannot write {tmp_path}")
+    assert last.endswith("File too large")
+    if left is None:
+        assert folders(tmp_path) == []  # it did not start
+    else:
+        (name,) = folders(tmp_path)
+        files = {path.name for path in (tmp_path / "results" / name).rglob("*") if path.is_file()}
+        assert files == left
+
+
+@pytest.mark.parametrize("change", ["moved", "removed"])
+def test_results_that_are_moved_or_removed_in_flight_are_one_line(tmp_path, capsys, monkeypatch, change):
+    fly = experiment.run_in_process
+
+    def disturbed(*arguments, **options):
+        recording = fly(*arguments, **options)
+        folder = tmp_path / "results"
+        shutil.rmtree(folder) if change == "removed" else folder.rename(tmp_path / "elsewhere")
+        return recording
+
+    monkeypatch.setattr(experiment, "run_in_process", disturbed)
+    assert run(tmp_path, "--mode", "inprocess", "--duration", "1") == 3
+    errors = capsys.readouterr().err.splitlines()
+    assert "recording.npz: its folder is gone: it was moved or removed" in errors[-1]
 
 
 def test_an_interrupted_run_in_one_process_leaves_no_folder(tmp_path):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import zipfile
 from dataclasses import fields
 from pathlib import Path
 
@@ -87,6 +89,36 @@ def test_a_file_that_is_no_recording_is_refused_in_one_line(tmp_path: Path, cont
     path = tmp_path / "recording.npz"
     path.write_bytes(content)
     with pytest.raises(RecordingError, match=r"recording\.npz"):
+        Recording.load(path)
+
+
+def test_every_damage_of_a_file_is_one_line_or_no_damage(tmp_path: Path) -> None:
+    whole = filled_recording().save(tmp_path / "whole.npz").read_bytes()
+    damaged = [whole[:stop] for stop in range(0, len(whole), 997)]
+    for start in range(0, len(whole), 501):
+        damaged.append(whole[:start] + bytes(len(whole[start : start + 64])) + whole[start + 64 :])
+        damaged.append(whole[:start] + bytes([whole[start] ^ 0x21]) + whole[start + 1 :])
+    path = tmp_path / "recording.npz"
+    refused = []
+    for content in damaged:
+        path.write_bytes(content)
+        try:
+            Recording.load(path)
+        except RecordingError as error:
+            refused.append(str(error))
+    assert len(refused) > len(damaged) // 2
+    assert [line for line in refused if "\n" in line or not line.startswith(str(path))] == []
+
+
+def test_a_file_that_unpacks_to_more_than_the_memory_is_refused_before_it_is_unpacked(tmp_path: Path) -> None:
+    path = tmp_path / "recording.npz"
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(
+        header, {"descr": "<f8", "fortran_order": False, "shape": (10**13, 3)}
+    )
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("position_ned_m.npy", header.getvalue())
+    with pytest.raises(RecordingError, match=r"recording\.npz: it unpacks to 240000\.0 GB"):
         Recording.load(path)
 
 

@@ -1,0 +1,66 @@
+"""Files that are written whole or not at all: beside their place first, then renamed into it."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+
+
+class WriteError(OSError):
+    """A file that cannot be written; the message is one line that names the file and the reason."""
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """
+    Give the path of a new file for the block to write; it becomes `path` when the block ends without error.
+
+    After an error nothing is left, and what was at `path` before is still there. The new file has the suffix
+    of `path`, since some libraries choose the format by it.
+
+    Raises
+    ------
+    WriteError
+        When the block, or the renaming, ends with an OSError.
+
+    """
+    unfinished = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    try:
+        yield unfinished
+        unfinished.replace(path)
+    except OSError as error:
+        raise write_error(path, error) from error
+    finally:
+        with suppress(OSError):
+            unfinished.unlink()
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file (UTF-8) whole or not at all; raise WriteError if that cannot be."""
+    with whole_file(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all; raise WriteError if that cannot be."""
+    with whole_file(path) as unfinished:
+        unfinished.write_bytes(data)
+
+
+def write_error(path: Path | str, error: OSError) -> WriteError:
+    """Return an error that says in one line why `path` cannot be written."""
+    if isinstance(error, FileNotFoundError):
+        reason = "its folder is gone: it was moved or removed"
+    else:
+        reason = error.strerror or str(error)
+    return WriteError(f"cannot write {path}: {reason}")
+
+
+def is_no_room(error: OSError) -> bool:
+    """Return whether an error says that the disk is full, or that a quota or a limit is reached."""
+    return error.errno in _NO_ROOM
