@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from auv_bringup.bag import Bag
 from auv_bringup.bag_writer import BagError
 from auv_bringup.recording import Recording, law_states
+from auv_flocking.holding import cause_number
 
 if TYPE_CHECKING:
     from auv_bringup.scenario import Scenario
@@ -103,7 +104,7 @@ class _RunReader:
         self._reference = [_Series(3) for _ in range(n)]
         self._centre = [_Series(6) for _ in range(n)]
         self._law_state: dict[tuple[int, int], list[float]] = {}
-        self._holding: set[tuple[int, int]] = set()
+        self._holding: dict[tuple[int, int], int] = {}
         self._neighbours = [_Series(n * _NEIGHBOUR_WIDTH) for _ in range(n)]
         self._sent: list[tuple[int, int, int]] = []
         self._received: list[tuple[int, int, int, int, float]] = []
@@ -172,9 +173,9 @@ class _RunReader:
         """Fill in what the laws remembered and when agents held the safe command."""
         k, n = recording.n_ticks, recording.n_vehicles
         recording.law_state = law_states(self._held(self._law_state, k), k, n)
-        for tick, i in self._holding:
+        for (tick, i), cause in self._holding.items():
             if tick < k:
-                recording.holding[tick, i] = True
+                recording.holding[tick, i] = cause
 
     def _held(
         self, states: dict[tuple[int, int], list[float]], n_ticks: int
@@ -268,7 +269,7 @@ class _RunReader:
         if len(status.law_state):
             self._law_state[status.tick, i] = list(status.law_state)
         if status.holding:
-            self._holding.add((status.tick, i))
+            self._holding[status.tick, i] = cause_number(status.holding)
 
     def _take_neighbours(self, i: int, message: Any) -> None:
         table = np.full((len(self._ids), _NEIGHBOUR_WIDTH), np.nan)

@@ -5,19 +5,24 @@ nodes alike.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from auv_bringup.scenario import Scenario
 from auv_core.compiled import use_compiler
 from auv_core.params import dump
+from auv_core.plugins import find_plugin
+from auv_core.state_checks import LARGEST
 from auv_flocking.agent import Agent, AgentConfig
+from auv_flocking.input_limits import InputLimits
 from auv_sim.streams import Purpose, uniform
-from auv_sim.vehicle import Vehicle, VehicleConfig
+from auv_sim.vehicle import MODELS, Vehicle, VehicleConfig
 
 START_TIMEOUT_S = 60.0
+_SPEED_MARGIN = 10.0
 
 
 @dataclass(frozen=True)
@@ -62,11 +67,14 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
     """Return the configuration of every agent, in the order of addresses."""
     obstacles = scenario.environment.obstacles
     settings = scenario.agent
+    fleet_ids = tuple(vehicle.id for vehicle in scenario.vehicles)
+    limits = input_limits(scenario)
     return [
         AgentConfig(
             vehicle_id=vehicle.id,
             address=index + 1,
             fleet_size=len(scenario.vehicles),
+            fleet_ids=fleet_ids,
             is_leader=vehicle.id in scenario.leaders,
             period_s=scenario.period_s,
             hold_s=settings.hold_s,
@@ -78,10 +86,24 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
             consensus=settings.consensus,
             report=settings.report,
             neighbours=settings.neighbours,
+            inputs=limits,
             controller=settings.controller,
         )
         for index, vehicle in enumerate(scenario.vehicles)
     ]
+
+
+def input_limits(scenario: Scenario) -> InputLimits:
+    """Return what agents take for too old or impossible; a speed limit left out follows from the vehicles."""
+    limits = scenario.agent.inputs
+    if limits.speed_max_mps is not None:
+        return limits
+    held_mps = max(
+        find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params).top_speed_mps
+        for vehicle in scenario.vehicles
+    )
+    fastest_mps = held_mps + math.hypot(*scenario.environment.current_ned_mps)
+    return replace(limits, speed_max_mps=min(_SPEED_MARGIN * fastest_mps, LARGEST))
 
 
 def compile_ahead(scenario: Scenario, tell: Callable[[str], None]) -> None:

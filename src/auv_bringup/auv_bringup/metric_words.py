@@ -82,6 +82,13 @@ MEANINGS = {
         "", "squared horizontal error of it in units of the stated variance (2 expected)", 2
     ),
     "safe_command_ratio": Meaning("", "share of control ticks with the safe command in place of a law's"),
+    "safe_commands_stale_navigation": Meaning("", "such ticks since the navigation was too old"),
+    "safe_commands_unusable_navigation": Meaning("", "such ticks since the navigation had no possible state"),
+    "safe_commands_silent_modem": Meaning("", "such ticks since the modem was silent"),
+    "safe_commands_position_beyond_the_report": Meaning(
+        "", "such ticks since no report carries the position"
+    ),
+    "safe_commands_no_finite_command_from_the_law": Meaning("", "such ticks since the law gave no number"),
     "collision": Meaning("", "two hulls touched"),
     "collision_at_s": Meaning("s", "when they first did", 1),
     "lost_vehicles": Meaning("", "vehicles whose computer was lost"),

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from auv_bringup.law_metrics import law_metrics
 from auv_bringup.metrics_acoustics import acoustics_metrics, relative_position_error_ned_m
 from auv_bringup.metrics_network import network_metrics
+from auv_bringup.metrics_safety import safe_command_metrics
 from auv_bringup.recording import FloatArray, Recording
 
 if TYPE_CHECKING:
@@ -100,7 +101,9 @@ def compute_metrics(
             from the start of transmission to the end of reception;
         safe_command_ratio
             share of the control ticks, over all vehicles, in which an agent gave the safe command instead of
-            its law's, for want of a usable measurement or of a finite command;
+            its law's;
+        safe_commands_...
+            such ticks by their cause, see `safe_command_metrics`;
         collision, collision_at_s
             whether and when two hulls first touched (distance below two hull radii).
 
@@ -141,7 +144,7 @@ def compute_metrics(
         **_packet_metrics(recording),
         **acoustics_metrics(recording, formed_at_s=formed_at_s),
         **network_metrics(recording, scenario),
-        "safe_command_ratio": recording.holding.mean() if recording.holding.size else None,
+        **safe_command_metrics(recording),
         **law_metrics(recording, scenario),
     }
     return {key: _plain(value) for key, value in metrics.items()}

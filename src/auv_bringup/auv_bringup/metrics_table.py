@@ -7,7 +7,7 @@ from typing import Any
 from auv_bringup.metric_words import shown_metrics, value_text
 
 _WIDEST = 32
-_LOSSES = "packet_loss_"
+_CAUSES = ("packet_loss_", "safe_commands_")
 _TOLD_BEFORE = ("scenario", "seed", "mode", "vehicles")
 
 
@@ -15,7 +15,7 @@ def metrics_table(metrics: dict[str, Any]) -> str:
     """
     Return one line per metric that exists: value, unit, meaning; values aligned at the right.
 
-    Values of more than a few words or numbers, and causes to which no packet was lost, are left to
+    Values of more than a few words or numbers, and causes of which there was no case, are left to
     metrics.json and the report.
     """
     rows = [
@@ -23,7 +23,7 @@ def metrics_table(metrics: dict[str, Any]) -> str:
         for key, meaning in shown_metrics(metrics)
         if metrics[key] is not None
         and key not in _TOLD_BEFORE
-        and not (key.startswith(_LOSSES) and metrics[key] == 0)
+        and not (key.startswith(_CAUSES) and metrics[key] == 0)
     ]
     rows = [row for row in rows if len(row[0]) <= _WIDEST]
     value_width = max((len(value) for value, _, _ in rows), default=0)

@@ -16,10 +16,12 @@ from numpy.typing import ArrayLike
 
 from auv_bringup.bag import Bag
 from auv_bringup.bag_writer import BagError
-from auv_core.messages import SonarContact, VehicleState, is_usable
+from auv_core.messages import SonarContact, VehicleState
 from auv_flocking.estimates import NeighbourEstimate
+from auv_flocking.hearing import why_refused
+from auv_flocking.input_limits import InputJudge, InputLimits
 from auv_flocking.neighbour_filter import with_rounding
-from auv_flocking.neighbours import NeighbourConfig, NeighbourTable, is_plausible
+from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
 from auv_flocking.report import ReportError
 
 TOLERANCE = 1e-9
@@ -59,7 +61,12 @@ class Comparison:
 
 
 def re_estimate(
-    bag: Bag, vehicle_ids: Sequence[str], config: NeighbourConfig, report_format: Any, period_s: float
+    bag: Bag,
+    vehicle_ids: Sequence[str],
+    config: NeighbourConfig,
+    report_format: Any,
+    period_s: float,
+    limits: InputLimits,
 ) -> Comparison:
     """Repeat the estimates of all agents.
 
@@ -75,6 +82,8 @@ def re_estimate(
         Format of the reports (`auv_flocking.agent.make_format`).
     period_s
         Control period (s); the estimates of tick k are for k * period_s.
+    limits
+        What of its inputs an agent did not use.
     """
     result = Comparison()
     if "/clock" not in bag.topics:
@@ -84,7 +93,11 @@ def re_estimate(
         )
     for index in range(len(vehicle_ids)):
         repeat = _Repeat(
-            NeighbourTable(with_rounding(config, report_format)), report_format, index + 1, len(vehicle_ids)
+            NeighbourTable(with_rounding(config, report_format)),
+            InputJudge(limits, period_s),
+            report_format,
+            index + 1,
+            len(vehicle_ids),
         )
         _compare_agent(bag, vehicle_ids[index], repeat, period_s, result)
     return result
@@ -95,6 +108,7 @@ class _Repeat:
     """What one agent estimates with."""
 
     table: NeighbourTable
+    judge: InputJudge
     report_format: Any
     address: int
     fleet_size: int
@@ -107,13 +121,13 @@ class _Repeat:
             except ReportError:
                 continue  # as the agent does: not a report, not used
             is_own_word = report.address == reception.packet.source
-            if is_own_word and is_plausible(report, self.address, self.fleet_size, t_s):
+            if is_own_word and not why_refused(report, self.address, self.fleet_size, t_s):
                 self.table.receive(report)
-        is_lost = not is_usable(nav)
-        if inbox.contacts and not is_lost:
+        usable, _ = self.judge.navigation(t_s, nav)
+        if inbox.contacts and usable is not None:
             contacts = [SonarContact(c.range_m, c.bearing_rad, c.elevation_rad) for c in inbox.contacts]
-            self.table.observe(t_s, nav, contacts)
-        return self.table.estimates(t_s, None if is_lost else nav)
+            self.table.observe(t_s, usable, contacts)
+        return self.table.estimates(t_s, usable)
 
 
 def _compare_agent(bag: Bag, vehicle_id: str, repeat: _Repeat, period_s: float, result: Comparison) -> None:

@@ -70,8 +70,9 @@ class Recording:
         Each vehicle's own estimate of the flocking centre (m and m/s, NED).
     law_state : (K, N, S) array
         What each vehicle's law remembers (parameter estimates and the like; see the law), S of the longest.
-    holding : (K, N) array of bool
-        Whether the agent gave the safe command instead of the law's.
+    holding : (K, N) array of int64
+        Why the agent gave the safe command instead of the law's, see `auv_flocking.holding.cause_number`; 0
+        where the law acted.
     neighbour_position_ned_m, neighbour_velocity_ned_mps : (K, N, N, 3) arrays
         These and the other arrays of neighbours have no rows where nobody estimates anybody.
         Estimate [k, i, j] that vehicle i holds of vehicle j (m and m/s, NED).
@@ -114,7 +115,7 @@ class Recording:
     centre_ned_m: FloatArray
     centre_velocity_ned_mps: FloatArray
     law_state: FloatArray
-    holding: NDArray[np.bool_]
+    holding: IntArray
     neighbour_position_ned_m: FloatArray
     neighbour_velocity_ned_mps: FloatArray
     neighbour_covariance: FloatArray
@@ -298,10 +299,8 @@ def _shapes(n_states: int, n: int) -> dict[str, tuple[int | None, ...]]:
     }
 
 
-def _dtype(name: str) -> type[np.int64] | type[np.float64] | type[np.bool_]:
-    if name == "holding":
-        return np.bool_
-    return np.int64 if name in ("sent", "received", "contacts", "events") else np.float64
+def _dtype(name: str) -> type[np.int64] | type[np.float64]:
+    return np.int64 if name in ("sent", "received", "contacts", "events", "holding") else np.float64
 
 
 def _fits(shape: tuple[int, ...], expected: tuple[int | None, ...]) -> bool:

@@ -120,6 +120,7 @@ def _number(text: str) -> float:
 
 def _re_estimate(bag: Bag) -> int:
     """Run the filters again and report the differences."""
+    from auv_bringup.compose import input_limits
     from auv_bringup.re_estimate import re_estimate
     from auv_bringup.scenario import load_scenario
     from auv_core.compiled import use_compiler
@@ -133,7 +134,9 @@ def _re_estimate(bag: Bag) -> int:
     settings = scenario.agent
     report_format = make_format(settings.report, make_consensus(settings.consensus, len(vehicle_ids)))
     use_compiler(print)
-    result = re_estimate(bag, vehicle_ids, settings.neighbours, report_format, scenario.period_s)
+    result = re_estimate(
+        bag, vehicle_ids, settings.neighbours, report_format, scenario.period_s, input_limits(scenario)
+    )
     _report_comparison(result, len(vehicle_ids))
     return EXIT_DONE if result.agrees else EXIT_DIFFERENT
 

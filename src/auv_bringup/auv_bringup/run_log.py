@@ -13,6 +13,7 @@ from auv_bringup.scenario import Scenario
 from auv_core.messages import AcousticEvent, Command, Inbox, Packet, VehicleState, command_numbers
 from auv_flocking.agent import Agent
 from auv_flocking.estimates import AGE, COVARIANCE, POSITION, SONAR_AGE, VELOCITY, Estimates
+from auv_flocking.holding import cause_number
 
 _ROWS = ("sent", "received", "delay_s", "contacts", "contact_values", "events", "event_values")
 _BLOCK_TICKS = 32
@@ -64,7 +65,7 @@ class RunLog:
             state, nav, command = states[index], navs[index], command_numbers(commands[index])
             centre, rate = (agent.centre, agent.centre_rate) if agent.flocks else (_NOWHERE, _NOWHERE)
             note((*state.position, *state.attitude, *state.nu, *nav.position, nav.position_sd_m, *command))
-            note((*agent.reference.velocity, bool(agent.holding), *centre, *rate))
+            note((*agent.reference.velocity, cause_number(agent.holding), *centre, *rate))
             if agent.law_state:
                 self._law_states[tick, index] = agent.law_state
             if agent.neighbours.addresses:

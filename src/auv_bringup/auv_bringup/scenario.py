@@ -32,6 +32,7 @@ from auv_core.geometry import Vec3, distance
 from auv_core.params import ConfigError, Section, dump, load, param, shown
 from auv_core.plugins import find_plugin
 from auv_flocking.agent import COMPACT, CONSENSUS, CONTROLLERS, FLOCKING, REFERENCES, REPORTS, SEPARATION
+from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours import NeighbourConfig
 from auv_sim.acoustics.medium import MAC, MODEM, OUTAGE, PROPAGATION, SONAR, MediumConfig
 from auv_sim.acoustics.sonar import none as no_sonar
@@ -135,6 +136,7 @@ class AgentSettings:
     )
     report: Section = param("bytes of a report", default=COMPACT, plugins=REPORTS)
     neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
+    inputs: InputLimits = param("what is too old or impossible to be used", default=InputLimits())
     hold_s: float = param(
         "hold station at most so long until every neighbour was heard (s)", default=0.0, minimum=0.0
     )

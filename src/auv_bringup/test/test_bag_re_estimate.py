@@ -10,11 +10,13 @@ from auv_bringup import replay
 from auv_bringup.bag import Bag
 from auv_bringup.re_estimate import re_estimate
 from auv_bringup.scenario import load_scenario, scenario_to_yaml
+from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
 from auv_flocking.report import Report
 from auv_flocking.reports import exact
 
 CONFIG = NeighbourConfig()
+LIMITS = InputLimits()
 PERIOD_S = 0.1
 FORMAT = exact.Format(exact.Params(), ())
 
@@ -95,7 +97,7 @@ def written(tmp_path, run):
 
 
 def test_the_packets_give_the_estimates(tmp_path):
-    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, CONFIG, FORMAT, PERIOD_S)
+    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, CONFIG, FORMAT, PERIOD_S, LIMITS)
     assert result.agrees
     assert result.ticks == 4 * 40
     assert result.estimates > 300
@@ -104,7 +106,7 @@ def test_the_packets_give_the_estimates(tmp_path):
 
 def test_other_filters_do_not(tmp_path):
     other = replace(CONFIG, acceleration_psd=2.0 * CONFIG.acceleration_psd)
-    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, other, FORMAT, PERIOD_S)
+    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, other, FORMAT, PERIOD_S, LIMITS)
     assert not result.agrees
     assert result.covariance > 1e-6
     assert result.unmatched == 0
@@ -112,21 +114,23 @@ def test_other_filters_do_not(tmp_path):
 
 def test_estimates_on_one_side_only_are_a_difference(tmp_path):
     forgetful = replace(CONFIG, timeout_s=0.2)
-    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, forgetful, FORMAT, PERIOD_S)
+    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, forgetful, FORMAT, PERIOD_S, LIMITS)
     assert result.unmatched > 0
     assert not result.agrees
 
 
 def test_after_a_missing_inbox_nothing_is_claimed(tmp_path):
     bag = written(tmp_path, Filtered(4, 40, missing={(25, 2)}))
-    result = re_estimate(bag, IDS, CONFIG, FORMAT, PERIOD_S)
+    result = re_estimate(bag, IDS, CONFIG, FORMAT, PERIOD_S, LIMITS)
     assert result.agrees
     assert result.unused_ticks == 15
     assert result.ticks == 4 * 40 - 15
 
 
 def test_a_bag_without_packets_does_not_agree(tmp_path):
-    result = re_estimate(written(tmp_path, synthetic.SyntheticRun(1, 2)), ["auv_9"], CONFIG, FORMAT, PERIOD_S)
+    result = re_estimate(
+        written(tmp_path, synthetic.SyntheticRun(1, 2)), ["auv_9"], CONFIG, FORMAT, PERIOD_S, LIMITS
+    )
     assert not result.agrees
 
 

@@ -21,6 +21,7 @@ from auv_bringup.metrics import (
     pair_distances_m,
     vehicle_pairs,
 )
+from auv_bringup.metrics_safety import safe_command_metrics
 from auv_bringup.recording import Recording
 
 ISSUE_KEYS = {
@@ -333,3 +334,14 @@ def test_smallest_distances_are_ordered(track: np.ndarray) -> None:
 
 def test_pairs_are_unordered_and_complete() -> None:
     assert vehicle_pairs(3) == [(0, 1), (0, 2), (1, 2)]
+
+
+def test_safe_commands_are_counted_by_cause():
+    recording = Recording.empty(["auv_1", "auv_2"], np.arange(6) * 0.1)
+    recording.holding[:3, 0] = 1
+    recording.holding[4, 1] = 3
+    metrics = safe_command_metrics(recording)
+    assert metrics["safe_command_ratio"] == 0.4
+    assert metrics["safe_commands_stale_navigation"] == 3
+    assert metrics["safe_commands_silent_modem"] == 1
+    assert sum(count for key, count in metrics.items() if key.startswith("safe_commands_")) == 4

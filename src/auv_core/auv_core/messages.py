@@ -15,9 +15,6 @@ from auv_core.geometry import Quat, Vec3
 Vec6 = tuple[float, float, float, float, float, float]
 
 
-_LARGEST = 1e9
-
-
 class VehicleState(NamedTuple):
     """
     Pose and velocity of one vehicle at a tick: the truth, or what its own navigation believes.
@@ -34,14 +31,6 @@ class VehicleState(NamedTuple):
     is_valid: bool = True
     position_sd_m: float = 0.0
     heading_sd_rad: float = 0.0
-
-
-def is_usable(state: VehicleState) -> bool:
-    """Return whether `state` is valid and all its numbers are finite and of this world."""
-    for number in (*state.position, *state.attitude, *state.nu, state.position_sd_m, state.heading_sd_rad):
-        if not -_LARGEST <= number <= _LARGEST:
-            return False
-    return state.is_valid
 
 
 class Wrench(NamedTuple):

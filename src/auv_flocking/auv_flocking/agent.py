@@ -24,17 +24,19 @@ from auv_core.messages import (
     VelocityCommand,
     Wrench,
     command_numbers,
-    is_usable,
 )
 from auv_core.params import Section, param
 from auv_core.plugins import find_plugin
 from auv_flocking.estimates import Estimates
 from auv_flocking.flock_task import FlockTask, Obstacles
 from auv_flocking.flocking import FlockVelocity
+from auv_flocking.hearing import Hearing, Refusal
+from auv_flocking.holding import NO_FINITE_COMMAND, OUT_OF_REPORT
+from auv_flocking.input_limits import InputJudge, InputLimits
 from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbour_filter import with_rounding
-from auv_flocking.neighbours import NeighbourConfig, NeighbourTable, is_plausible
-from auv_flocking.report import Report, ReportError
+from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
+from auv_flocking.report import Report, ReportError, why_not_carried
 from auv_flocking.reports import compact
 
 REFERENCES = "auv_control.references"
@@ -45,9 +47,6 @@ CONSENSUS = "auv_flocking.consensus"
 REPORTS = "auv_flocking.reports"
 COMPACT = Section("compact", compact.Params())
 
-NO_MEASUREMENT = "no usable measurement of its own position and velocity"
-NO_FINITE_COMMAND = "the law gave no finite command"
-
 
 @dataclass(frozen=True, kw_only=True)
 class AgentConfig:
@@ -56,6 +55,9 @@ class AgentConfig:
     vehicle_id: str = param("name of the vehicle, also its namespace")
     address: int = param("acoustic address of this vehicle, from 1", minimum=1, maximum=254)
     fleet_size: int = param("number of vehicles", minimum=1, maximum=254)
+    fleet_ids: tuple[str, ...] = param(
+        "names of the vehicles in the order of their addresses, for messages", default=()
+    )
     is_leader: bool = param("whether this vehicle knows the path", default=False)
     period_s: float = param("control period (s)", default=0.1, above=0.0)
     hold_s: float = param(
@@ -75,6 +77,7 @@ class AgentConfig:
     )
     report: Section = param("bytes of a report", default=COMPACT, plugins=REPORTS)
     neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
+    inputs: InputLimits = param("what is too old or impossible to be used", default=InputLimits())
     controller: Section = param("from velocity, path or region to command", plugins=CONTROLLERS)
 
     def __post_init__(self) -> None:
@@ -170,8 +173,9 @@ class Agent:
         self.task = self._make_task(consensus)
         self.flocks = isinstance(self.task, FlockTask)
         self._table = NeighbourTable(with_rounding(config.neighbours, self._format))
+        self._judge = InputJudge(config.inputs, config.period_s)
+        self._hearing = Hearing(self._format, config.address, config.fleet_size)
         self._sequence = 0
-        self.rejected = 0
         self.unsent = 0
         self.holding = ""
         self.neighbours = Estimates.of(())
@@ -221,6 +225,21 @@ class Agent:
         return self.task.law_state
 
     @property
+    def rejected(self) -> int:
+        """Number of packets that were refused."""
+        return self._hearing.rejected
+
+    @property
+    def refusals(self) -> dict[int, Refusal]:
+        """Why the newest packet of a sender was refused, by its address; empty where all are heard."""
+        return self._hearing.refusals
+
+    @property
+    def contacts_refused(self) -> int:
+        """Number of sonar contacts that can be none."""
+        return self._table.contacts_refused
+
+    @property
     def outdated(self) -> int:
         """Number of packets that came after a newer one of the same sender."""
         return self._table.outdated
@@ -235,38 +254,44 @@ class Agent:
         """Time of one round of the path (s), or None."""
         return None if self._path is None else self._path.period_s
 
-    def step(self, t_s: float, nav: VehicleState, inbox: Inbox) -> tuple[Command, list[Packet]]:
+    def step(self, t_s: float, nav: VehicleState | None, inbox: Inbox) -> tuple[Command, list[Packet]]:
         """
         Return the command for one control period and the packets to hand to the modem.
 
-        A measurement that is marked as none or not finite, and a law whose command is not finite, give the
-        safe command (no force, or no velocity); then `holding` says why, the law's memory stays as it is, and
-        with an unusable measurement nothing is sent.
+        The command is the safe one (no force, or no velocity) with a navigation that is missing, old, marked
+        as none or impossible; in a fleet, with a modem that has fallen silent or a position that no report
+        can carry; and where the law gives no finite command.  Then `holding` says why, and the law's memory
+        stays as it is.  In all of these cases but the last nothing is sent.
 
         Parameters
         ----------
         t_s : float
             Scenario time of the tick (s).
-        nav : VehicleState
-            The vehicle's own navigation at the tick.
+        nav : VehicleState, optional
+            The newest that the vehicle's own navigation said, if anything; its tick tells its age.
         inbox : Inbox
-            What the modem received since the last tick.
+            What the modem received since the last tick; its tick tells its age.
 
         """
         if inbox.receptions:
-            self._receive(inbox, t_s)
-        is_lost = not is_usable(nav)
-        if inbox.contacts and not is_lost:
-            self._table.observe(t_s, nav, inbox.contacts)
-        self.neighbours = self._table.estimates(t_s, None if is_lost else nav)
-        if is_lost:
-            self.holding = NO_MEASUREMENT
+            for report in self._hearing.reports(t_s, inbox):
+                self._table.receive(report)
+        usable, self.holding = self._judge.navigation(t_s, nav)
+        if inbox.contacts and usable is not None:
+            self._table.observe(t_s, usable, inbox.contacts)
+        self.neighbours = self._table.estimates(t_s, usable)
+        if usable is not None and self._config.fleet_size > 1:
+            self.holding = self._judge.modem(t_s, inbox.tick) or self._uncarried(usable.position)
+        if usable is None or self.holding:
             return self._safe_command(), []
-        command = self._act_safely(t_s, nav)
-        return command, self._packets(inbox.tick, t_s, nav) if inbox.transmit_ready else []
+        command = self._act_safely(t_s, usable)
+        return command, self._packets(inbox.tick, t_s, usable) if inbox.transmit_ready else []
+
+    def _uncarried(self, position: Vec3) -> str:
+        words = why_not_carried(position, self._format.position_bounds_m)
+        return f"{OUT_OF_REPORT}: {words}" if words else ""
 
     def _act_safely(self, t_s: float, nav: VehicleState) -> Command:
-        self.holding = ""
         try:
             command = self._act(t_s, nav)
         except ArithmeticError:
@@ -294,19 +319,6 @@ class Agent:
     def path_point(self, t_s: float) -> PathPoint | None:
         """Return the reference at `t_s`, or None where there is no path."""
         return None if self._path is None else self._path.at(t_s)
-
-    def _receive(self, inbox: Inbox, t_s: float) -> None:
-        for reception in inbox.receptions:
-            try:
-                report = self._format.decode(reception.packet.payload, t_s)
-            except ReportError:
-                self.rejected += 1
-                continue
-            is_own_word = report.address == reception.packet.source
-            if is_own_word and is_plausible(report, self._config.address, self._config.fleet_size, t_s):
-                self._table.receive(report)
-            else:
-                self.rejected += 1
 
     def _packets(self, tick: int, t_s: float, nav: VehicleState) -> list[Packet]:
         """Return the packet that the modem asks for, or none where its numbers cannot be sent."""

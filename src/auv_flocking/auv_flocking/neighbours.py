@@ -33,25 +33,17 @@ from auv_flocking.estimates import (
 from auv_flocking.navigation_offset import OwnFix, Stated
 from auv_flocking.neighbour_filter import NeighbourConfig, NeighbourFilter
 from auv_flocking.report import Report
-from auv_flocking.sonar_contact import sighting
+from auv_flocking.sonar_contact import is_contact, sighting
 from auv_flocking.track import HISTORY_S, HeardReport, Track
 
 __all__ = [
     "NeighbourConfig",
     "NeighbourTable",
-    "is_plausible",
 ]
 
 _Said = tuple[list[int], list[tuple[float, ...]], NDArray[np.int64]]
 
-_CLOCK_SLACK_S = 1.0
 _FIX_RATIO = 0.95
-
-
-def is_plausible(report: Report, own_address: int, fleet_size: int, t_s: float) -> bool:
-    """Tell whether a report comes from another vehicle of the fleet, and from this run and not its future."""
-    other = report.address != own_address and report.address <= fleet_size
-    return other and 0.0 <= report.time_s <= t_s + _CLOCK_SLACK_S
 
 
 class _OwnNavigation:
@@ -102,7 +94,7 @@ class NeighbourTable:
     recorded run can be estimated again without the simulator.
 
     `outdated`: packets that were repetitions or too old to be used; `contacts_used`, `contacts_unknown`:
-    sonar contacts that were and were not those of a neighbour.
+    sonar contacts that were and were not those of a neighbour; `contacts_refused`: those that can be none.
     """
 
     def __init__(self, config: NeighbourConfig) -> None:
@@ -121,6 +113,7 @@ class NeighbourTable:
         self.outdated = 0
         self.contacts_used = 0
         self.contacts_unknown = 0
+        self.contacts_refused = 0
 
     @property
     def heard(self) -> int:
@@ -160,12 +153,14 @@ class NeighbourTable:
     def observe(self, t_s: float, nav: VehicleState, contacts: Sequence[SonarContact]) -> None:
         """Use the sonar contacts of one tick, seen from the pose that the own navigation gives."""
         self._follow(t_s, nav)
-        if not contacts:
+        possible = [contact for contact in contacts if is_contact(contact)]
+        self.contacts_refused += len(contacts) - len(possible)
+        if not possible:
             return
         config = self._config
         sightings = [
             sighting(t_s, nav, contact, config.sonar_range_std_m, config.sonar_angle_std_rad)
-            for contact in contacts
+            for contact in possible
         ]
         known, pairs = self._carried(t_s), []
         if known:
@@ -184,7 +179,7 @@ class NeighbourTable:
             track.see(sightings[contact])
             self._stale.add(track)
         self.contacts_used += len(pairs)
-        self.contacts_unknown += len(contacts) - len(pairs)
+        self.contacts_unknown += len(possible) - len(pairs)
 
     def estimates(self, t_s: float, nav: VehicleState | None = None) -> Estimates:
         """

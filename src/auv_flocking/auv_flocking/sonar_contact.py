@@ -28,6 +28,7 @@ Matrix = NDArray[np.float64]
 _SMALLEST_LEVEL_RATIO = 0.02
 _SMALLEST_RANGE_M = 1e-3
 _NO_LEVEL_M = 1e-200
+_LARGEST_RANGE_M = 1e5
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +56,15 @@ class Sighting:
     jacobian: Matrix
     noise: Matrix
     covariance: Matrix
+
+
+def is_contact(contact: SonarContact) -> bool:
+    """Return whether a contact can be one: its range, its bearing of at most one turn, its elevation."""
+    return (
+        0.0 < contact.range_m <= _LARGEST_RANGE_M
+        and -2.0 * math.pi <= contact.bearing_rad <= 2.0 * math.pi
+        and -0.5 * math.pi <= contact.elevation_rad <= 0.5 * math.pi
+    )
 
 
 def contact_of(relative: Vec3) -> SonarContact:

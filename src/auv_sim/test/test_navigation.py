@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from auv_core.messages import VehicleState, is_usable
+from auv_core.messages import VehicleState
+from auv_core.state_checks import checked_state
 from auv_sim.navigation import exact, noisy
 from auv_sim.vehicle import DivergedError, Vehicle, check_finite
 
@@ -27,7 +28,7 @@ def test_noise_has_the_standard_deviations_asked_for_and_no_bias():
     np.testing.assert_allclose(errors_m.std(axis=0), 0.05, rtol=0.05)
     np.testing.assert_allclose(errors_mps.std(axis=0), 0.01, rtol=0.05)
     assert np.abs(errors_m.mean(axis=0)).max() < 4.0 * 0.05 / math.sqrt(4000)
-    assert all(state.nu[3:] == truth(0).nu[3:] and is_usable(state) for state in measured)
+    assert all(state.nu[3:] == truth(0).nu[3:] and checked_state(state)[0] is state for state in measured)
 
 
 def test_noise_belongs_to_seed_vehicle_and_tick():
@@ -54,7 +55,8 @@ def test_a_failed_measurement_is_marked_and_holds_the_last_one():
 
 @pytest.mark.parametrize("number", [math.nan, math.inf])
 def test_a_state_with_a_number_that_is_not_finite_is_not_usable(number):
-    assert not is_usable(VehicleState(0, (0.0, number, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0,) * 6))
+    state = VehicleState(0, (0.0, number, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0,) * 6)
+    assert checked_state(state)[0] is None
     with pytest.raises(DivergedError, match=r"auv_7: its motion has no finite solution after t = 2\.50 s"):
         check_finite((1.0, number), "auv_7", 2.5)
 

@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_core.geometry import heading_from_quaternion, quaternion_from_heading
-from auv_core.messages import VehicleState, is_usable
+from auv_core.messages import VehicleState
 from auv_core.params import ConfigError, load
+from auv_core.state_checks import checked_state
 from auv_sim.navigation import dead_reckoning
 from auv_sim.navigation._drift import Drift
 from auv_sim.navigation.dead_reckoning import Navigation, Params
@@ -101,7 +102,7 @@ def test_velocity_and_depth_have_the_noise_asked_for_and_depth_does_not_drift():
     depth_m = np.array([state.position[2] for state in states]) - 5.0
     assert depth_m.std() == pytest.approx(0.01, rel=0.05)
     assert abs(depth_m[-1000:].mean()) < 0.002
-    assert all(state.nu[3:] == (0.0, 0.0, 0.1) and is_usable(state) for state in states)
+    assert all(state.nu[3:] == (0.0, 0.0, 0.1) and checked_state(state)[0] is state for state in states)
 
 
 @pytest.mark.parametrize("truth", [straight, circling])

@@ -10,7 +10,9 @@ To add one, write one file with ``Params`` and ``Format(params, shared)``, where
 * ``decode(payload, now_s) -> Report``: raises `ReportError`, and nothing else, for whatever is not a report
   of this format: another length, another version, address 0, bits without a meaning; `now_s` (s) tells which
   of the possible times a wrapped time tag means;
-* ``saturated``: how many values had to be bounded so far; and
+* ``saturated``: how many values had to be bounded so far;
+* ``position_bounds_m``: smallest and largest north, east and down that it carries (m); beyond them a vehicle
+  of a fleet holds; and
 * ``position_resolution_m`` and ``velocity_resolution_mps``: steps of the sender's position and velocity (0
   where there are none to speak of), so that a filter knows what rounding adds to its noise.
 

@@ -81,6 +81,7 @@ class Format:
         self._n_base = len(fields)
         self._time = fields[3]
         self._position = fields[4:7]
+        self.position_bounds_m = tuple((item.minimum, item.maximum) for item in self._position)
         self._too_old = 0
         self.payload_bytes = self._layout.payload_bytes
         self.position_resolution_m = params.position_resolution_m

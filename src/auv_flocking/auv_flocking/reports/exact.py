@@ -33,6 +33,7 @@ class Format:
 
     position_resolution_m = 0.0
     velocity_resolution_mps = 0.0
+    position_bounds_m = ((-_LARGEST, _LARGEST),) * 3
 
     def __init__(self, params: Params, shared: Sequence[Field]) -> None:
         self._n_shared = len(shared)

@@ -1,0 +1,92 @@
+"""What an agent makes of the packets that its modem received: reports, and refusals by sender."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from auv_core.messages import Inbox, Packet
+from auv_flocking.report import Report, ReportError
+
+_CLOCK_SLACK_S = 1.0
+
+
+@dataclass(slots=True)
+class Refusal:
+    """Why packets of one sender are refused since a time (s), and how many in a row."""
+
+    words: str
+    since_s: float
+    packets: int
+
+
+def why_refused(report: Report, own_address: int, fleet_size: int, t_s: float) -> str:
+    """Return why a report is not one of another vehicle of the fleet in this run, or nothing."""
+    if report.address == own_address:
+        return "it speaks as this vehicle"
+    if report.address > fleet_size:
+        return f"address {report.address}, allowed: 1 to {fleet_size}"
+    if report.time_s > t_s + _CLOCK_SLACK_S:
+        return f"time tag {report.time_s - t_s:.1f} s in the future, allowed: {_CLOCK_SLACK_S:g} s"
+    if report.time_s < 0.0:
+        return f"time tag {-report.time_s:.1f} s before the start of the run"
+    return ""
+
+
+class Hearing:
+    """
+    Decodes and judges packets.
+
+    `rejected` counts what was refused so far; `refusals` has, by the sender's address, why its newest packet
+    was refused, until one is good again.
+    """
+
+    def __init__(self, report_format: Any, own_address: int, fleet_size: int) -> None:
+        self._format = report_format
+        self._own_address = own_address
+        self._fleet_size = fleet_size
+        self.rejected = 0
+        self.refusals: dict[int, Refusal] = {}
+
+    def reports(self, t_s: float, inbox: Inbox) -> list[Report]:
+        """Return the good reports among what was received until `t_s` (s), in the order of arrival."""
+        good = []
+        for reception in inbox.receptions:
+            report, words = self._read(t_s, reception.packet)
+            if report is None:
+                self._refuse(reception.packet.source, words, t_s)
+            else:
+                self.refusals.pop(report.address, None)
+                good.append(report)
+        return good
+
+    def _read(self, t_s: float, packet: Packet) -> tuple[Report | None, str]:
+        try:
+            report: Report = self._format.decode(packet.payload, t_s)
+        except ReportError as error:
+            return None, str(error)
+        if report.address != packet.source:
+            return None, f"it speaks as address {report.address}"
+        words = why_refused(report, self._own_address, self._fleet_size, t_s)
+        return (None, words) if words else (report, "")
+
+    def _refuse(self, source: int, words: str, t_s: float) -> None:
+        self.rejected += 1
+        refusal = self.refusals.setdefault(source, Refusal(words, t_s, 0))
+        refusal.words = words
+        refusal.packets += 1
+
+
+def refusal_words(refusals: dict[int, Refusal], fleet_ids: Sequence[str], t_s: float) -> list[str]:
+    """Return a line for every sender whose packets are refused at `t_s` (s): who, why, how long, how many."""
+    return [
+        f"{vehicle_name(address, fleet_ids)}: {refusal.words}, for {t_s - refusal.since_s:.1f} s, "
+        f"{refusal.packets} packet{'s' if refusal.packets > 1 else ''}"
+        for address, refusal in sorted(refusals.items())
+    ]
+
+
+def vehicle_name(address: int, fleet_ids: Sequence[str]) -> str:
+    """Return the name of the vehicle with an acoustic address, or the address where no name is known."""
+    return fleet_ids[address - 1] if 0 < address <= len(fleet_ids) else f"address {address}"

@@ -1,0 +1,23 @@
+"""
+Why an agent holds: gives the safe command (no force, or no velocity) in place of its law's.
+
+The words of a hold begin with its cause, so that a recorded text can be counted by cause.
+"""
+
+from __future__ import annotations
+
+STALE_NAVIGATION = "stale navigation"
+BAD_NAVIGATION = "unusable navigation"
+SILENT_MODEM = "silent modem"
+OUT_OF_REPORT = "position beyond the report"
+NO_FINITE_COMMAND = "no finite command from the law"
+
+CAUSES = (STALE_NAVIGATION, BAD_NAVIGATION, SILENT_MODEM, OUT_OF_REPORT, NO_FINITE_COMMAND)
+
+
+def cause_number(holding: str) -> int:
+    """Return 0 for an agent that acts, else the place of its cause in `CAUSES` from 1; others are last."""
+    if not holding:
+        return 0
+    known = (number for number, cause in enumerate(CAUSES, start=1) if holding.startswith(cause))
+    return next(known, len(CAUSES) + 1)
