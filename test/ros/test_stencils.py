@@ -124,7 +124,7 @@ def test_a_command_that_is_not_finite_is_refused(bad):
 def test_bytes_that_are_no_message_are_refused_and_nothing_else_happens(data):
     from auv_core import conversions as convert
 
-    with pytest.raises(ValueError, match="bytes that are not such a message"):
+    with pytest.raises(ValueError, match=r"bytes (where|that are no)"):
         convert.state_from_bytes(data)
 
 
@@ -338,17 +338,3 @@ def test_lines_filled_in_are_the_lines_built():
     for points in ([], [(1.0, -2.0, 3.0), (0.0, 0.0, 0.0)], [(float(k), 0.5, -1.0) for k in range(6)]):
         built = MarkerArray(markers=[lines("links", 3, 2.5, points, LINK, joined=False)])
         assert_serialises_to(line_list.filled(2.5, points), built)
-
-
-def test_the_tick_is_read_from_whatever_begins_with_header_and_tick():
-    from auv_core import conversions as convert
-    from auv_core.acoustic_bytes import outbox_bytes
-    from auv_core.cdr import read_tick
-
-    for tick in (0, 7, 2**40):
-        state = convert.state_stencil().filled(1.0, tick, True, *[0.0] * 15)
-        for message in (state, outbox_bytes("", tick, [], 1.0), outbox_bytes("auv_1/base", tick, [], 1.0)):
-            assert read_tick(message) == tick
-    for broken in (b"", state[:20], state[:-140], b"\0\0" + state[2:]):
-        with pytest.raises(ValueError, match="bytes that are no message"):
-            read_tick(broken)

@@ -271,6 +271,7 @@ class StatusListener:
         from rclpy.executors import SingleThreadedExecutor
         from rclpy.signals import SignalHandlerOptions
 
+        from auv_core.hearing import Hearing
         from auv_core.qos import LATCHED
         from auv_msgs.msg import FlockStatus
 
@@ -279,7 +280,7 @@ class StatusListener:
         self._node = rclpy.create_node(
             "_shoal_launcher", context=self._context, enable_rosout=False, start_parameter_services=False
         )
-        self._node.create_subscription(FlockStatus, "/flock/status", self._hear, LATCHED)
+        Hearing(self._node).listen_decoded(FlockStatus, "/flock/status", self._hear, LATCHED)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         return self

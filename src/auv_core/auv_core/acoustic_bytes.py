@@ -11,7 +11,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 
-from auv_core.cdr import COUNT, align, aligned, begun, body_at
+from auv_core.cdr import COUNT, MOST_END_PADDING, MalformedError, align, aligned, begun, body_at
 from auv_core.messages import AcousticEvent, Inbox, Packet, Reception, SonarContact
 
 _OUTBOX = struct.Struct("<qI")
@@ -84,14 +84,16 @@ def stats_bytes(
 
 
 def read_outbox(data: bytes) -> tuple[int, list[Packet]]:
-    """Return tick and packets of a serialised outbox; raise ValueError for bytes that hold none."""
+    """Return tick and packets of a serialised outbox; raise `MalformedError` for bytes that hold none."""
     reader = _Reader(data)
     tick, count = reader.take(_OUTBOX)
-    return tick, [reader.packet() for _ in range(count)]
+    packets = [reader.packet() for _ in range(count)]
+    reader.end()
+    return tick, packets
 
 
 def read_inbox(data: bytes) -> Inbox:
-    """Return the record of a serialised inbox; raise ValueError for bytes that hold none."""
+    """Return the record of a serialised inbox; raise `MalformedError` for bytes that hold none."""
     at = body_at(data)
     if len(data) - at == _QUIET_INBOX.size:  # in most ticks nothing is received and nothing seen
         tick, is_ready, received, seen = _QUIET_INBOX.unpack_from(data, at)
@@ -101,9 +103,9 @@ def read_inbox(data: bytes) -> Inbox:
     tick, is_ready, count = reader.take(_INBOX)
     receptions = tuple([Reception(reader.packet(), *reader.take(_THREE, 8)) for _ in range(count)])
     (count,) = reader.take(COUNT, 4)
-    return Inbox(
-        tick, is_ready, receptions, tuple([SonarContact(*reader.take(_THREE, 8)) for _ in range(count)])
-    )
+    contacts = tuple([SonarContact(*reader.take(_THREE, 8)) for _ in range(count)])
+    reader.end()
+    return Inbox(tick, is_ready, receptions, contacts)
 
 
 class _Reader:
@@ -119,14 +121,19 @@ class _Reader:
         try:
             return layout.unpack_from(self._data, at)
         except struct.error:
-            raise ValueError(f"{len(self._data)} bytes that are no such message: it goes on") from None
+            raise MalformedError(f"{len(self._data)} bytes that are no such message: it goes on") from None
 
     def packet(self) -> Packet:
         tick, source, destination, sequence, size = self.take(_PACKET)
         at, self._at = self._at, self._at + size
         if self._at > len(self._data):
-            raise ValueError(f"{len(self._data)} bytes that are no such message: a packet goes on")
+            raise MalformedError(f"{len(self._data)} bytes that are no such message: a packet goes on")
         return Packet(tick, source, destination, sequence, self._data[at : self._at])
+
+    def end(self) -> None:
+        """Refuse a message with more than the padding of a network behind its last field."""
+        if len(self._data) - self._at > MOST_END_PADDING:
+            raise MalformedError(f"{len(self._data)} bytes where {self._at} are such a message")
 
 
 def _put_packet(out: bytearray, packet: Packet) -> None:

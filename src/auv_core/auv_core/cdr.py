@@ -12,13 +12,20 @@ from functools import cache
 
 from auv_core.stamp import STAMP_BYTES, stamp_bytes
 
-ENCAPSULATION = b"\x00\x01\x00\x00"
+LITTLE_ENDIAN = b"\x00\x01"
+"""First half of the encapsulation; what is in the other half a reader skips."""
+ENCAPSULATION = LITTLE_ENDIAN + b"\x00\x00"
 COUNT = struct.Struct("<I")
+MOST_END_PADDING = 3
+"""A network pads the end of a message to a multiple of four bytes."""
 STAMP_AT = len(ENCAPSULATION)
 """Place of the stamp in a message that begins with a header."""
 STAMP = slice(STAMP_AT, STAMP_AT + STAMP_BYTES)
 _HEADER = struct.Struct("<4s8xI")
-_TICK = struct.Struct("<q")
+
+
+class MalformedError(ValueError):
+    """Bytes that are not the message that they should be."""
 
 
 def begun(frame_id: str, t_s: float) -> bytearray:
@@ -51,26 +58,17 @@ def body_at(data: bytes) -> int:
 
     Raises
     ------
-    ValueError
+    MalformedError
         For bytes that are no message with a header in little-endian CDR.
 
     """
     try:
         encapsulation, length = _HEADER.unpack_from(data)
     except struct.error:
-        encapsulation = b""
-    if encapsulation != ENCAPSULATION:
-        raise ValueError(f"{len(data)} bytes that are no message with a header in little-endian CDR")
+        encapsulation, length = b"", 0
+    if encapsulation[:2] != LITTLE_ENDIAN or length > len(data):
+        raise MalformedError(f"{len(data)} bytes that are no message with a header in little-endian CDR")
     return aligned(_HEADER.size + length, 8)
-
-
-def read_tick(data: bytes) -> int:
-    """Return the tick of a message that begins with a header and a tick; raise ValueError without one."""
-    try:
-        (tick,) = _TICK.unpack_from(data, body_at(data))
-    except struct.error:
-        raise ValueError(f"{len(data)} bytes that are no message with a tick") from None
-    return int(tick)
 
 
 @cache

@@ -29,6 +29,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from auv_core.hearing import Hearing
 from auv_core.params import ConfigError
 from auv_core.qos import LATCHED
 from auv_core.run_config import TickClock
@@ -138,7 +139,7 @@ def when_running(node: Node, ticks: TickClock, begin: Callable[[], None]) -> Non
             ticks.start(status.header.stamp.sec + 1e-9 * status.header.stamp.nanosec - status.time_s)
             begin()
 
-    node.create_subscription(FlockStatus, "/flock/status", on_status, LATCHED)
+    Hearing(node).listen_decoded(FlockStatus, "/flock/status", on_status, LATCHED)
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,8 @@ from typing import Any
 
 from rclpy.serialization import serialize_message
 
-from auv_core.cdr import STAMP_AT
+from auv_core.cdr import MOST_END_PADDING, STAMP_AT, MalformedError, body_at
 from auv_core.stamp import STAMP_BYTES, read_stamp_s, stamp_bytes
-
-_LITTLE_ENDIAN_CDR = b"\x00\x01"
 
 
 class Stencil:
@@ -57,17 +55,18 @@ class Stencil:
 
 def read_numbers(data: bytes, layout: struct.Struct) -> tuple[Any, ...]:
     """
-    Return the numbers at the end of a serialised message.
+    Return the numbers of a serialised message that has a header and, behind it, these numbers only.
 
     Raises
     ------
-    ValueError
-        For bytes that are too short or not little-endian.
+    MalformedError
+        For bytes that are no such message.
 
     """
-    if data[:2] != _LITTLE_ENDIAN_CDR or len(data) < STAMP_AT + layout.size:
-        raise ValueError(f"{len(data)} bytes that are not such a message in little-endian CDR")
-    return layout.unpack_from(data, len(data) - layout.size)
+    at = body_at(data)
+    if not 0 <= len(data) - at - layout.size <= MOST_END_PADDING:
+        raise MalformedError(f"{len(data)} bytes where {at + layout.size} are such a message")
+    return layout.unpack_from(data, at)
 
 
 def header_stamp_s(data: bytes) -> float:

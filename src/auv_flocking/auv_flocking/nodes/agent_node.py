@@ -21,6 +21,7 @@ from auv_core import conversions as convert
 from auv_core.acoustic_bytes import outbox_bytes, read_inbox
 from auv_core.diagnostic_bytes import Status, diagnostics_bytes
 from auv_core.geometry import Vec3
+from auv_core.hearing import Hearing
 from auv_core.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere, sphere_stencil
 from auv_core.messages import Inbox, Reception, command_numbers
 from auv_core.messages import VehicleState as State
@@ -94,8 +95,9 @@ class AgentNode(Node):
         self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
         self._publish_diagnostics = publishes_bytes(self._diagnostics_pub)
         self._path_pub = self.create_publisher(Path, "path", LATCHED) if self._agent.knows_path else None
-        self.create_subscription(VehicleState, "nav", self._on_nav, heard, raw=True)
-        self.create_subscription(AcousticInbox, "acoustic/rx", self._on_inbox, heard, raw=True)
+        self._hearing = Hearing(self)
+        self._hearing.listen(VehicleState, "nav", self._on_nav, heard)
+        self._hearing.listen(AcousticInbox, "acoustic/rx", self._on_inbox, heard)
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
         recorder = {"/recorder_node"} if run.recorded else set()
@@ -226,6 +228,7 @@ class AgentNode(Node):
                 ("packets_outdated", str(agent.outdated)),
                 ("values_saturated", str(agent.saturated)),
                 ("reports_unsent", str(agent.unsent)),
+                ("messages_malformed", str(self._hearing.malformed.total())),
             ],
         )
         law = Status(

@@ -22,9 +22,9 @@ from visualization_msgs.msg import Marker
 
 from auv_core import conversions as convert
 from auv_core.acoustic_bytes import events_bytes, inbox_bytes, read_outbox
-from auv_core.cdr import read_tick
+from auv_core.hearing import Hearing
 from auv_core.markers import LOST_HULL, MARKER_TICKS, sphere
-from auv_core.messages import VehicleState
+from auv_core.messages import Packet, VehicleState
 from auv_core.node_main import Audience, Rendezvous, main_loop, now_s, publishes_bytes, steady_timer
 from auv_core.node_params import declare_config
 from auv_core.params import param
@@ -69,8 +69,8 @@ class AcousticRelayNode(Node):
         self._ticks = TickClock(run, medium.period_s, now_s(self))
         self._barrier = Barrier(len(self._ids))
         self._states: list[VehicleState] = []
-        self._newest: dict[int, bytes] = {}
-        self._outboxes: dict[int, bytes] = {}
+        self._newest: dict[int, VehicleState] = {}
+        self._outboxes: dict[int, list[Packet]] = {}
         self._heard_at_s: dict[tuple[str, int], float] = {}
         self._adrift: dict[int, Vehicle] = {}
         self._hulls: dict[int, VehicleConfig] = {}
@@ -110,13 +110,10 @@ class AcousticRelayNode(Node):
             if self._ticks.lockstep
             else (self._hear_state, self._hear_outbox)
         )
+        listen = Hearing(self).listen
         for index, name in enumerate(self._ids):
-            self.create_subscription(
-                VehicleStateMsg, f"/{name}/state", partial(on_state, index), heard, raw=True
-            )
-            self.create_subscription(
-                AcousticOutbox, f"/{name}/acoustic/tx", partial(on_outbox, index), heard, raw=True
-            )
+            listen(VehicleStateMsg, f"/{name}/state", partial(on_state, index), heard)
+            listen(AcousticOutbox, f"/{name}/acoustic/tx", partial(on_outbox, index), heard)
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
         recorder = {"/recorder_node"} if run.recorded else set()
@@ -135,15 +132,17 @@ class AcousticRelayNode(Node):
             steady_timer(self, self._period_s, self._run_free)
 
     def _take_state(self, index: int, data: bytes) -> None:
-        """Take an answer in lock-step; what is in it waits until the tick is complete."""
-        if self._barrier.state(index, read_tick(data)):
-            self._newest[index] = data
+        """Take an answer in lock-step."""
+        state = convert.state_from_bytes(data)
+        if self._barrier.state(index, state.tick):
+            self._newest[index] = state
             self._try_advance()
 
     def _take_outbox(self, index: int, data: bytes) -> None:
         """Take an answer in lock-step; what is in it waits until the tick is complete."""
-        if self._barrier.outbox(index, read_tick(data)):
-            self._outboxes[index] = data
+        tick, packets = read_outbox(data)
+        if self._barrier.outbox(index, tick):
+            self._outboxes[index] = packets
             self._try_advance()
 
     def _try_advance(self) -> None:
@@ -164,15 +163,16 @@ class AcousticRelayNode(Node):
     def _hear_state(self, index: int, data: bytes) -> None:
         """Take a state in real time."""
         if index not in self._adrift:
+            self._newest[index] = convert.state_from_bytes(data)
             self._heard_at_s["vehicle_node", index] = time.monotonic()
-            self._newest[index] = data
 
     def _hear_outbox(self, index: int, data: bytes) -> None:
         """Take packets in real time."""
+        _, packets = read_outbox(data)
         self._heard_at_s["agent_node", index] = time.monotonic()
         if self._all_known:
             self._states = self._fleet()
-            self._transmit(index, data)
+            self._transmit(index, packets)
 
     def _run_free(self) -> None:
         """Begin the tick of the wall clock."""
@@ -194,7 +194,7 @@ class AcousticRelayNode(Node):
 
     def _fleet(self) -> list[VehicleState]:
         """Return the newest states."""
-        return [convert.state_from_bytes(self._newest[index]) for index in range(len(self._ids))]
+        return [self._newest[index] for index in range(len(self._ids))]
 
     def _begin_tick(self, last: int, tick: int) -> None:
         """Begin a tick, and tell what became known in the last one."""
@@ -216,8 +216,7 @@ class AcousticRelayNode(Node):
         if tick % MARKER_TICKS == 0:
             self._reports.draw(tick, t_s, self._states, self._lost_hulls(t_s))
 
-    def _transmit(self, index: int, outbox: bytes) -> None:
-        _, packets = read_outbox(outbox)
+    def _transmit(self, index: int, packets: list[Packet]) -> None:
         if packets:
             try:
                 self._medium.transmit({index + 1: packets}, self._states)
@@ -252,8 +251,7 @@ class AcousticRelayNode(Node):
         vehicles = sorted({index for _, index in owed})
         for index in vehicles:
             hull = Vehicle(self._hulls[index])
-            newest = self._newest.get(index)
-            hull.restore(convert.state_from_bytes(newest) if newest else self._states[index])
+            hull.restore(self._newest.get(index) or self._states[index])
             self._adrift[index] = hull
             if self._ticks.lockstep and index not in self._newest:
                 self._publish_drift(index)
@@ -267,8 +265,8 @@ class AcousticRelayNode(Node):
     def _publish_drift(self, index: int) -> None:
         state = self._adrift[index].step(None)
         t_s = self._ticks.stamp_s(state.tick)
-        self._newest[index] = self._state_stencil.filled(t_s, *convert.state_numbers(state))
-        self._hull_pubs[index].publish(self._newest[index])
+        self._newest[index] = state
+        self._hull_pubs[index].publish(self._state_stencil.filled(t_s, *convert.state_numbers(state)))
 
     def _lost_hulls(self, t_s: float) -> list[Marker]:
         markers = []

@@ -17,6 +17,7 @@ from rosgraph_msgs.msg import Clock
 from tf2_msgs.msg import TFMessage
 
 from auv_core import conversions as convert
+from auv_core.hearing import Hearing
 from auv_core.node_main import publishes_bytes, steady_timer
 from auv_core.params import param
 from auv_core.qos import EVERY_TICK, LATCHED
@@ -98,7 +99,7 @@ class ClockNode(Node):
         self._status_pub = self.create_publisher(FlockStatus, "/flock/status", LATCHED)
         self._static_pub = self.create_publisher(TFMessage, "/tf_static", LATCHED)
         self._static_pub.publish(TFMessage(transforms=[convert.map_to_map_ned()]))
-        self.create_subscription(RecorderStatus, "/recorder/status", self._on_recorder, EVERY_TICK)
+        Hearing(self).listen_decoded(RecorderStatus, "/recorder/status", self._on_recorder, EVERY_TICK)
         self.on_room: Callable[[], None] = _nothing
         steady_timer(self, _STATUS_S, self._look)
 

@@ -15,6 +15,8 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
+from auv_core.cdr import MalformedError
+from auv_core.hearing import Hearing
 from auv_core.markers import HULL, MARKER_TICKS, sphere_stencil
 from auv_core.messages import Command
 from auv_core.node_main import (
@@ -58,7 +60,7 @@ class VehicleNode(Node):
         self._publish_marker = publishes_bytes(self._marker_pub)
         command = (TwistStamped, "cmd_vel") if self._vehicle.takes_velocity else (WrenchStamped, "cmd_wrench")
         heard = own_qos(admits_strangers=run.admits_strangers)
-        self.create_subscription(*command, self._on_command, heard, raw=True)
+        Hearing(self).listen(*command, self._on_command, heard)
         self._state_stencil = convert.state_stencil()
         self._odom_stencil = convert.odometry_stencil(self._config.vehicle_id)
         self._tf_stencil = convert.transform_stencil(self._config.vehicle_id)
@@ -89,6 +91,8 @@ class VehicleNode(Node):
     def _on_command(self, data: bytes) -> None:
         try:
             self._command = convert.command_from_bytes(data, takes_velocity=self._vehicle.takes_velocity)
+        except MalformedError:
+            raise
         except ValueError as error:
             self.get_logger().error(f"{error}; the actuators rest", throttle_duration_sec=1.0)
             self._command = None

@@ -1,0 +1,71 @@
+"""
+Subscriptions that no message can end.
+
+The middleware hands on whatever bytes a writer sends under a type's name.  Here every message comes as bytes;
+those that are no such message are left out and counted by topic.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
+from rclpy.subscription import Subscription
+
+from auv_core.cdr import MalformedError
+
+_REPEAT_S = 10.0
+
+
+class Hearing:
+    """
+    What one node hears.
+
+    Attributes
+    ----------
+    malformed : Counter
+        Messages left out, by topic.
+
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self.malformed: Counter[str] = Counter()
+
+    def listen(
+        self, kind: Any, topic: str, take: Callable[[bytes], None], qos: QoSProfile | int
+    ) -> Subscription:
+        """Subscribe to a topic; `take` gets bytes and raises `MalformedError` where they are no `kind`."""
+
+        def hear(data: bytes) -> None:
+            try:
+                take(data)
+            except MalformedError as error:
+                self._leave_out(subscription.topic_name, error)
+
+        subscription = self._node.create_subscription(kind, topic, hear, qos, raw=True)
+        return subscription
+
+    def listen_decoded(
+        self, kind: Any, topic: str, take: Callable[[Any], None], qos: QoSProfile | int
+    ) -> Subscription:
+        """Subscribe to a topic of which few messages come; `take` gets message objects."""
+        return self.listen(kind, topic, lambda data: take(decoded(kind, data)), qos)
+
+    def _leave_out(self, topic: str, error: MalformedError) -> None:
+        self.malformed[topic] += 1
+        self._node.get_logger().error(
+            f"{topic}: {error}: left out, {self.malformed[topic]} so far", throttle_duration_sec=_REPEAT_S
+        )
+
+
+def decoded(kind: Any, data: bytes) -> Any:
+    """Return a serialised message as an object; raise `MalformedError` for bytes that are no `kind`."""
+    try:
+        return deserialize_message(data, kind)
+    except Exception as error:  # the client library has one type of its own for each layer
+        raise MalformedError(f"{len(data)} bytes that are no {kind.__name__}") from error
