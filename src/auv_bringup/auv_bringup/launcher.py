@@ -49,6 +49,7 @@ from auv_bringup.progress import Progress
 from auv_bringup.results import BAG, LOGS
 from auv_bringup.scenario import Scenario
 from auv_bringup.supervision import LOST_STATUS, Status, Supervisor
+from auv_core.run_config import WallWatch
 
 INTERRUPTED_STATUS = 130
 RECORDER_GRACE_S = 30.0
@@ -201,6 +202,7 @@ def _watch(
     """Watch until the flight is over or interrupted; return how long the start took (s, NaN: no start)."""
     start_up_s = math.nan
     last_s = time.monotonic()
+    wall = WallWatch(time.monotonic, time.time)
     while not supervisor.is_over and not interrupts.count:
         for status in listener.listen(_LOOK_S):
             now_s = time.monotonic()
@@ -217,6 +219,8 @@ def _watch(
         now_s = time.monotonic()
         supervisor.time_passed(min(now_s - last_s, _MOST_AWAKE_S))
         last_s = now_s
+        if warning := wall.warning():
+            progress.message(f"warning: {warning}")
         for line in supervisor.take_messages():
             progress.message(line if line.startswith(" ") else f"warning: {line}")
         children.kill(supervisor.take_processes_to_end())

@@ -212,14 +212,14 @@ class Supervisor:
 
 
 class _Stopwatch:
-    """Scenario time against wall time, from the first lap to the last that brought progress."""
+    """Scenario time against wall time, from the last lap before progress to the last that brought some."""
 
     def __init__(self) -> None:
         self._first: tuple[float, float] | None = None
         self._last: tuple[float, float] | None = None
 
     def lap(self, time_s: float, wall_s: float) -> None:
-        if self._first is None:
+        if self._first is None or time_s <= self._first[0]:
             self._first = (time_s, wall_s)
         if self._last is None or time_s > self._last[0]:
             self._last = (time_s, wall_s)

@@ -18,11 +18,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import rclpy
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSCompatibility, qos_check_compatible
 from rclpy.signals import SignalHandlerOptions
@@ -32,7 +34,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from auv_core.hearing import Hearing
 from auv_core.params import ConfigError
 from auv_core.qos import LATCHED
-from auv_core.run_config import TickClock
+from auv_core.run_config import RunConfig, TickClock
 from auv_msgs.msg import FlockStatus
 
 _WAKE_S = 0.25
@@ -68,6 +70,8 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     status = 0
     try:
         nodes = make_nodes()
+        for node in nodes:
+            node.add_on_set_parameters_callback(_refuse_changes)
         _spin(nodes, lambda: bool(stopping))
     except ConfigError as error:
         sys.stderr.write(f"error: {error}\n")
@@ -122,24 +126,41 @@ def steady_timer(node: Node, period_s: float, callback: Callable[[], None]) -> A
     return node.create_timer(period_s, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
 
-def now_s(node: Node) -> Callable[[], float]:
-    """Return a function that gives the node's ROS time (s)."""
-    clock = node.get_clock()
-    return lambda: 1e-9 * float(clock.now().nanoseconds)
+def tick_clock(run: RunConfig, period_s: float) -> TickClock:
+    """Return the clock of a run on this machine's steady clock."""
+    return TickClock(run, period_s, time.monotonic, time.time)
 
 
 def when_running(node: Node, ticks: TickClock, begin: Callable[[], None]) -> None:
-    """Call `begin` once scenario time 0 is known, from the configuration or from the status of the run."""
+    """
+    Call `begin` once scenario time 0 is known, from the configuration or from the status of the run.
+
+    A subscription to the status tells the relay that this node is ready.
+    """
     if ticks.started:
         begin()
         return
 
     def on_status(status: FlockStatus) -> None:
-        if not ticks.started and status.state == FlockStatus.RUNNING:
-            ticks.start(status.header.stamp.sec + 1e-9 * status.header.stamp.nanosec - status.time_s)
-            begin()
+        if ticks.started or status.state != FlockStatus.RUNNING:
+            return
+        stamp = status.header.stamp
+        off_s = ticks.join(stamp.sec + 1e-9 * stamp.nanosec - status.time_s, status.time_s)
+        if off_s:
+            node.get_logger().warning(
+                f"the system clock is {off_s:+.1f} s off that of the run; the run's is followed"
+            )
+        begin()
 
     Hearing(node).listen_decoded(FlockStatus, "/flock/status", on_status, LATCHED)
+
+
+def _refuse_changes(parameters: Sequence[Parameter]) -> SetParametersResult:
+    """Refuse to set a parameter of a node that runs, a built-in one like `use_sim_time` too."""
+    names = ", ".join(parameter.name for parameter in parameters)
+    return SetParametersResult(
+        successful=False, reason=f"{names}: not changed; parameters are set when a node starts"
+    )
 
 
 @dataclass(frozen=True)

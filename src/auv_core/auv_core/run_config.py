@@ -7,19 +7,29 @@ from dataclasses import dataclass
 
 from auv_core.params import param
 
+LOCKSTEP_EPOCH_S = 1.0
+"""Stamp of scenario time 0 in lock-step (s); not 0, which tf2 takes for "the latest"."""
+START_LEAD_S = 0.3
+"""How long before scenario time 0 a real-time run is announced (s), so that all nodes begin at tick 0."""
+STEP_LIMIT_S = 0.5
+"""A wall clock that moves by more against the steady one has been stepped (s)."""
+JOIN_LIMIT_S = 5.0
+"""A wall clock that differs by more from that of the run is not the run's (s)."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class RunConfig:
     """Settings of a run, the same for all of its nodes."""
 
     mode: str = param(
-        "lockstep: advance when everybody has answered; realtime: free-run on the wall clock",
+        "lockstep: advance when everybody has answered; realtime: free-run on the steady clock",
         default="realtime",
         choices=("lockstep", "realtime"),
     )
     epoch_s: float = param(
         "ROS time of scenario time 0 (s), for nodes that wait for nobody; 0: when the run says running",
         default=0.0,
+        minimum=0.0,
     )
     publishers: str = param(
         "whom nodes hear: own, the nodes of this project only; any, also a modem's driver or a navigation",
@@ -41,40 +51,100 @@ class RunConfig:
 
 class TickClock:
     """
-    From ticks to stamps, and from the wall clock to ticks.
+    From ticks to stamps, and from the steady clock to ticks.
 
-    In lock-step a stamp is the tick's scenario time; in real time it is ROS time, and scenario time 0 is the
-    epoch, which `start` sets where the configuration does not.
+    Scenario time 0 has the stamp `epoch_s`. In lock-step that is `LOCKSTEP_EPOCH_S`; in real time it is ROS
+    time (s), known from the configuration or once the run begins. The wall clock is read once, when the epoch
+    becomes known; a later step of it changes nothing.
+
+    Parameters
+    ----------
+    run : RunConfig
+        Mode, and the epoch where it is given.
+    period_s : float
+        Control period (s).
+    steady_s, wall_s : callable
+        The steady clock and the system's clock (s).
+
     """
 
-    def __init__(self, run: RunConfig, period_s: float, now_s: Callable[[], float]) -> None:
+    def __init__(
+        self, run: RunConfig, period_s: float, steady_s: Callable[[], float], wall_s: Callable[[], float]
+    ) -> None:
         self._period_s = period_s
-        self._now_s = now_s
+        self._steady_s = steady_s
+        self._wall_s = wall_s
+        self._began_s = 0.0
         self.lockstep = run.mode == "lockstep"
-        self.epoch_s = 0.0 if self.lockstep else run.epoch_s
+        self.epoch_s = LOCKSTEP_EPOCH_S if self.lockstep else 0.0
+        if not self.lockstep and run.epoch_s:
+            self._start(run.epoch_s)
 
     @property
     def started(self) -> bool:
         """Whether scenario time 0 is known."""
-        return self.lockstep or self.epoch_s != 0.0
+        return self.epoch_s != 0.0
 
-    def start(self, epoch_s: float | None = None) -> None:
-        """Set the epoch (s, ROS time), to now without one; once set it stays."""
+    def begin(self) -> None:
+        """Let scenario time 0 be soon, `START_LEAD_S` from now; an epoch that is known stays."""
         if not self.started:
-            self.epoch_s = self._now_s() if epoch_s is None else epoch_s
+            self._start(round(self._wall_s() + START_LEAD_S, 3))
+
+    def join(self, epoch_s: float, reached_s: float) -> float:
+        """
+        Take the epoch of a run that has reached the scenario time `reached_s`; one that is known stays.
+
+        Returns
+        -------
+        off_s : float
+            How far this machine's wall clock is ahead of the run's (s), where that is more than
+            `JOIN_LIMIT_S`, else 0. Ticks then follow the run's clock.
+
+        """
+        if self.started:
+            return 0.0
+        self._start(round(epoch_s, 6))
+        off_s = self._scenario_now_s() - reached_s
+        if abs(off_s) <= JOIN_LIMIT_S:
+            return 0.0
+        self._began_s += off_s
+        return off_s
 
     def scenario_s(self, tick: int) -> float:
         """Return the scenario time of a tick (s)."""
         return tick * self._period_s
 
     def stamp_s(self, tick: int) -> float:
-        """Return the ROS time that messages of a tick carry (s)."""
-        return self.epoch_s + tick * self._period_s
+        """Return the ROS time that messages of a tick carry (s); 0 as long as the epoch is not known."""
+        return self.epoch_s + tick * self._period_s if self.started else 0.0
 
     def tick_of_stamp(self, stamp_s: float) -> int:
         """Return the tick whose stamp is nearest to `stamp_s`."""
         return round((stamp_s - self.epoch_s) / self._period_s)
 
     def tick_now(self) -> int:
-        """Return the tick that the wall clock is in; negative before the epoch."""
-        return int((self._now_s() - self.epoch_s) // self._period_s)
+        """Return the tick that the steady clock is in; negative before the epoch."""
+        return int(self._scenario_now_s() // self._period_s)
+
+    def _start(self, epoch_s: float) -> None:
+        self.epoch_s = epoch_s
+        self._began_s = self._steady_s() + (epoch_s - self._wall_s())
+
+    def _scenario_now_s(self) -> float:
+        return self._steady_s() - self._began_s
+
+
+class WallWatch:
+    """Notices that the wall clock is stepped, as a time service or a user does."""
+
+    def __init__(self, steady_s: Callable[[], float], wall_s: Callable[[], float]) -> None:
+        self._lead_s: Callable[[], float] = lambda: wall_s() - steady_s()
+        self._known_s = self._lead_s()
+
+    def warning(self) -> str:
+        """Return one line if the wall clock was stepped since the last call, else ''."""
+        step_s = self._lead_s() - self._known_s
+        self._known_s += step_s
+        if abs(step_s) <= STEP_LIMIT_S:
+            return ""
+        return f"the system clock was stepped by {step_s:+.1f} s; the run goes on by the steady clock"

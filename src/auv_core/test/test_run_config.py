@@ -5,27 +5,41 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_core.params import ConfigError, load
-from auv_core.run_config import RunConfig, TickClock
+from auv_core.run_config import JOIN_LIMIT_S, LOCKSTEP_EPOCH_S, START_LEAD_S, RunConfig, TickClock, WallWatch
 
 
-def _clock(mode, *, period_s=0.1, epoch_s=0.0, now_s=lambda: 1000.0):
-    return TickClock(RunConfig(mode=mode, epoch_s=epoch_s), period_s, now_s)
+class Clocks:
+    """A steady clock and a wall clock that a test moves."""
+
+    def __init__(self, wall_s=1000.0):
+        self.steady_s, self.wall_s = 50.0, wall_s
+
+    def pass_time(self, dt_s):
+        self.steady_s += dt_s
+        self.wall_s += dt_s
+
+
+def _clock(mode, clocks=None, *, period_s=0.1, epoch_s=0.0):
+    clocks = clocks or Clocks()
+    run = RunConfig(mode=mode, epoch_s=epoch_s)
+    return TickClock(run, period_s, lambda: clocks.steady_s, lambda: clocks.wall_s)
 
 
 @settings(max_examples=80, deadline=None)
 @given(
     st.integers(0, 10**7),
     st.sampled_from([0.01, 0.02, 0.05, 0.1, 0.25, 0.3, 1.0]),
-    st.sampled_from([0.0, 1.7e9]),
+    st.sampled_from([1.0, 1.7e9]),
 )
 def test_tick_survives_its_stamp(tick, period_s, epoch_s):
     clock = _clock("realtime", period_s=period_s, epoch_s=epoch_s)
     assert clock.tick_of_stamp(clock.stamp_s(tick)) == tick
 
 
-def test_lockstep_stamps_are_scenario_time_whatever_the_wall_says():
+def test_lockstep_stamps_begin_at_the_fixed_epoch_whatever_the_wall_says():
     clock = _clock("lockstep", epoch_s=5.0)
-    assert clock.stamp_s(7) == clock.scenario_s(7) == 7 * 0.1
+    assert clock.stamp_s(0) == LOCKSTEP_EPOCH_S > 0.0
+    assert clock.stamp_s(7) == LOCKSTEP_EPOCH_S + clock.scenario_s(7)
 
 
 def test_lockstep_knows_its_start_and_a_given_epoch_is_the_start():
@@ -37,21 +51,64 @@ def test_lockstep_knows_its_start_and_a_given_epoch_is_the_start():
 def test_realtime_without_an_epoch_begins_when_it_is_started():
     clock = _clock("realtime")
     assert not clock.started
-    clock.start(200.0)
+    assert clock.stamp_s(10) == 0.0
+    clock.begin()
     assert clock.started
-    assert clock.stamp_s(10) == pytest.approx(201.0)
+    assert clock.stamp_s(10) == pytest.approx(1001.0 + START_LEAD_S)
+    assert clock.tick_now() == -3
 
 
-def test_realtime_started_without_an_epoch_begins_now():
-    clock = _clock("realtime", now_s=lambda: 1000.0)
-    clock.start()
-    assert clock.stamp_s(10) == pytest.approx(1001.0)
+def test_who_joins_a_run_has_its_stamps_and_its_ticks():
+    clocks = Clocks()
+    first, late = _clock("realtime", clocks), _clock("realtime", clocks)
+    first.begin()
+    clocks.pass_time(12.34)
+    assert late.join(first.epoch_s + 1e-7, 11.9) == 0.0
+    assert [late.stamp_s(tick) for tick in range(50)] == [first.stamp_s(tick) for tick in range(50)]
+    assert late.tick_now() == first.tick_now() == 120
+
+
+@pytest.mark.parametrize("step_s", [-3600.0, -20.0, 20.0, 3600.0])
+def test_a_step_of_the_wall_clock_moves_no_tick_and_no_stamp(step_s):
+    clocks = Clocks()
+    clock, given = _clock("realtime", clocks), _clock("realtime", clocks, epoch_s=1000.0)
+    clock.begin()
+    clocks.pass_time(5.0)
+    before = clock.tick_now(), given.tick_now(), clock.stamp_s(3)
+    clocks.wall_s += step_s
+    assert (clock.tick_now(), given.tick_now(), clock.stamp_s(3)) == before
+
+
+@pytest.mark.parametrize("step_s", [-3600.0, 20.0])
+def test_who_joins_after_a_step_follows_the_clock_of_the_run(step_s):
+    clocks = Clocks()
+    first, late = _clock("realtime", clocks), _clock("realtime", clocks)
+    first.begin()
+    clocks.pass_time(8.0 + START_LEAD_S)
+    clocks.wall_s += step_s
+    assert late.join(first.epoch_s, 8.0) == pytest.approx(step_s)
+    clocks.pass_time(0.05)
+    assert abs(step_s) > JOIN_LIMIT_S
+    assert late.tick_now() == first.tick_now() == 80
 
 
 def test_an_epoch_once_set_stays():
     clock = _clock("realtime", epoch_s=50.0)
-    clock.start(200.0)
+    assert clock.join(200.0, 0.0) == 0.0
+    clock.begin()
     assert clock.epoch_s == 50.0
+
+
+def test_a_step_of_the_wall_clock_is_told_once_and_a_slow_drift_never():
+    clocks = Clocks()
+    watch = WallWatch(lambda: clocks.steady_s, lambda: clocks.wall_s)
+    for _ in range(100):
+        clocks.pass_time(1.0)
+        clocks.wall_s += 0.01
+        assert watch.warning() == ""
+    clocks.wall_s -= 20.0
+    assert watch.warning() == "the system clock was stepped by -20.0 s; the run goes on by the steady clock"
+    assert watch.warning() == ""
 
 
 @pytest.mark.parametrize(

@@ -29,14 +29,14 @@ from auv_core.node_main import (
     Audience,
     Rendezvous,
     main_loop,
-    now_s,
     publishes_bytes,
     steady_timer,
+    tick_clock,
     when_running,
 )
 from auv_core.node_params import declare_config
 from auv_core.qos import EVERY_TICK, LATCHED, own_qos
-from auv_core.run_config import RunConfig, TickClock
+from auv_core.run_config import RunConfig
 from auv_flocking.agent import Agent, AgentConfig
 from auv_flocking.estimates import AGE, CENTRE
 from auv_msgs.msg import (
@@ -61,7 +61,7 @@ class AgentNode(Node):
         super().__init__("agent_node", **options)
         run = declare_config(self, RunConfig)
         self._config = declare_config(self, AgentConfig)
-        self._ticks = TickClock(run, self._config.period_s, now_s(self))
+        self._ticks = tick_clock(run, self._config.period_s)
         self._agent = Agent(self._config)
         self._navs: dict[int, State] = {}
         self._inboxes: dict[int, Inbox] = {}
@@ -117,14 +117,14 @@ class AgentNode(Node):
         return [Audience(publisher, frozenset(names | recorder)) for publisher, names in listeners.items()]
 
     def _start(self) -> None:
-        if self._path_pub is not None:
-            self._path_pub.publish(self._path())
         if self._ticks.lockstep:
+            self._publish_path()
             self._step_if_ready()
         else:
             when_running(self, self._ticks, self._begin)
 
     def _begin(self) -> None:
+        self._publish_path()
         steady_timer(self, self._config.period_s, self._run_free)
 
     def _on_nav(self, data: bytes) -> None:
@@ -244,6 +244,10 @@ class AgentNode(Node):
         span_s = self._agent.path_period_s or _PATH_SPAN_S
         points = [self._agent.path_point(k * span_s / _PATH_POINTS) for k in range(_PATH_POINTS + 1)]
         return [point.position for point in points if point is not None]
+
+    def _publish_path(self) -> None:
+        if self._path_pub is not None:
+            self._path_pub.publish(self._path())
 
     def _path(self) -> Path:
         header = convert.header(self._ticks.stamp_s(0), convert.WORLD_FRAME)

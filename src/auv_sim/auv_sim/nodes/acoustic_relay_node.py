@@ -3,7 +3,7 @@ ROS node of the acoustic medium; in one process with the clock node, since toget
 barrier.
 
 In lock-step a tick is done when every agent has handed over its packets and every vehicle has published its
-next state; in real time the medium is asked at every control period of the wall clock.  A vehicle that the
+next state; in real time the medium is asked at every control period of the steady clock.  A vehicle that the
 run goes on without drifts on here.
 """
 
@@ -25,11 +25,11 @@ from auv_core.acoustic_bytes import events_bytes, inbox_bytes, read_outbox
 from auv_core.hearing import Hearing
 from auv_core.markers import LOST_HULL, MARKER_TICKS, sphere
 from auv_core.messages import Packet, VehicleState
-from auv_core.node_main import Audience, Rendezvous, main_loop, now_s, publishes_bytes, steady_timer
+from auv_core.node_main import Audience, Rendezvous, main_loop, publishes_bytes, steady_timer, tick_clock
 from auv_core.node_params import declare_config
 from auv_core.params import param
 from auv_core.qos import EVERY_TICK, own_qos
-from auv_core.run_config import RunConfig, TickClock
+from auv_core.run_config import RunConfig
 from auv_msgs.msg import AcousticEvents, AcousticInbox, AcousticOutbox
 from auv_msgs.msg import VehicleState as VehicleStateMsg
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
@@ -66,7 +66,7 @@ class AcousticRelayNode(Node):
         self._period_s = medium.period_s
         self._timeout_s = watch.answer_timeout_s
         self._medium = AcousticMedium(medium)
-        self._ticks = TickClock(run, medium.period_s, now_s(self))
+        self._ticks = tick_clock(run, medium.period_s)
         self._barrier = Barrier(len(self._ids))
         self._states: list[VehicleState] = []
         self._newest: dict[int, VehicleState] = {}
@@ -118,9 +118,12 @@ class AcousticRelayNode(Node):
     def _audiences(self, run: RunConfig) -> list[Audience]:
         recorder = {"/recorder_node"} if run.recorded else set()
         publishers = [self._events_pub, *self._reports.publishers, *self._hull_pubs.values()]
-        if self._ticks.lockstep:
-            publishers.append(self.clock.clock_pub)
         audiences = [Audience(publisher, frozenset(recorder)) for publisher in publishers]
+        if self._ticks.lockstep:
+            audiences.append(Audience(self.clock.clock_pub, frozenset(recorder)))
+        elif not self._ticks.started:
+            everyone = {f"/{name}/{role}" for name in self._ids for role in _ROLES}
+            audiences.append(Audience(self.clock.status_pub, frozenset(recorder | everyone)))
         for name, publisher in zip(self._ids, self._rx_pubs, strict=True):
             audiences.append(Audience(publisher, frozenset(recorder | {f"/{name}/agent_node"})))
         return audiences
@@ -128,8 +131,10 @@ class AcousticRelayNode(Node):
     def _start(self) -> None:
         if self._ticks.lockstep:
             self._try_advance()
-        else:
-            steady_timer(self, self._period_s, self._run_free)
+            return
+        self._ticks.begin()
+        self.clock.announce()
+        steady_timer(self, self._period_s, self._run_free)
 
     def _take_state(self, index: int, data: bytes) -> None:
         """Take an answer in lock-step."""
@@ -175,11 +180,10 @@ class AcousticRelayNode(Node):
             self._transmit(index, packets)
 
     def _run_free(self) -> None:
-        """Begin the tick of the wall clock."""
+        """Begin the tick of the steady clock."""
         if not self._all_known or self.clock.ended:
             return
         if self._barrier.tick < 0:
-            self._ticks.start()
             self._heard_at_s = dict.fromkeys(product(_ROLES, range(len(self._ids))), time.monotonic())
         last, tick = self._barrier.tick, self._ticks.tick_now()
         if tick > last:

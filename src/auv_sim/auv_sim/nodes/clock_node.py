@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from tf2_msgs.msg import TFMessage
 
@@ -21,10 +22,12 @@ from auv_core.hearing import Hearing
 from auv_core.node_main import publishes_bytes, steady_timer
 from auv_core.params import param
 from auv_core.qos import EVERY_TICK, LATCHED
-from auv_core.run_config import TickClock
+from auv_core.run_config import TickClock, WallWatch
 from auv_msgs.msg import FlockStatus, RecorderStatus
 
-_STATUS_S = 0.2
+_LOOK_S = 0.2
+_REPEAT_S = 0.5
+_STATUS_TICKS = 10
 _GRACE_S = 2.0
 _RECORDER_LEAD_TICKS = 200
 
@@ -93,15 +96,20 @@ class ClockNode(Node):
         self.ended = False
         """Whether the run has come to its end, good or bad."""
         self.exit_code = 0
-        self._clock_stencil = convert.clock_stencil()
-        self.clock_pub = self.create_publisher(Clock, "/clock", EVERY_TICK)
-        self._publish_clock = publishes_bytes(self.clock_pub)
-        self._status_pub = self.create_publisher(FlockStatus, "/flock/status", LATCHED)
+        self._wall = WallWatch(time.monotonic, time.time)
+        self.clock_pub: Publisher | None = None
+        if ticks.lockstep:
+            self._clock_stencil = convert.clock_stencil()
+            self.clock_pub = self.create_publisher(Clock, "/clock", EVERY_TICK)
+            self._publish_clock = publishes_bytes(self.clock_pub)
+        self.status_pub = self.create_publisher(FlockStatus, "/flock/status", LATCHED)
+        self._said = FlockStatus()
+        self._said_at_s = -math.inf
         self._static_pub = self.create_publisher(TFMessage, "/tf_static", LATCHED)
         self._static_pub.publish(TFMessage(transforms=[convert.map_to_map_ned()]))
         Hearing(self).listen_decoded(RecorderStatus, "/recorder/status", self._on_recorder, EVERY_TICK)
         self.on_room: Callable[[], None] = _nothing
-        steady_timer(self, _STATUS_S, self._look)
+        steady_timer(self, _LOOK_S, self._look)
 
     @property
     def done(self) -> bool:
@@ -114,6 +122,11 @@ class ClockNode(Node):
         lead = self._tick - self._recorded_ticks
         return not self._recorded or not self._ticks.lockstep or lead <= _RECORDER_LEAD_TICKS
 
+    def announce(self) -> None:
+        """Say that the run begins: everybody then knows the stamp of tick 0."""
+        self._state = FlockStatus.RUNNING
+        self._publish()
+
     def begin_tick(self, tick: int) -> None:
         """Announce a tick; the last one ends the run."""
         self._tick = tick
@@ -122,9 +135,8 @@ class ClockNode(Node):
             self._publish_clock(self._clock_stencil.filled(self._ticks.stamp_s(tick)))
         if tick >= self._watch.duration_ticks:
             self._end(FlockStatus.FINISHED, "")
-        elif self._state != FlockStatus.RUNNING:
-            self._state = FlockStatus.RUNNING
-            self._publish()
+        elif self._state != FlockStatus.RUNNING or tick % _STATUS_TICKS == 0:
+            self.announce()
 
     def _on_recorder(self, message: RecorderStatus) -> None:
         waiting = not self.has_room
@@ -134,9 +146,15 @@ class ClockNode(Node):
             self.on_room()
 
     def _look(self) -> None:
+        """Watch and speak. In lock-step only ticks and events bring news, so that equal runs say the same."""
         if not self.ended:
             self._watch_silence()
-        self._publish()
+        if warning := self._wall.warning():
+            self.get_logger().warning(warning)
+        if not self._ticks.lockstep or self._state == FlockStatus.WAITING:
+            self._publish()
+        elif time.monotonic() - self._said_at_s > _REPEAT_S:
+            self._send(self._said)
 
     def _watch_silence(self) -> None:
         awaited = self._overdue()
@@ -157,6 +175,8 @@ class ClockNode(Node):
         if len(self._lost) == self._fleet_size:
             self.exit_code = 3
             self._end(FlockStatus.ABORTED, "every vehicle is lost")
+        else:
+            self._publish()
         self.on_room()
 
     @property
@@ -187,10 +207,10 @@ class ClockNode(Node):
         self._publish()
 
     def _publish(self) -> None:
-        running = self._state == FlockStatus.RUNNING
-        self._status_pub.publish(
+        running, waiting = self._state == FlockStatus.RUNNING, self._state == FlockStatus.WAITING
+        self._send(
             FlockStatus(
-                header=convert.header(self._ticks.stamp_s(self._tick), ""),
+                header=convert.header(0.0 if waiting else self._ticks.stamp_s(self._tick), ""),
                 state=self._state,
                 tick=self._tick,
                 time_s=self._ticks.scenario_s(self._tick),
@@ -200,6 +220,10 @@ class ClockNode(Node):
                 detail=self._detail,
             )
         )
+
+    def _send(self, status: FlockStatus) -> None:
+        self._said, self._said_at_s = status, time.monotonic()
+        self.status_pub.publish(status)
 
 
 def _nothing() -> None:

@@ -23,14 +23,14 @@ from auv_core.node_main import (
     Audience,
     Rendezvous,
     main_loop,
-    now_s,
     publishes_bytes,
     steady_timer,
+    tick_clock,
     when_running,
 )
 from auv_core.node_params import declare_config
 from auv_core.qos import EVERY_TICK, own_qos
-from auv_core.run_config import RunConfig, TickClock
+from auv_core.run_config import RunConfig
 from auv_core.stencil import header_stamp_s
 from auv_msgs.msg import VehicleState
 from auv_sim.vehicle import DivergedError, Vehicle, VehicleConfig
@@ -45,9 +45,10 @@ class VehicleNode(Node):
         super().__init__("vehicle_node", **options)
         run = declare_config(self, RunConfig)
         self._config = declare_config(self, VehicleConfig)
-        self._clock_ticks = TickClock(run, self._config.period_s, now_s(self))
+        self._clock_ticks = tick_clock(run, self._config.period_s)
         self._vehicle = Vehicle(self._config)
         self._command: Command | None = None
+        self._has_begun = False
         self.exit_code, self.done = 0, False
         self._state_pub = self.create_publisher(VehicleState, "state", EVERY_TICK)
         self._nav_pub = self.create_publisher(VehicleState, "nav", EVERY_TICK)
@@ -81,8 +82,9 @@ class VehicleNode(Node):
         ]
 
     def _start(self) -> None:
-        self._publish()
-        if not self._clock_ticks.lockstep:
+        if self._clock_ticks.lockstep:
+            self._publish()
+        else:
             when_running(self, self._clock_ticks, self._begin)
 
     def _begin(self) -> None:
@@ -109,9 +111,13 @@ class VehicleNode(Node):
 
     def _run_free(self) -> None:
         behind = self._clock_ticks.tick_now() - self._vehicle.state.tick
-        moved = [self._step() for _ in range(min(behind, _CATCH_UP_TICKS)) if not self.done]
-        if moved and not self.done:
-            self._publish()
+        if behind < 0 or (behind == 0 and self._has_begun):
+            return
+        self._has_begun = True
+        for _ in range(min(behind, _CATCH_UP_TICKS)):
+            if not self._step():
+                return
+        self._publish()
 
     def _step(self) -> bool:
         """Advance the vehicle; where its motion has no finite solution, end the node with one line."""
