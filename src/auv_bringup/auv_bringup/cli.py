@@ -360,6 +360,7 @@ def _show_results(
     options: argparse.Namespace,
 ) -> dict[str, Any]:
     """Write metrics, figures and report; print the metrics and where the report is; return the metrics."""
+    from auv_bringup.metrics_surface import surface_warning
     from auv_bringup.metrics_table import metrics_table
 
     metrics = results.write_results(
@@ -371,6 +372,9 @@ def _show_results(
         with_figures=not options.no_figures,
         on_step=lambda step: print(f"{step} ...", file=sys.stderr, flush=True),
     )
+    warning = surface_warning(metrics)
+    if warning:
+        print(f"warning: {warning}", file=sys.stderr, flush=True)
     print(f"\n{metrics_table(metrics)}\n\nreport: {folder / results.REPORT_FILE}", flush=True)
     return metrics
 

@@ -36,6 +36,8 @@ MEANINGS = {
         "m", "worst estimate of the flocking centre against the true mean, after 100 s", 4
     ),
     "obstacle_clearance_min_m": Meaning("m", "smallest distance from a hull centre to an obstacle"),
+    "hull_in_air_ratio": Meaning("", "share of time, over all vehicles, with the hull above the surface"),
+    "hull_in_air_height_m": Meaning("m", "largest height of a hull's lowest point above the surface", 2),
     "neighbour_position_rmse_m": Meaning(
         "m", "error of what vehicles believe of each other, rms after 100 s", 4
     ),

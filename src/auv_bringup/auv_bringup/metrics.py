@@ -23,6 +23,7 @@ from auv_bringup.law_metrics import law_metrics
 from auv_bringup.metrics_acoustics import acoustics_metrics, relative_position_error_ned_m
 from auv_bringup.metrics_network import network_metrics
 from auv_bringup.metrics_safety import safe_command_metrics
+from auv_bringup.metrics_surface import surface_metrics
 from auv_bringup.recording import FloatArray, Recording
 
 if TYPE_CHECKING:
@@ -87,6 +88,8 @@ def compute_metrics(
             largest |own estimate of the centre - mean of true positions| for t > 100 s;
         obstacle_clearance_min_m
             smallest distance from a hull centre to an obstacle's centre at any time;
+        hull_in_air_ratio, hull_in_air_height_m
+            see `auv_bringup.metrics_surface`;
         neighbour_position_rmse_m
             root mean square of |estimate - truth|, relative to the own position as the own navigation has
             it, over ordered pairs for t > 100 s;
@@ -140,6 +143,7 @@ def compute_metrics(
         "centroid_path_rms_after_200s_m": _rms(path_error_m[_after(t_s, LATE_AFTER_S)]),
         "consensus_error_max_m": _largest(consensus_error_m(recording)[_after(t_s[:-1], SETTLED_AFTER_S)]),
         "obstacle_clearance_min_m": _smallest(obstacle_distances_m(recording, scenario)),
+        **surface_metrics(recording, scenario),
         **_neighbour_metrics(recording),
         **_packet_metrics(recording),
         **acoustics_metrics(recording, formed_at_s=formed_at_s),

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from auv_bringup.metric_words import shown_metrics, value_text
+from auv_bringup.metrics_surface import surface_warning
 from auv_bringup.whole_files import write_text
 
 if TYPE_CHECKING:
@@ -232,6 +233,8 @@ def _verdicts(scenario: Scenario, metrics: dict[str, Any]) -> list[str]:
             detail += f" First contact at {get('collision_at_s'):.1f} s."
         answers.append(_answer("Did hulls touch?", bool(get("collision")), detail, good=False))
         answers.append(_formed_answer(metrics))
+    if surface_warning(metrics):
+        answers.append(_answer("Did hulls leave the water?", True, surface_warning(metrics), good=False))
     farthest_m = get("pair_distance_formed_max_m")
     if farthest_m is not None:
         detail = f"Once formed between {get('pair_distance_formed_min_m'):.2f} and {farthest_m:.2f} m apart."

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from auv_bringup.scenario_file import ID, ID_WORDS, MOST_VEHICLES
+from auv_bringup.scenario_reach import check_reach
 from auv_core.geometry import distance
 from auv_core.params import shown
 from auv_core.plugins import find_plugin
@@ -15,8 +15,6 @@ from auv_sim.vehicle import MODELS
 
 if TYPE_CHECKING:
     from auv_bringup.scenario import Scenario
-
-_PATH_SAMPLES = 64
 
 
 def check_scenario(scenario: Scenario) -> None:
@@ -35,12 +33,12 @@ def check_scenario(scenario: Scenario) -> None:
         _check_agent,
         _check_commands,
         _check_frames,
-        _check_references,
         _check_starts,
         _check_continuous,
         _check_medium,
     ):
         check(scenario)
+    check_reach(scenario)
 
 
 def _check_vehicles(scenario: Scenario) -> None:
@@ -97,26 +95,6 @@ def _check_frames(scenario: Scenario) -> None:
             raise ValueError(
                 f"agent.controller.params.frame: {frame!r} is not allowed; "
                 f"allowed: {allowed}, since the model of vehicles[{index}] has the frame {plant}"
-            )
-
-
-def _check_references(scenario: Scenario) -> None:
-    """A path that the vehicle's actuators cannot keep up with is refused."""
-    for index, vehicle in enumerate(scenario.vehicles):
-        path = scenario.reference_of(index)
-        if path is None:
-            continue
-        model = find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params)
-        span_s = scenario.duration_s if path.period_s is None else min(path.period_s, scenario.duration_s)
-        speed_mps = max(
-            math.hypot(*path.at(span_s * k / _PATH_SAMPLES).velocity) for k in range(_PATH_SAMPLES + 1)
-        )
-        if speed_mps > model.top_speed_mps:
-            where = "reference" if vehicle.reference is None else f"vehicles[{index}].reference"
-            raise ValueError(
-                f"{where}: runs at {speed_mps:.3g} m/s, which is not allowed; allowed: at most "
-                f"{model.top_speed_mps:.3g} m/s, which the actuators of vehicles[{index}] "
-                "hold against the drag"
             )
 
 

@@ -40,12 +40,12 @@ REFUSED = [
     (
         "ch2_pfpd_corrected",
         ["vehicles.0.model.params={max_force_n: 5.0}"],
-        "reference: runs at 0.1 m/s, which is not allowed; allowed: at most 0.0",
+        "reference: runs at 0.1 m/s through the water, which is not allowed; allowed: at most 0.0",
     ),
     (
         "flock_acoustic",
         ["reference.params.rate_radps=0.5"],
-        "reference: runs at 5 m/s, which is not allowed; allowed: at most 1.77 m/s, which the",
+        "reference: runs at 5.05 m/s through the water, which is not allowed; allowed: at most 1.77 m/s",
     ),
     (
         "ch2_pfpd_obstacles",

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from auv_core.geometry import Vec3
+from auv_core.geometry import Box, Vec3
 
 Layers = tuple[tuple[float, float], ...]
 """Radius (m) and gain (1/m^3) of each layer."""
@@ -34,6 +34,12 @@ class Ring:
     outer_radius_m: float
     height_m: float
     centre_ned_m: Vec3
+
+    @property
+    def box(self) -> Box:
+        """The box around the ring (m; NED)."""
+        (x, y, z), r, h = self.centre_ned_m, self.outer_radius_m, 0.5 * self.height_m
+        return Box((x - r, y - r, z - h), (x + r, y + r, z + h))
 
 
 def region_functions(position: Vec3, ring: Ring) -> Vec3:

@@ -9,11 +9,28 @@ vehicle steps fast without array overhead and Numba can compile the same source.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from auv_core.compiled import inlined, inner
 
 Vec3 = tuple[float, float, float]
 Quat = tuple[float, float, float, float]
+
+
+class Box(NamedTuple):
+    """A region between two corners, of the smallest and of the largest coordinates (m; NED)."""
+
+    lowest: Vec3
+    highest: Vec3
+
+    def grown(self, by_m: float) -> Box:
+        """Return the box with `by_m` added on every side."""
+        (a, b, c), (d, e, f) = self
+        return Box((a - by_m, b - by_m, c - by_m), (d + by_m, e + by_m, f + by_m))
+
+    def holds(self, point: Vec3) -> bool:
+        """Return whether a point lies in the box or on its faces."""
+        return all(low <= x <= high for low, x, high in zip(self.lowest, point, self.highest, strict=True))
 
 
 @inlined

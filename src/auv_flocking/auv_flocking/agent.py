@@ -288,7 +288,7 @@ class Agent:
         return command, self._packets(inbox.tick, t_s, usable) if inbox.transmit_ready else []
 
     def _uncarried(self, position: Vec3) -> str:
-        words = why_not_carried(position, self._format.position_bounds_m)
+        words = why_not_carried(position, self._format.carries.position)
         return f"{OUT_OF_REPORT}: {words}" if words else ""
 
     def _act_safely(self, t_s: float, nav: VehicleState) -> Command:

@@ -6,10 +6,9 @@ The report that a vehicle broadcasts: the record itself.  Its bytes are made by 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
-from auv_core.geometry import Vec3
+from auv_core.geometry import Box, Vec3
 
 NEVER = -math.inf
 
@@ -44,9 +43,9 @@ class Report(NamedTuple):
 _AXES = ("north", "east", "down")
 
 
-def why_not_carried(position: Vec3, bounds_m: Sequence[tuple[float, float]]) -> str:
-    """Return which coordinate of a position (m; NED) is outside of the bounds of a format, or nothing."""
-    for axis, value, (least_m, most_m) in zip(_AXES, position, bounds_m, strict=True):
+def why_not_carried(position: Vec3, carried: Box) -> str:
+    """Return which coordinate of a position (m; NED) is outside of what a format carries, or nothing."""
+    for axis, value, least_m, most_m in zip(_AXES, position, *carried, strict=True):
         if not least_m <= value <= most_m:
             return f"{axis} {value:.1f} m, allowed: {least_m:g} to {most_m:g} m"
     return ""

@@ -125,8 +125,7 @@ def test_alone_nobody_is_misled_by_a_position_out_of_bounds():
 
 @pytest.mark.parametrize("form", [compact.Format(compact.Params(), ()), EXACT], ids=["compact", "exact"])
 def test_a_position_within_the_bounds_of_a_format_does_not_saturate(form):
-    for k in (0, 1):
-        position = tuple(bounds[k] for bounds in form.position_bounds_m)
+    for position in form.carries.position:
         form.encode(Report(1, 1, 0.0, position, (0.0,) * 3, position, *[(0.0,) * 3] * 2))
     assert form.saturated == 0
 

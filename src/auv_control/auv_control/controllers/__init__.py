@@ -28,6 +28,8 @@ the vehicle's model takes, and with ``follows`` what it is fed:
     * ``proof_gap``: one sentence for people on why the printed proof does not cover a run in which V rises;
     * ``shared_candidate``: whether the values are shares, whose sum over the vehicles is the candidate.
 
+    One that follows a region has ``region: Box``, a box around it (m; NED).
+
     ``Params`` has ``frame`` where the law can be told in which frame the plant lives (see
     `models/four_dof.py`).
 """

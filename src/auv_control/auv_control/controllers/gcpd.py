@@ -115,6 +115,7 @@ class Controller:
     def __init__(self, params: Params, period_s: float) -> None:
         self._params = params
         self._ring = params.ring
+        self.region = params.ring.box
         self._layers = params.layers
         self._region_force_n = params.force_gain_n * params.region_weight
         self._layer_force_n = params.force_gain_n * params.layer_weight

@@ -2,8 +2,8 @@
 References: the path in space and time that a vehicle follows.
 
 To add one, write one file with ``Params`` and ``Reference(params)`` with ``period_s`` (time of one round, or
-None) and ``at(t_s) -> PathPoint``, whose rates are the exact derivatives of its values.  The file's name is
-its ``kind``.
+None), ``at(t_s) -> PathPoint``, whose rates are the exact derivatives of its values, and ``reach(duration_s)
+-> Box``, a box that the path does not leave in that time (m; NED).  The file's name is its ``kind``.
 """
 
 from __future__ import annotations

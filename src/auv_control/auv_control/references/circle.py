@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass
 
 from auv_control.references import PathPoint
+from auv_core.geometry import Box
 from auv_core.params import param
 
 
@@ -34,6 +35,11 @@ class Reference:
         self._speed_mps = params.radius_m * params.rate_radps
         self._pull_mps2 = self._speed_mps * params.rate_radps
         self.period_s = 2.0 * math.pi / abs(params.rate_radps) if params.rate_radps else None
+
+    def reach(self, duration_s: float) -> Box:
+        """Return a box that holds the path (m; NED)."""
+        radius_m, depth_m = self._params.radius_m, self._params.depth_m
+        return Box((-radius_m, -radius_m, depth_m), (radius_m, radius_m, depth_m))
 
     def at(self, t_s: float) -> PathPoint:
         """Return the point of the path at `t_s`."""

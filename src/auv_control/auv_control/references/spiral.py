@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from auv_control.references import PathPoint
+from auv_core.geometry import Box
 from auv_core.params import param
 
 
@@ -31,6 +32,12 @@ class Reference:
 
     def __init__(self, params: Params) -> None:
         self._params = params
+
+    def reach(self, duration_s: float) -> Box:
+        """Return a box that holds the path from 0 to `duration_s` (m; NED)."""
+        p = self._params
+        depths_m = (p.depth_m, p.depth_m + p.depth_rate_mps * duration_s)
+        return Box((-p.radius_m, -p.radius_m, min(depths_m)), (p.radius_m, p.radius_m, max(depths_m)))
 
     def at(self, t_s: float) -> PathPoint:
         """Return the point of the path at `t_s`."""

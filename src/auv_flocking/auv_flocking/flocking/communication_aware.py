@@ -128,6 +128,16 @@ class Params:
             )
 
     @property
+    def formation_spacing_m(self) -> float:
+        """Largest distance kept between neighbours, the widest spacing (m)."""
+        return self.spacing_m + self.widening_limit_m
+
+    @property
+    def largest_correction_mps(self) -> float:
+        """Most that is added to the velocity of the path (m/s)."""
+        return self.correction_limit_mps + self.steering_limit_mps
+
+    @property
     def uses_flock_velocity(self) -> bool:
         """Always: the law works in the frame that moves with the flock."""
         return True

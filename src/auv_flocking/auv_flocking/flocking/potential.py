@@ -57,6 +57,16 @@ class Params:
     )
 
     @property
+    def formation_spacing_m(self) -> float:
+        """Largest distance kept between neighbours (m)."""
+        return self.spacing_m
+
+    @property
+    def largest_correction_mps(self) -> float:
+        """Most that is added to the velocity of the path, by feedback and by steering (m/s)."""
+        return 2.0 * self.correction_limit_mps
+
+    @property
     def uses_flock_velocity(self) -> bool:
         """Whether the law needs what packets say of the flock's velocity."""
         return self.feedforward == "flock"

@@ -11,8 +11,8 @@ To add one, write one file with ``Params`` and ``Format(params, shared)``, where
   of this format: another length, another version, address 0, bits without a meaning; `now_s` (s) tells which
   of the possible times a wrapped time tag means;
 * ``saturated``: how many values had to be bounded so far;
-* ``position_bounds_m``: smallest and largest north, east and down that it carries (m); beyond them a vehicle
-  of a fleet holds; and
+* ``carries: Bounds``: what it carries without saturating: a scenario that reaches beyond is refused, and a
+  vehicle of a fleet whose position lies beyond holds; and
 * ``position_resolution_m`` and ``velocity_resolution_mps``: steps of the sender's position and velocity (0
   where there are none to speak of), so that a filter knows what rounding adds to its noise.
 
@@ -20,3 +20,20 @@ Every format begins with its version in the four lowest (`exact`) or highest (`c
 byte and has another length, so that none is taken for another.  A flock's vehicles use one format.
 The file's name is its ``kind``.
 """
+
+from typing import NamedTuple
+
+from auv_core.geometry import Box
+
+
+class Bounds(NamedTuple):
+    """
+    What a format carries without saturating.
+
+    The sender's position (m; NED), a velocity along each axis (m/s), and along each axis the distance of the
+    flocking centre from the sender (m).
+    """
+
+    position: Box
+    velocity_mps: float
+    centre_distance_m: float

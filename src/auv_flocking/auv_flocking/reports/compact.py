@@ -14,10 +14,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from auv_core.geometry import Vec3
+from auv_core.geometry import Box, Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field, Layout
 from auv_flocking.report import NEVER, Report, ReportError
+from auv_flocking.reports import Bounds
 
 VERSION = 3
 _TIME_RESOLUTION_S = 0.01
@@ -72,6 +73,12 @@ def _steps(name: str, step: float, half: int) -> Field:
     return Field(name, -half * step, (half - 1) * step, step)
 
 
+def _corner(fields: Sequence[Field], side: str) -> Vec3:
+    """Return the smallest or the largest values of three fields."""
+    x, y, z = (getattr(item, side) for item in fields)
+    return (x, y, z)
+
+
 class Format:
     """Bytes of a report and back."""
 
@@ -81,8 +88,12 @@ class Format:
         self._n_base = len(fields)
         self._time = fields[3]
         self._position = fields[4:7]
-        self.position_bounds_m = tuple((item.minimum, item.maximum) for item in self._position)
         self._too_old = 0
+        self.carries = Bounds(
+            Box(_corner(fields[4:7], "minimum"), _corner(fields[4:7], "maximum")),
+            velocity_mps=min(item.maximum for item in (*fields[7:10], *fields[13:19])),
+            centre_distance_m=min(item.maximum for item in fields[10:13]),
+        )
         self.payload_bytes = self._layout.payload_bytes
         self.position_resolution_m = params.position_resolution_m
         self.velocity_resolution_mps = params.velocity_resolution_mps

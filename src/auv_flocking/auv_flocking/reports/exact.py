@@ -14,8 +14,10 @@ import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from auv_core.geometry import Box
 from auv_flocking.codec import Field
 from auv_flocking.report import NEVER, Report, ReportError
+from auv_flocking.reports import Bounds
 
 VERSION = 2
 _LARGEST = 1e9
@@ -33,7 +35,11 @@ class Format:
 
     position_resolution_m = 0.0
     velocity_resolution_mps = 0.0
-    position_bounds_m = ((-_LARGEST, _LARGEST),) * 3
+    carries = Bounds(
+        Box((-_LARGEST, -_LARGEST, -_LARGEST), (_LARGEST, _LARGEST, _LARGEST)),
+        velocity_mps=math.inf,  # 1e9 m/s, which nothing reaches, also where a law knows no limit
+        centre_distance_m=_LARGEST,
+    )
 
     def __init__(self, params: Params, shared: Sequence[Field]) -> None:
         self._n_shared = len(shared)
