@@ -87,7 +87,23 @@ def test_ctrl_c_ends_it_cleanly(recorded):
             at.until(lambda: heard["/clock"], "it has begun")
             status, _, errors = finish(replay, signal.SIGINT)
     assert status == 130
-    assert errors == "interrupted\n"
+    assert errors == "error: interrupted\n"
+
+
+def test_a_bag_with_a_gap_of_years_can_be_ended_at_once(tmp_path):
+    recorder = synthetic.Recorder(tmp_path / "bag")
+    path = synthetic.make("nav_msgs/msg/Path", header=synthetic.header(0, "map_ned"), poses=[])
+    for time_ns in (0, 57 * 365 * 86_400 * 10**9):
+        recorder.write("/auv_1/path", path, time_ns)
+    recorder.writer.close()
+    with desk() as at:
+        heard = listen(at)
+        with process(REPLAY, tmp_path, "--rate", 0.001, "--clock", 50, *ENOUGH) as replay:
+            at.until(lambda: heard["/clock"], "it has begun")
+            began_s = time.monotonic()
+            status, _, errors = finish(replay, signal.SIGINT)
+    assert (status, errors) == (130, "error: interrupted\n")
+    assert time.monotonic() - began_s < 5.0
 
 
 def test_an_unfinished_bag_is_replayed_as_far_as_it_goes(recorded, tmp_path):
@@ -99,7 +115,7 @@ def test_an_unfinished_bag_is_replayed_as_far_as_it_goes(recorded, tmp_path):
     assert status == 0
     assert "replayed" in out
     assert errors.count("\n") == 1
-    assert "killed before it finished" in errors
+    assert "killed before it finished; the file is mended" in errors
 
 
 @pytest.mark.parametrize(

@@ -16,10 +16,23 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from auv_bringup.bag_writer import METADATA_FILE, BagError
+from auv_bringup.bag_metadata import METADATA_FILE
+from auv_bringup.bag_writer import BagError
 from auv_bringup.mcap_scan import McapScan, messages_in_time_order
 
 _YAML_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, where it was built
+_MOST_YAML_BYTES = 8_000_000
+"""The metadata.yaml of 250 vehicles has half of it."""
+_DEEPEST_YAML = 20
+_NO_YAML = (
+    yaml.YAMLError,
+    ValueError,
+    TypeError,
+    LookupError,
+    AttributeError,
+    ArithmeticError,
+    RecursionError,
+)
 
 
 class RecordedMessage(NamedTuple):
@@ -59,6 +72,8 @@ class Bag:
         Recorded topics by name, sorted.
     complete
         False if its writer was killed before it finished the file; what it wrote is there all the same.
+    notes
+        What is wrong with it and does not matter, a line each.
 
     Raises
     ------
@@ -70,10 +85,11 @@ class Bag:
     folder: Path = field(init=False)
     topics: dict[str, RecordedTopic] = field(init=False)
     complete: bool = field(init=False)
+    notes: tuple[str, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         """Find and open the files."""
-        paths = _find_files(self.path)
+        paths, self.notes = find_files(self.path)
         self.folder = paths[0].parent
         self._files = [McapScan(path) for path in paths]
         self.complete = all(file.complete for file in self._files)
@@ -97,7 +113,7 @@ class Bag:
 
     def span_ns(self) -> tuple[int, int]:
         """Return the first and the last time in the bag (ns); (0, 0) for an empty one."""
-        blocks = [block for file in self._files for block in file.blocks()]
+        blocks = [b for file in self._files for b in file.blocks() if b.first_ns <= b.last_ns]
         if not blocks:
             return 0, 0
         return min(block.first_ns for block in blocks), max(block.last_ns for block in blocks)
@@ -126,7 +142,7 @@ class Bag:
                     type_name=schema.name,
                     definition=schema.data.decode(errors="replace"),
                     type_hash=channel.metadata.get("topic_type_hash", ""),
-                    offered_qos=_offered_qos(channel.metadata.get("offered_qos_profiles", "")),
+                    offered_qos=offered_qos(channel.metadata.get("offered_qos_profiles", "")),
                 )
         return dict(sorted(found.items()))
 
@@ -142,41 +158,71 @@ def _typestore(topics: Collection[RecordedTopic]) -> Typestore:
 
 
 def _load_yaml(text: str) -> Any:
+    """Return what a recorder's YAML says, which is short, flat and without aliases; raise for any other."""
+    if len(text) > _MOST_YAML_BYTES:
+        raise ValueError("too long")
+    depth = 0
+    for event in yaml.parse(text, _YAML_LOADER):
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        if depth > _DEEPEST_YAML or isinstance(event, yaml.AliasEvent):
+            raise ValueError("nested too deeply, or with aliases")
     return yaml.load(text, _YAML_LOADER)  # noqa: S506 - it is a safe loader
 
 
-def _offered_qos(text: str) -> tuple[dict[str, Any], ...]:
+def offered_qos(text: str) -> tuple[dict[str, Any], ...]:
     """Return the QoS profiles that a channel names; none where they cannot be read."""
     try:
         profiles = _load_yaml(text)
-    except yaml.YAMLError:
+    except _NO_YAML:
         return ()
     return tuple(each for each in profiles if isinstance(each, dict)) if isinstance(profiles, list) else ()
 
 
-def _find_files(path: Path) -> list[Path]:
-    """Return the MCAP files of a bag in recorded order."""
+def find_files(path: Path) -> tuple[list[Path], tuple[str, ...]]:
+    """
+    Return the MCAP files of a bag in recorded order, and what is to be noted.
+
+    Raises
+    ------
+    BagError
+        If there are none.
+    """
     if path.is_file() and path.suffix == ".mcap":
-        return [path]
+        return [path], ()
     if not path.is_dir():
         raise BagError(f"no bag at {path}: no such folder")
     for folder in (path, path / "bag"):
-        if (folder / METADATA_FILE).is_file():
-            return _files_by_metadata(folder)
         files = sorted(folder.glob("*.mcap"), key=_file_number)
-        if files:
-            return files
+        metadata = folder / METADATA_FILE
+        if not metadata.is_file():
+            if files:
+                return files, ()
+            continue
+        try:
+            return _files_by_metadata(metadata), ()
+        except _DamagedMetadataError as error:
+            if not files:
+                raise BagError(f"{metadata} is not the metadata of a bag") from None
+            return files, (f"{metadata} is damaged ({error}); the .mcap files beside it are read",)
     raise BagError(f"no bag in {path}: neither {METADATA_FILE} nor an .mcap file, here or in {path / 'bag'}")
 
 
-def _files_by_metadata(folder: Path) -> list[Path]:
+class _DamagedMetadataError(Exception):
+    """A metadata.yaml that does not say which files make up a bag; the message says why, in a few words."""
+
+
+def _files_by_metadata(metadata: Path) -> list[Path]:
     """Return the files that metadata.yaml names."""
     try:
-        text = (folder / METADATA_FILE).read_text()
+        with metadata.open(encoding="utf-8") as file:
+            text = file.read(_MOST_YAML_BYTES + 1)
         information = _load_yaml(text)["rosbag2_bagfile_information"]
         storage, names = information["storage_identifier"], list(information["relative_file_paths"])
-    except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError):
-        raise BagError(f"{folder / METADATA_FILE} is not the metadata of a bag") from None
+    except (OSError, *_NO_YAML) as error:
+        raise _DamagedMetadataError(type(error).__name__) from None
+    if not storage:
+        raise _DamagedMetadataError("it names no storage")
+    folder = metadata.parent
     if storage != "mcap":
         raise BagError(f"{folder} is stored as {storage}; only mcap is read (`ros2 bag convert` makes it)")
     files = [folder / Path(str(name)).name for name in names]

@@ -16,23 +16,20 @@ Chunks are compressed with zstd: the numbers of a slowly moving flock shrink to 
 
 from __future__ import annotations
 
+import fcntl
 import os
-import textwrap
 import threading
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
 from mcap.writer import CompressionType, Writer
 
+from auv_bringup.bag_metadata import METADATA_FILE, dump, information_text, metadata_text, topic_text
 from auv_bringup.message_definitions import MessageType
 
 CHUNK_BYTES = 64 * 1024
-METADATA_VERSION = 9
-METADATA_FILE = "metadata.yaml"
 INFINITE_NS = 2**63 - 1
 
 
@@ -72,10 +69,16 @@ class Topic:
 
 
 class _UnbufferedFile:
-    """A new file whose every write reaches the operating system before it returns."""
+    """
+    A new file whose every write reaches the operating system before it returns.
+
+    A lock (flock) tells others that it is still being written; it ends with this process, however that ends.
+    """
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("xb", buffering=0)
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         self._position = 0
 
     def write(self, data: bytes) -> int:
@@ -125,7 +128,7 @@ class BagWriter:
         self._mcap.start(profile="ros2", library="shoal")
         self._add_metadata_record()
         self._replacing: threading.Thread | None = None
-        self._replace_metadata(self._metadata_text())
+        self._replace_metadata(metadata_text(self._information()))
 
     @property
     def message_count(self) -> int:
@@ -143,16 +146,17 @@ class BagWriter:
             self._schema_ids[topic.type.name] = self._mcap.register_schema(
                 topic.type.name, "ros2msg", topic.type.definition.encode()
             )
+        offered_qos = [each.to_dict() for each in topic.offered_qos]
         channel = self._mcap.register_channel(
             topic.name,
             "cdr",
             self._schema_ids[topic.type.name],
             {
-                "offered_qos_profiles": _dump([each.to_dict() for each in topic.offered_qos]),
+                "offered_qos_profiles": dump(offered_qos),
                 "topic_type_hash": topic.type.type_hash,
             },
         )
-        self._topic_texts.append(_topic_text(topic))
+        self._topic_texts.append(topic_text(topic.name, topic.type.name, topic.type.type_hash, offered_qos))
         self._counts.append(0)
         return channel
 
@@ -184,7 +188,7 @@ class BagWriter:
         """
         self._mcap.flush()
         if self._replacing is None or not self._replacing.is_alive():
-            text = self._metadata_text()
+            text = metadata_text(self._information())
             self._replacing = threading.Thread(target=self._try_replace_metadata, args=(text,), daemon=True)
             self._replacing.start()
 
@@ -196,7 +200,7 @@ class BagWriter:
         self._file.close()
         if self._replacing is not None:
             self._replacing.join()
-        self._replace_metadata(self._metadata_text())
+        self._replace_metadata(metadata_text(self._information()))
 
     def _create(self) -> _UnbufferedFile:
         """Make the folder and the MCAP file in it."""
@@ -209,47 +213,21 @@ class BagWriter:
             raise BagError(f"cannot create the bag {self._dir}: {error.strerror}") from None
 
     def _information(self) -> str:
-        """Return the content of metadata.yaml, in the order of Jazzy's recorder.
-
-        Topics are serialised once, when they come: this is done again and again while messages wait.
-        """
-        span = {
-            "duration": {"nanoseconds": max(0, self._last_ns - self._first_ns)},
-            "starting_time": {"nanoseconds_since_epoch": self._first_ns},
-        }
-        head = {
-            "version": METADATA_VERSION,
-            "storage_identifier": "mcap",
-            **span,
-            "message_count": self.message_count,
-        }
-        pairs = zip(self._topic_texts, self._counts, strict=True)
-        topics = [f"{text}\n    message_count: {count}" for text, count in pairs]
-        file = {"path": self._file_name, **dict(reversed(span.items())), "message_count": self.message_count}
-        tail = {
-            "compression_format": "",
-            "compression_mode": "",
-            "relative_file_paths": [self._file_name],
-            "files": [file],
-            "custom_data": None,
-            "ros_distro": self._ros_distro,
-        }
-        return "\n".join(
-            [_dump(head), f"topics_with_message_count:{'' if topics else ' []'}", *topics, _dump(tail)]
+        return information_text(
+            self._file_name,
+            zip(self._topic_texts, self._counts, strict=True),
+            (self._first_ns, self._last_ns),
+            self._ros_distro,
         )
 
     def _add_metadata_record(self) -> None:
         """Put what metadata.yaml says into the MCAP file too, where rosbag2 looks for it."""
         self._mcap.add_metadata("rosbag2", {"serialized_metadata": self._information()})
 
-    def _metadata_text(self) -> str:
-        indented = self._information().replace("\n", "\n  ")
-        return f"rosbag2_bagfile_information:\n  {indented}\n"
-
     def _replace_metadata(self, text: str) -> None:
         """Replace metadata.yaml in one step."""
         temporary = self._dir / f".{METADATA_FILE}.{os.getpid()}"
-        temporary.write_text(text)
+        temporary.write_text(text, encoding="utf-8")
         temporary.replace(self._dir / METADATA_FILE)
 
     def _try_replace_metadata(self, text: str) -> None:
@@ -257,40 +235,6 @@ class BagWriter:
             self._replace_metadata(text)
 
 
-def _topic_text(topic: Topic) -> str:
-    """Return a topic's entry of metadata.yaml, without its last line, the message count."""
-    metadata = {
-        "name": topic.name,
-        "type": topic.type.name,
-        "serialization_format": "cdr",
-        "offered_qos_profiles": [each.to_dict() for each in topic.offered_qos],
-        "type_description_hash": topic.type.type_hash,
-    }
-    return "  - " + textwrap.indent(_dump({"topic_metadata": metadata}), "    ").removeprefix("    ")
-
-
 def _split_duration(duration_ns: int) -> dict[str, int]:
     """Return a duration as rmw does; 9223372036 s and 854775807 ns is "infinite"."""
     return {"sec": duration_ns // 1_000_000_000, "nsec": duration_ns % 1_000_000_000}
-
-
-class _Dumper(yaml.SafeDumper):
-    """Block style as yaml-cpp writes it: sequences indented, `~` for nothing, no anchors."""
-
-    def increase_indent(self, flow: bool = False, indentless: bool = False) -> None:
-        super().increase_indent(flow, False)
-
-    def ignore_aliases(self, data: Any) -> bool:
-        return True
-
-
-_Dumper.add_representer(type(None), lambda dumper, _: dumper.represent_scalar("tag:yaml.org,2002:null", "~"))
-_Dumper.add_representer(
-    str,
-    lambda dumper, text: dumper.represent_scalar("tag:yaml.org,2002:str", text, style=None if text else '"'),
-)
-
-
-def _dump(value: dict[str, Any] | Sequence[Any]) -> str:
-    """Serialise a value as block-style YAML without a final line break."""
-    return yaml.dump(value, Dumper=_Dumper, sort_keys=False, default_flow_style=False, width=10_000).strip()

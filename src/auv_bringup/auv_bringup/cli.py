@@ -10,7 +10,7 @@ import shutil
 import sys
 import time
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -274,6 +274,7 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
         )
     claim.release()
     _remember_flight(folder, flight, domain_id)
+    _mend(folder)
     if flight.exit_status == INTERRUPTED:
         print(f"flown for {flight.simulated_s:.1f} s of {plan.scenario.duration_s:g} s")
         return _interrupted(folder)
@@ -307,6 +308,16 @@ def _remember_flight(folder: Path, flight: Flight, domain_id: int) -> None:
         start_up_s=flight.start_up_s,
     )
     results.write_json(folder / results.PROVENANCE_FILE, record)
+
+
+def _mend(folder: Path) -> None:
+    """Give the bag of a results folder the end that its writer could not give it, and say so."""
+    from auv_bringup.bag_mend import mend_bag
+    from auv_bringup.bag_writer import BagError
+
+    with suppress(BagError):  # there is none, or it cannot be read: what reads it says so
+        for note in mend_bag(folder / results.BAG):
+            print(f"note: {note}", file=sys.stderr, flush=True)
 
 
 def _report_flight(plan: Plan, folder: Path, options: argparse.Namespace, flight: Flight) -> int:
@@ -346,6 +357,8 @@ def _report_again(folder: Path, options: argparse.Namespace) -> int:
     }
     factor = known.get("real_time_factor")
     factor = float(factor) if isinstance(factor, int | float) else math.nan
+    if not (folder / results.RECORDING_FILE).is_file():
+        _mend(folder)
     recording = results.load_recording(folder, scenario)
     _show_results(folder, scenario, recording, str(known.get("mode", "lockstep")), factor, options)
     return DONE

@@ -79,6 +79,7 @@ def answered(
     interrupted: str = "interrupted; finished runs are kept for the next call",
     explained: Callable[[Exception], str] = internal_error,
     outlives_its_reader: bool = True,
+    failed: int = FAILED,
 ) -> int:
     """
     Return the exit status of a command, and say in one line what went wrong.
@@ -95,14 +96,16 @@ def answered(
         Returns what to say of any other error.
     outlives_its_reader : bool
         Whether the command goes on when nobody reads its output any more: a closed terminal, `| head`.
+    failed : int
+        The status of any other error.
 
     """
     make_signals_interrupt()
     make_output_printable()
     if not outlives_its_reader:
-        return _status_of(command, refused, interrupted, explained)
+        return _status_of(command, refused, interrupted, explained, failed)
     with lasting_output() as output:
-        status = _status_of(command, refused, interrupted, explained)
+        status = _status_of(command, refused, interrupted, explained, failed)
         output.flush()
         if status == DONE and output.error is not None:
             return fail(NOT_WRITTEN, str(write_error("standard output", output.error)))
@@ -114,6 +117,7 @@ def _status_of(
     refused: tuple[type[Exception], ...],
     interrupted: str,
     explained: Callable[[Exception], str],
+    failed: int,
 ) -> int:
     try:
         return command()
@@ -129,4 +133,4 @@ def _status_of(
     except Exception as error:
         if isinstance(error, OSError) and is_no_room(error):
             return fail(NOT_WRITTEN, str(write_error(error.filename or "a file", error)))
-        return fail(FAILED, explained(error))
+        return fail(failed, explained(error))

@@ -25,7 +25,7 @@ from mcap.stream_reader import get_chunk_data_stream
 from auv_bringup.bag_writer import BagError
 
 MAGIC = b"\x89MCAP0\r\n"
-_RECORD_HEAD = struct.Struct("<BQ")
+RECORD_HEAD = struct.Struct("<BQ")
 _MESSAGE_HEAD = struct.Struct("<HIQQ")
 _TIME_SPAN = struct.Struct("<QQ")
 _NEVER_NS = 2**64
@@ -41,7 +41,10 @@ class ScannedMessage(NamedTuple):
 
 @dataclass(frozen=True)
 class _Block:
-    """A chunk, or one message outside any chunk: a run of messages with its span of log time."""
+    """
+    A chunk, or one message outside any chunk: a run of messages with its span of log time; for a chunk
+    without messages that begins when all others are over.
+    """
 
     opcode: int
     start: int
@@ -109,13 +112,13 @@ class McapScan:
             if block.opcode == Opcode.MESSAGE:
                 return list(self._select(body, [(block.opcode, 0, len(body))], topics))
             data = _unpack(body)
-            return list(self._select(data, _records(data, 0, len(data)), topics))
+            return list(self._select(data, records_of(data, 0, len(data)), topics))
 
     def _walk(self) -> None:
         """Go over the records outside chunks, to the footer or to where the file breaks off."""
-        for opcode, start, stop in _records(self._bytes, len(MAGIC), len(self._bytes)):
+        for opcode, start, stop in records_of(self._bytes, len(MAGIC), len(self._bytes)):
             if opcode == Opcode.FOOTER:
-                self.complete = True
+                self.complete = self._bytes[stop : stop + len(MAGIC)] == MAGIC
                 return
             with self._damage_reported(start):
                 self._take_record(opcode, start, stop)
@@ -123,7 +126,10 @@ class McapScan:
     def _take_record(self, opcode: int, start: int, stop: int) -> None:
         """Note a block, or learn from another record outside chunks."""
         if opcode == Opcode.CHUNK:
-            self._blocks.append(_Block(opcode, start, stop, *_TIME_SPAN.unpack_from(self._bytes, start)))
+            first_ns, last_ns = _TIME_SPAN.unpack_from(self._bytes, start)
+            if last_ns == 0 and not _has_messages(self._bytes[start:stop]):
+                first_ns = _NEVER_NS  # it states 0 for both, as the format wants
+            self._blocks.append(_Block(opcode, start, stop, first_ns, last_ns))
         elif opcode == Opcode.MESSAGE:
             time_ns = _MESSAGE_HEAD.unpack_from(self._bytes, start)[2]
             self._blocks.append(_Block(opcode, start, stop, time_ns, time_ns))
@@ -211,6 +217,12 @@ def _earliest_later(first_ns: Sequence[int]) -> list[int]:
     return result[::-1]
 
 
+def _has_messages(body: bytes) -> bool:
+    """Return whether there is a message in a chunk; it may hold channels only."""
+    data = _unpack(body)
+    return any(opcode == Opcode.MESSAGE for opcode, _, _ in records_of(data, 0, len(data)))
+
+
 def _unpack(body: bytes) -> bytes:
     """Return the records of a chunk, decompressed and checked."""
     chunk = Chunk.read(_stream(body))
@@ -226,11 +238,11 @@ def _stream(body: bytes) -> ReadDataStream:
     return ReadDataStream(BytesIO(body))
 
 
-def _records(buffer: bytes | mmap.mmap, start: int, stop: int) -> Iterator[tuple[int, int, int]]:
+def records_of(buffer: bytes | mmap.mmap, start: int, stop: int) -> Iterator[tuple[int, int, int]]:
     """Yield (opcode, start, stop of the body) of each whole record; stop where the bytes break off."""
-    while start + _RECORD_HEAD.size <= stop:
-        opcode, length = _RECORD_HEAD.unpack_from(buffer, start)
-        body = start + _RECORD_HEAD.size
+    while start + RECORD_HEAD.size <= stop:
+        opcode, length = RECORD_HEAD.unpack_from(buffer, start)
+        body = start + RECORD_HEAD.size
         start = body + length
         if opcode == 0 or start > stop:
             return

@@ -23,9 +23,10 @@ class Progress(TerminalBar):
     Messages go through it too, so that they do not tear the bar.
     """
 
-    def __init__(self, duration_s: float, stream: TextIO | None = None) -> None:
+    def __init__(self, duration_s: float, stream: TextIO | None = None, *, verb: str = "simulated") -> None:
         super().__init__(stream)
         self._duration_s = duration_s
+        self._verb = verb
         self._laps: list[tuple[float, float]] = []
         self._line_at_s = math.inf
 
@@ -41,7 +42,7 @@ class Progress(TerminalBar):
             self._draw(time_s)
         elif now_s >= self._line_at_s:
             self._line_at_s = now_s + _LINE_EVERY_S
-            self.message(f"{time_s:.0f} of {self._duration_s:.0f} s simulated, {self._rate_words(time_s)}")
+            self.message(f"{time_s:.0f} of {self._duration_s:.0f} s {self._verb}, {self._rate_words(time_s)}")
 
     def _draw(self, time_s: float) -> None:
         if self._bar is None:

@@ -7,16 +7,17 @@ import math
 import sys
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tqdm import tqdm
-
 from auv_bringup.bag import Bag, RecordedMessage
+from auv_bringup.bag_mend import mend_bag
 from auv_bringup.bag_writer import BagError
+from auv_bringup.failures import answered
 from auv_bringup.one_line_parser import OneLineParser, refusal
+from auv_bringup.progress import Progress
 from auv_bringup.recorded_topics import CLOCK_TOPIC
 from auv_bringup.ros_types import is_latched, message_class, offer_like_recorded, prepare_environment
 from auv_core.params import ConfigError
@@ -27,27 +28,32 @@ if TYPE_CHECKING:
 
     from auv_bringup.re_estimate import Comparison
 
-EXIT_DONE, EXIT_DIFFERENT, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
+EXIT_DONE, EXIT_DIFFERENT, EXIT_INTERNAL = 0, 1, 3
 DEFAULT_CLOCK_HZ = 40.0
 DEFAULT_DELAY_S = 1.0
 CONNECTION_LIMIT_S = 3.0
 ACKNOWLEDGE_LIMIT_S = 2.0
+_SHOW_S = 0.2
+_LATEST_NS = (2**31 - 1) * 1_000_000_000
+"""The latest time that a message can state."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status."""
-    options = _parse(argv)
-    try:
-        bag = Bag(options.bag)
-        if not bag.complete:
-            _tell(f"note: the writer of {bag.folder} was killed before it finished; what it wrote is used")
-        return _re_estimate(bag) if options.re_estimate else _replay(bag, options)
-    except (BagError, ConfigError) as error:
-        _tell(f"error: {error}")
-        return EXIT_BAD_INPUT
-    except KeyboardInterrupt:
-        _tell("interrupted")
-        return EXIT_INTERRUPTED
+    return answered(
+        lambda: _do(_parse(argv)),
+        (BagError, ConfigError),
+        interrupted="interrupted",
+        outlives_its_reader=False,
+        failed=EXIT_INTERNAL,
+    )
+
+
+def _do(options: argparse.Namespace) -> int:
+    for note in mend_bag(options.bag):
+        _tell(f"note: {note}")
+    bag = Bag(options.bag)
+    return _re_estimate(bag) if options.re_estimate else _replay(bag, options)
 
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
@@ -55,18 +61,26 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = OneLineParser(
         prog="./scripts/replay",
         description="Publish a recorded bag again, with the recorded types, QoS and timing.",
-        epilog="A recorded /clock is published as it was, unless --clock makes a new one.",
+        epilog="A recorded /clock is published as it was, unless --clock makes a new one. "
+        "Exit status: 0 done; 1 --re-estimate gives other estimates than the recorded ones; 2 bad input; "
+        "3 internal error; 130 Ctrl-C.",
     )
     parser.add_argument(
         "bag", type=Path, metavar="BAG", help="bag folder, or results folder with a bag in it"
     )
-    parser.add_argument("--rate", type=_positive, default=1.0, metavar="R", help="speed, 1 is as recorded")
     parser.add_argument(
-        "--start", type=_offset, default=0.0, metavar="S", help="seconds into the bag to start at"
+        "--rate", type=_number_of(0.001, 1e6), default=1.0, metavar="R", help="speed, 1 is as recorded"
+    )
+    parser.add_argument(
+        "--start",
+        type=_number_of(0.0, 1e9),
+        default=0.0,
+        metavar="S",
+        help="seconds into the bag to start at",
     )
     parser.add_argument(
         "--clock",
-        type=_positive,
+        type=_number_of(0.01, 10_000.0),
         nargs="?",
         const=DEFAULT_CLOCK_HZ,
         metavar="HZ",
@@ -74,7 +88,7 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument(
         "--delay",
-        type=_offset,
+        type=_number_of(0.0, 3600.0),
         default=DEFAULT_DELAY_S,
         metavar="S",
         help=f"wall seconds before the first message, for readers to be found ({DEFAULT_DELAY_S:g})",
@@ -94,28 +108,19 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def _positive(text: str) -> float:
-    """Return a finite number above zero."""
-    value = _number(text)
-    if not (math.isfinite(value) and value > 0.0):
-        raise refusal(text, "a finite number above 0")
-    return value
+def _number_of(least: float, most: float) -> Callable[[str], float]:
+    """Return the type function of an argument that is a number between two bounds."""
 
+    def number(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not least <= value <= most:
+            raise refusal(text, f"a number from {least:g} to {most:g}")
+        return value
 
-def _offset(text: str) -> float:
-    """Return a finite number that is not negative."""
-    value = _number(text)
-    if not (math.isfinite(value) and value >= 0.0):
-        raise refusal(text, "a finite number of at least 0")
-    return value
-
-
-def _number(text: str) -> float:
-    """Return a number, NaN where the text is none."""
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan
+    return number
 
 
 def _re_estimate(bag: Bag) -> int:
@@ -271,7 +276,8 @@ class _ClockSource:
         self._next_s = self._next_s or time.monotonic()
         while self._next_s <= due_s:
             _pause(self._next_s - time.monotonic())
-            seconds, nanoseconds = divmod(max(pace.bag_time_ns(self._next_s), 0), 1_000_000_000)
+            time_ns = min(max(pace.bag_time_ns(self._next_s), 0), _LATEST_NS)
+            seconds, nanoseconds = divmod(time_ns, 1_000_000_000)
             self._message.clock.sec, self._message.clock.nanosec = seconds, nanoseconds
             self.publisher.publish(self._message)
             self._next_s += self._period_s
@@ -280,19 +286,23 @@ class _ClockSource:
 def _publish(bag: Bag, plan: _Plan, pace: _Pace, clock: _ClockSource | None) -> int:
     """Publish every message when it is due; return how many there were."""
     count = 0
-    bar_format = "{l_bar}{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}]"
-    total_s = (plan.last_ns - plan.first_ns) * 1e-9
-    with tqdm(total=total_s, desc="replay", bar_format=bar_format, disable=None) as bar:
+    with Progress((plan.last_ns - plan.first_ns) * 1e-9, verb="replayed") as progress:
+        shown_s = -math.inf
         for message in _messages(bag, plan):
             due_s = pace.due_s(message.time_ns)
-            if clock is not None:
-                clock.run_until(due_s, pace)
-            _pause(due_s - time.monotonic())
+            while True:
+                now_s = time.monotonic()
+                if now_s - shown_s > _SHOW_S:
+                    shown_s = now_s
+                    progress.update((pace.bag_time_ns(min(now_s, due_s)) - plan.first_ns) * 1e-9)
+                if now_s >= due_s:
+                    break
+                next_s = min(due_s, now_s + _SHOW_S)
+                if clock is not None:
+                    clock.run_until(next_s, pace)
+                _pause(next_s - time.monotonic())
             plan.publishers[message.topic].publish(message.data)
             count += 1
-            reached_s = max(0.0, (message.time_ns - plan.first_ns) * 1e-9)
-            if reached_s > bar.n:
-                bar.update(reached_s - bar.n)
     return count
 
 

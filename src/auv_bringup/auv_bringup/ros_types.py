@@ -4,21 +4,28 @@ from __future__ import annotations
 
 import importlib
 import os
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from auv_bringup.bag_writer import BagError, Qos
 from auv_bringup.domains import DomainError, asked_domain
+from auv_core.params import shown
 
 if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
 
+_MESSAGE_TYPE = re.compile(r"(?P<package>[a-z][a-z0-9_]*)/msg/(?P<name>[A-Z][A-Za-z0-9]*)")
 _DEPTH = 1000
 _LATCHED_DEPTH = 100
 
 
 def message_class(type_name: str) -> Any:
-    """Return the Python class of a message type.
+    """
+    Return the Python class of a message type.
+
+    Only what the ament index lists as an interface is imported: a name that a file or a stranger gives is
+    never the name of a module to run.
 
     Parameters
     ----------
@@ -30,11 +37,18 @@ def message_class(type_name: str) -> Any:
     BagError
         If the package is not installed or has no such message.
     """
-    package, _, name = type_name.rpartition("/")
+    from ament_index_python import get_resource
+
+    found = _MESSAGE_TYPE.fullmatch(type_name)
     try:
-        return getattr(importlib.import_module(package.replace("/", ".")), name)
-    except (ImportError, AttributeError, ValueError):
-        raise BagError(f"message type {type_name} is not installed here") from None
+        if (
+            found
+            and f"msg/{found['name']}.idl" in get_resource("rosidl_interfaces", found["package"])[0].split()
+        ):
+            return getattr(importlib.import_module(f"{found['package']}.msg"), found["name"])
+    except (LookupError, OSError, ImportError, AttributeError):
+        pass
+    raise BagError(f"message type {shown(type_name)} is not installed here")
 
 
 def qos_of_profile(profile: QoSProfile) -> Qos:

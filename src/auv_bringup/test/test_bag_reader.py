@@ -7,6 +7,8 @@ import synthetic_bag as synthetic
 import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from mcap.data_stream import RecordBuilder
+from mcap.records import Chunk
 from mcap.writer import Writer
 
 from auv_bringup.bag import Bag
@@ -127,6 +129,29 @@ def test_an_unchunked_file_is_read_too(tmp_path):
     assert [(each.time_ns, each.type_name) for each in Bag(tmp_path).messages()] == [
         (5, "std_msgs/msg/String")
     ]
+
+
+def test_a_chunk_without_messages_has_no_time(tmp_path):
+    bag_dir = tmp_path / "bag"
+    write_payloads(bag_dir, [("/a", 5_000), ("/b", 7_000), ("/a", 6_000)], 10).close()
+    path = bag_dir / "bag_0.mcap"
+    content = path.read_bytes()
+    header_bytes = int.from_bytes(content[9:17], "little")
+    chunk = Chunk(
+        compression="",
+        data=b"",
+        message_end_time=0,
+        message_start_time=0,
+        uncompressed_crc=0,
+        uncompressed_size=0,
+    )
+    builder = RecordBuilder()
+    chunk.write(builder)
+    place = 17 + header_bytes
+    path.write_bytes(content[:place] + builder.end() + content[place:])
+    bag = Bag(bag_dir)
+    assert bag.span_ns() == (5_000, 7_000)
+    assert [t_ns for _, t_ns, _ in read_back(bag)] == [5_000, 6_000, 7_000]
 
 
 @pytest.mark.parametrize(
