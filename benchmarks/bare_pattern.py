@@ -42,13 +42,15 @@ def message_bytes(vehicle_id: str, neighbours: int) -> dict[str, bytes]:
     """Return the bytes of a message of every topic that a node of a vehicle, or the relay, publishes."""
     name, serialised = vehicle_id, serialize_message
     state = convert.state_stencil().filled(0.0, *[0] * 17)
+    odometry = convert.odometry_stencil("", "").filled(0.0, *[0] * 25)
     estimates = convert.neighbours_stencil(range(neighbours)).filled(0.0, 0, np.zeros((neighbours, 44)))
     status = DiagnosticStatus(name=f"{name}/agent_node: neighbours", message="oldest packet 1.0 s")
     return {
         "state": state,
         "nav": state,
-        "odom": convert.odometry_stencil(name).filled(0.0, *[0] * 13),
-        "/tf": convert.transform_stencil(name).filled(0.0, *[0] * 7),
+        "odom": odometry,
+        "ground_truth/odom": odometry,
+        "/tf": convert.motion_transforms(name).filled(0.0, [(0.0,) * 7] * 3),
         "cmd_wrench": convert.command_stencil(name, takes_velocity=False).filled(0.0, *[0] * 6),
         "acoustic/tx": outbox_bytes(convert.body_frame(name), 0, [], 0.0),
         "acoustic/rx": inbox_bytes(convert.body_frame(name), Inbox(0, False, (), ()), 0.0),
@@ -103,7 +105,7 @@ class BareVehicle(_BareNode):
             self._publisher("odom", data["odom"]),
             self._publisher("/tf", data["/tf"]),
         ]
-        self._markers = self._publisher("/markers", data["/markers"])
+        self._seldom = [self._publisher(topic, data[topic]) for topic in ("ground_truth/odom", "/markers")]
         self._tick = 0
         self._listen("cmd_wrench", lambda _: self._answer())
         self._meet(self._answer)
@@ -112,7 +114,8 @@ class BareVehicle(_BareNode):
         for publish in self._out:
             publish()
         if self._tick % MARKER_TICKS == 0:
-            self._markers()
+            for publish in self._seldom:
+                publish()
         self._tick += 1
 
 

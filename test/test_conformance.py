@@ -231,6 +231,9 @@ def _use_navigation(module, params, inputs):
     assert [second.measured(truth) for truth in truths] == measured
     assert [state.tick for state in measured] == list(range(20))
     assert all(state.position_sd_m >= 0.0 and state.heading_sd_rad >= 0.0 for state in measured)
+    # What odometry and tf say of it.
+    assert len(first.odom_frame) == 3
+    assert min(first.depth_sd_m, *first.velocity_sd_mps) >= 0.0
     stated = [(state.position_sd_m, state.heading_sd_rad) for state in measured]
     return [[(state.position, state.attitude, state.nu) for state in measured], stated]
 

@@ -58,33 +58,70 @@ def test_a_state_survives_the_way_through_its_message():
     check()
 
 
-def test_odometry_and_transform_say_what_the_state_says():
+def test_odometry_has_the_estimate_with_its_covariance_in_the_axes_of_rep_103():
     from nav_msgs.msg import Odometry
-    from tf2_msgs.msg import TFMessage
 
     from auv_core import conversions as convert
 
-    odometry, transform = convert.odometry_stencil("auv_1"), convert.transform_stencil("auv_1")
+    odometry = convert.odometry_stencil("auv_1/odom", "auv_1/base_link")
 
     @settings(deadline=None)
-    @given(state=states(), t_s=times_s)
-    def check(state, t_s):
-        message = read(odometry.filled(t_s, *convert.state_numbers(state)[2:15]), Odometry)
-        assert_stamped(message.header, t_s, "map_ned")
-        assert message.child_frame_id == "auv_1/base_link_frd"
-        assert message.pose.pose.position.y == state.position[1]
-        assert message.pose.pose.orientation.w == state.attitude[0]
-        assert message.twist.twist.linear.x == state.nu[0]
-        assert message.twist.twist.angular.z == state.nu[5]
-        assert not message.pose.covariance.any()
-        assert not message.twist.covariance.any()
-        (tf,) = read(transform.filled(t_s, *convert.state_numbers(state)[2:9]), TFMessage).transforms
-        assert_stamped(tf.header, t_s, "map_ned")
-        assert tf.child_frame_id == "auv_1/base_link_frd"
-        assert tf.transform.translation.z == state.position[2]
-        assert tf.transform.rotation.w == state.attitude[0]
+    @given(pose=st.tuples(*[numbers] * 7), variances=vec6, velocity=vec6, others=vec6, t_s=times_s)
+    def check(pose, variances, velocity, others, t_s):
+        message = read(odometry.filled(t_s, *pose, *variances, *velocity, *others), Odometry)
+        assert_stamped(message.header, t_s, "auv_1/odom")
+        assert message.child_frame_id == "auv_1/base_link"
+        place, turned = message.pose.pose.position, message.pose.pose.orientation
+        assert (place.x, place.y, place.z, turned.x, turned.y, turned.z, turned.w) == pose
+        linear, angular = message.twist.twist.linear, message.twist.twist.angular
+        assert (linear.x, linear.y, linear.z, angular.x, angular.y, angular.z) == velocity
+        assert np.array_equal(message.pose.covariance.reshape(6, 6), np.diag(variances))
+        assert np.array_equal(message.twist.covariance.reshape(6, 6), np.diag(others))
 
     check()
+
+
+def test_transforms_have_the_poses_of_all_frames():
+    from tf2_msgs.msg import TFMessage
+
+    from auv_core.transform_stencil import TransformStencil
+
+    poses = st.tuples(*[numbers] * 7)
+
+    @settings(deadline=None)
+    @given(
+        links=st.lists(
+            st.tuples(st.text("abc/", max_size=9), st.text("abc/", max_size=9), poses), min_size=1
+        ),
+        t_s=times_s,
+    )
+    def check(links, t_s):
+        stencil = TransformStencil([link[:2] for link in links])
+        transforms = read(stencil.filled(t_s, [pose for _, _, pose in links]), TFMessage).transforms
+        assert len(transforms) == len(links)
+        for transform, (parent, child, pose) in zip(transforms, links, strict=True):
+            assert_stamped(transform.header, t_s, parent)
+            assert transform.child_frame_id == child
+            place, turned = transform.transform.translation, transform.transform.rotation
+            assert (place.x, place.y, place.z, turned.x, turned.y, turned.z, turned.w) == pose
+
+    check()
+
+
+@given(attitude=st.tuples(*[st.floats(-1.0, 1.0)] * 4).filter(lambda q: math.hypot(*q) > 0.1), position=vec3)
+def test_a_pose_is_the_same_in_east_north_up(attitude, position):
+    """The matrix of the pose, with the axes of both ends exchanged."""
+    from scipy.spatial.transform import Rotation
+
+    from auv_core import conversions as convert
+
+    w, x, y, z = (number / math.hypot(*attitude) for number in attitude)
+    east, north, up, *quaternion = convert.enu_pose(position, (w, x, y, z))
+    assert (north, east, -up) == position
+    ned_to_enu = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+    flu_to_frd = np.diag([1.0, -1.0, -1.0])
+    expected = ned_to_enu @ Rotation.from_quat([x, y, z, w]).as_matrix() @ flu_to_frd
+    np.testing.assert_allclose(Rotation.from_quat(quaternion).as_matrix(), expected, atol=1e-12)
 
 
 def test_commands_survive_the_way_through_their_messages():

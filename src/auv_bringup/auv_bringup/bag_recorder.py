@@ -6,8 +6,8 @@ same bag:
 * a message with a stamp (its header, or that of its first element) has the stamp's time;
 * one without (an empty list of markers, a log line stamped by the wall clock) has that of the newest /clock,
   or of the newest stamp where there is no /clock;
-* latched messages with stamp 0, and all without a stamp that come before the first message with one, have the
-  time of that first message.
+* latched messages with stamp 0 or of a type without one, and all without a stamp that come before the first
+  message with one, have the time of that first message.
 
 Padding is zeroed, see :mod:`auv_bringup.cdr_padding`.
 """
@@ -68,7 +68,9 @@ class BagRecorder:
             If the message type is not installed.
         """
         message_type = self._describe(spec.type_name)
-        offset = stamp_offset(message_type.definition) if spec.stamped else None
+        place = stamp_offset(message_type.definition)
+        offset = place if spec.stamped else None
+        stands = spec.latched and place is None
         zeroed = padding_zeroer(message_type)
         channel = 0
 
@@ -80,7 +82,7 @@ class BagRecorder:
             for data in map(zeroed, messages):
                 stamp_ns = None if offset is None else read_stamp_ns(data, offset)
                 if stamp_ns is None or (stamp_ns == 0 and spec.latched):
-                    self._take_untimed(channel, data, at_start=stamp_ns == 0)
+                    self._take_untimed(channel, data, at_start=stands or stamp_ns == 0)
                 else:
                     self._take_timed(channel, data, max(stamp_ns, 0))
 

@@ -34,6 +34,8 @@ _VEHICLE_TOPICS = (
     TopicSpec("state", "auv_msgs/msg/VehicleState"),
     TopicSpec("nav", "auv_msgs/msg/VehicleState"),
     TopicSpec("odom", "nav_msgs/msg/Odometry"),
+    TopicSpec("ground_truth/odom", "nav_msgs/msg/Odometry"),
+    TopicSpec("robot_description", "std_msgs/msg/String", latched=True),
     TopicSpec("acoustic/tx", "auv_msgs/msg/AcousticOutbox"),
     TopicSpec("acoustic/rx", "auv_msgs/msg/AcousticInbox"),
     TopicSpec("reference", "geometry_msgs/msg/TwistStamped"),

@@ -123,6 +123,12 @@ def test_what_has_no_time_before_the_first_stamp_gets_that_stamp(desk):
     assert desk.times() == [(topic, 700) for topic in expected]
 
 
+def test_what_stands_for_the_whole_run_has_the_time_of_its_begin_however_late_it_comes(desk):
+    desk.clock(10, 20)
+    desk.take("/auv_1/robot_description", synthetic.make("std_msgs/msg/String", data="<robot/>"))
+    assert desk.times()[:2] == [(CLOCK_TOPIC, 10), ("/auv_1/robot_description", 10)]
+
+
 def test_a_bag_without_any_stamp_keeps_its_messages(desk):
     desk.log_line()
     assert desk.times() == [("/rosout", 0)]
@@ -151,7 +157,7 @@ def test_a_publisher_that_has_gone_is_taken_for_a_usual_one(desk):
 
 def test_the_whole_graph_is_recorded_but_not_the_recorder():
     names = [spec.name for spec in topics_of_graph(["auv_1", "b"], kinematic=True)]
-    assert len(names) == len(set(names)) == 9 + 2 * 11
+    assert len(names) == len(set(names)) == 9 + 2 * 13
     assert {"/auv_1/cmd_vel", "/b/cmd_vel", "/b/acoustic/rx", "/tf_static", "/clock"} <= set(names)
     assert "/auv_1/cmd_wrench" not in names
     assert "/recorder/status" not in names

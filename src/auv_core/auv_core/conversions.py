@@ -15,18 +15,20 @@ from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
-from tf2_msgs.msg import TFMessage
 
 from auv_core.geometry import Quat, Vec3
 from auv_core.integrate import State
 from auv_core.messages import (
     Command,
+    Vec6,
     VehicleState,
     VelocityCommand,
     Wrench,
 )
+from auv_core.odom_frame import OdomFrame
 from auv_core.row_stencil import RowStencil
 from auv_core.stencil import Stencil, read_numbers
+from auv_core.transform_stencil import Pose, TransformStencil
 from auv_msgs.msg import (
     ControlStatus,
     FlockingCentre,
@@ -36,15 +38,34 @@ from auv_msgs.msg import (
 from auv_msgs.msg import VehicleState as VehicleStateMsg
 
 WORLD_FRAME = "map_ned"
+MAP_FRAME = "map"
 
 _STATE = struct.Struct("<q?7x15d")
 _SIX = struct.Struct("<6d")
 _NEIGHBOUR_NUMBERS = 44
+_HALF_SQRT = math.sqrt(0.5)
+_DIAGONAL_OF_SIX = "48x".join("d" * 6)
+"""Six numbers of a covariance of 36, zeros between them."""
 
 
 def body_frame(vehicle_id: str) -> str:
     """Return the frame id of a vehicle's body (forward, right, down)."""
     return f"{vehicle_id}/base_link_frd"
+
+
+def base_frame(vehicle_id: str) -> str:
+    """Return the frame id of a vehicle's body (forward, left, up) where its navigation believes it to be."""
+    return f"{vehicle_id}/base_link"
+
+
+def odom_frame(vehicle_id: str) -> str:
+    """Return the frame id of a vehicle's dead reckoning."""
+    return f"{vehicle_id}/odom"
+
+
+def truth_frame(vehicle_id: str) -> str:
+    """Return the frame id of a vehicle's body (forward, left, up) where it truly is."""
+    return f"{vehicle_id}/base_link_truth"
 
 
 def stamp(t_s: float) -> Time:
@@ -95,20 +116,78 @@ def state_from_bytes(data: bytes) -> VehicleState:
     return VehicleState(tick, (px, py, pz), (w, x, y, z), six, is_valid, position_sd_m, heading_sd_rad)
 
 
-def odometry_stencil(vehicle_id: str) -> Stencil:
+def enu_pose(position: Vec3, attitude: Quat) -> Pose:
     """
-    Return nav_msgs/Odometry, pose in map_ned, twist in the body frame; fill it with both of `state_numbers`.
-
-    The truth has no covariance.
+    Return a pose (m, NED; body FRD to NED) in the axes of REP-103: east-north-up, body forward-left-up,
+    quaternion with w last.
     """
-    message = Odometry(header=header(0.0, WORLD_FRAME), child_frame_id=body_frame(vehicle_id))
-    return Stencil(message, "7d288x6d288x")
+    w, x, y, z = attitude
+    return (
+        position[1],
+        position[0],
+        -position[2],
+        _HALF_SQRT * (x + y),
+        _HALF_SQRT * (x - y),
+        _HALF_SQRT * (w - z),
+        _HALF_SQRT * (w + z),
+    )
 
 
-def transform_stencil(vehicle_id: str) -> Stencil:
-    """Return the transform map_ned -> body of a vehicle; fill it with the pose of `state_numbers`."""
-    message = TransformStamped(header=header(0.0, WORLD_FRAME), child_frame_id=body_frame(vehicle_id))
-    return Stencil(TFMessage(transforms=[message]), "7d", stamp_at=8)
+def flu_velocity(nu: Vec6) -> Vec6:
+    """Return a body velocity (m/s, rad/s; forward-right-down) in forward-left-up."""
+    u, v, w, p, q, r = nu
+    return (u, -v, -w, p, -q, -r)
+
+
+def odometry_stencil(frame_id: str, child_frame_id: str) -> Stencil:
+    """
+    Return nav_msgs/Odometry; fill it with an `enu_pose`, the diagonal of its covariance (m^2, rad^2), an
+    `flu_velocity`, and the diagonal of that one's covariance (m^2/s^2, rad^2/s^2).
+    """
+    message = Odometry(header=header(0.0, frame_id), child_frame_id=child_frame_id)
+    return Stencil(message, f"7d{_DIAGONAL_OF_SIX}6d{_DIAGONAL_OF_SIX}")
+
+
+def estimate_variances(state: VehicleState, depth_sd_m: float) -> Vec6:
+    """
+    Return the variances of an `enu_pose`: of east, north and up (m^2), roll, pitch and heading (rad^2).
+
+    Roll and pitch are exact in every navigation of this project.
+    """
+    horizontal_m2 = state.position_sd_m * state.position_sd_m
+    heading_rad2 = state.heading_sd_rad * state.heading_sd_rad
+    return (horizontal_m2, horizontal_m2, depth_sd_m * depth_sd_m, 0.0, 0.0, heading_rad2)
+
+
+def motion_transforms(vehicle_id: str) -> TransformStencil:
+    """
+    Return what a vehicle says on /tf; fill it with the poses of odom in map, of the estimated body in odom,
+    and of the true body in map.
+    """
+    return TransformStencil(
+        [
+            (MAP_FRAME, odom_frame(vehicle_id)),
+            (odom_frame(vehicle_id), base_frame(vehicle_id)),
+            (MAP_FRAME, truth_frame(vehicle_id)),
+        ]
+    )
+
+
+def odom_in_map(frame: OdomFrame) -> Pose:
+    """
+    Return the transform map -> odom: map is east-north-up, and so is odom, turned by what was corrected.
+    """
+    half_rad = -0.5 * frame.turn_rad
+    return (frame.east_m, frame.north_m, 0.0, 0.0, 0.0, math.sin(half_rad), math.cos(half_rad))
+
+
+def base_to_frd(vehicle_id: str) -> TransformStamped:
+    """Return the transform base_link -> base_link_frd: half a turn about the forward axis."""
+    message = TransformStamped(
+        header=header(0.0, base_frame(vehicle_id)), child_frame_id=body_frame(vehicle_id)
+    )
+    message.transform.rotation = quaternion((0.0, 1.0, 0.0, 0.0))
+    return message
 
 
 def map_to_map_ned() -> TransformStamped:
@@ -116,7 +195,7 @@ def map_to_map_ned() -> TransformStamped:
     Return the transform map -> map_ned: east-north-up to north-east-down, half a turn about the north-east
     diagonal.
     """
-    message = TransformStamped(header=header(0.0, "map"), child_frame_id=WORLD_FRAME)
+    message = TransformStamped(header=header(0.0, MAP_FRAME), child_frame_id=WORLD_FRAME)
     message.transform.rotation = quaternion((0.0, math.sqrt(0.5), math.sqrt(0.5), 0.0))
     return message
 

@@ -73,7 +73,7 @@ def check_finite(state: State, vehicle_id: str, t_s: float) -> None:
 class Vehicle:
     """
     The true vehicle. `step` advances it by one control period with the command held; `state` is the truth at
-    the latest tick, `nav` what its own navigation says of it.
+    the latest tick, `nav` what its own navigation says of it, and `navigation` that navigation.
     """
 
     def __init__(self, config: VehicleConfig) -> None:
@@ -87,12 +87,12 @@ class Vehicle:
         self._name = config.vehicle_id
         self._period_s = config.period_s
         navigation = find_plugin(NAVIGATION, config.navigation.kind)
-        self._navigation = navigation.Navigation(
+        self.navigation = navigation.Navigation(
             config.navigation.params, config.seed, config.address, config.period_s
         )
         self.takes_velocity = bool(self._model.command == "velocity")
         """Whether this vehicle takes a velocity command instead of a wrench."""
-        self.nav: VehicleState = self._navigation.measured(self.state)
+        self.nav: VehicleState = self.navigation.measured(self.state)
 
     def restore(self, state: VehicleState) -> None:
         """Put the vehicle into `state`, at its tick."""
@@ -116,7 +116,7 @@ class Vehicle:
         check_finite(self._state, self._name, self._tick * self._period_s)
         self._tick += 1
         self.state = state = self._record()
-        self.nav = self._navigation.measured(state)
+        self.nav = self.navigation.measured(state)
         return state
 
     def _record(self) -> VehicleState:

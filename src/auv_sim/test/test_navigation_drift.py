@@ -231,3 +231,29 @@ def test_what_is_refused():
         load(dead_reckoning.Params, {"fix": "gps"}, "x")
     with pytest.raises(ConfigError, match=r"^x\.fix_period_s: 0\.0 is not allowed"):
         load(dead_reckoning.Params, {"fix_period_s": 0.0}, "x")
+
+
+@pytest.mark.parametrize("learns", [False, True])
+def test_a_fix_moves_the_frame_of_odometry_and_not_the_pose_in_it(learns):
+    params = Params(fix="lbl", fix_period_s=10.0, velocity_bias_mps=0.2, learns_biases=learns)
+    navigation = Navigation(params, 1, 1, PERIOD_S)
+    frames, jumps_m, leaps_m = [], [], []
+    before = None
+    for tick in range(600):
+        nav = navigation.measured(straight(tick))
+        seen = navigation.odom_frame.pose(nav.position, nav.attitude)[0]
+        if before is not None:
+            jumps_m.append(math.dist(seen[:2], before[0][:2]))
+            leaps_m.append(math.dist(nav.position[:2], before[1][:2]))
+        before = seen, nav.position
+        frames.append(navigation.odom_frame)
+    assert len(set(frames)) >= 6
+    assert max(leaps_m) > 0.5  # the estimate does jump
+    assert max(jumps_m) < 0.1
+
+
+def test_without_fixes_the_frame_of_odometry_is_the_world():
+    navigation = Navigation(Params(), 1, 1, PERIOD_S)
+    for tick in range(100):
+        navigation.measured(straight(tick))
+    assert navigation.odom_frame == (0.0, 0.0, 0.0)

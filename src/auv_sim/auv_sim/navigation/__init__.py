@@ -6,4 +6,7 @@ To add one, write one file with ``Params`` and ``Navigation(params, seed, addres
 per control period, with the standard deviations that it believes of itself, and with ``is_valid`` false
 where it has no solution.  It may look at the truth of this tick and remember what came before, nothing else;
 randomness comes from `auv_sim.streams`.  The file's name is its ``kind``.
+
+People and tools also see, on ``odom`` and ``/tf``: ``odom_frame`` (an `auv_core.odom_frame.OdomFrame` that
+takes up the jumps of the estimate), ``depth_sd_m``, and ``velocity_sd_mps`` along the body's three axes.
 """

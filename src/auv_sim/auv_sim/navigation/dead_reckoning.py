@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from auv_core.geometry import body_to_ned, quaternion_from_heading, quaternion_product
 from auv_core.messages import VehicleState
+from auv_core.odom_frame import OdomFrame
 from auv_core.params import param
 from auv_sim.navigation._drift import Drift
 from auv_sim.streams import Purpose, generator, uniform
@@ -69,6 +70,8 @@ class Navigation:
       vehicle is shallow enough. Its errors are independent; it takes neither time nor airtime.
     * `position_sd_m` (per horizontal axis; the depth is better) and `heading_sd_rad` are those of a Kalman
       filter that knows the sizes above and nothing else; see `Drift`.
+    * `velocity_sd_mps` (forward, right, down) has the log's noise and its constant error, without what fixes
+      may teach of that.
     """
 
     def __init__(self, params: Params, seed: int, address: int, period_s: float) -> None:
@@ -87,6 +90,10 @@ class Navigation:
             params.velocity_bias_mps / math.sqrt(2.0),
             learns=params.learns_biases,
         )
+        self.odom_frame = OdomFrame()
+        self.depth_sd_m = params.depth_sd_m
+        level_mps = math.hypot(params.velocity_sd_mps, params.velocity_bias_mps / math.sqrt(2.0))
+        self.velocity_sd_mps = (level_mps, level_mps, params.velocity_sd_mps)
         self._block = -1
         self._noise: list[tuple[float, float, float, float]] = []
         self._truth: VehicleState | None = None
@@ -172,6 +179,7 @@ class Navigation:
         north, east, heading, surge, sway = self._drift.correct(
             (north_m - self._north_m, east_m - self._east_m), sd_m
         )
+        self.odom_frame = self.odom_frame.corrected((self._north_m, self._east_m), (north, east), -heading)
         self._north_m += north
         self._east_m += east
         self._turned_rad -= heading

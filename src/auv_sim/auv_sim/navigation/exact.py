@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from auv_core.messages import VehicleState
+from auv_core.odom_frame import OdomFrame
 
 
 @dataclass(frozen=True)
@@ -14,6 +15,10 @@ class Params:
 
 class Navigation:
     """The truth."""
+
+    odom_frame = OdomFrame()
+    depth_sd_m = 0.0
+    velocity_sd_mps = (0.0, 0.0, 0.0)
 
     def __init__(self, params: Params, seed: int, address: int, period_s: float) -> None:
         del params, seed, address, period_s

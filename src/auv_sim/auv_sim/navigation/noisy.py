@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from auv_core.geometry import Vec3
 from auv_core.messages import VehicleState
+from auv_core.odom_frame import OdomFrame
 from auv_core.params import param
 from auv_sim.streams import Purpose, generator
 
@@ -26,11 +27,15 @@ class Params:
 class Navigation:
     """Noise by (seed, address, tick): a vehicle more or less does not change it."""
 
+    odom_frame = OdomFrame()
+
     def __init__(self, params: Params, seed: int, address: int, period_s: float) -> None:
         del period_s
         self._params = params
         self._seed = seed
         self._address = address
+        self.depth_sd_m = params.position_sd_m
+        self.velocity_sd_mps = (params.velocity_sd_mps,) * 3
         self._last: VehicleState | None = None
 
     def measured(self, state: VehicleState) -> VehicleState:

@@ -1,6 +1,6 @@
 """
-ROS node of one simulated vehicle: takes a command, publishes the true state, its navigation, odometry, tf
-and a marker.
+ROS node of one simulated vehicle: takes a command, publishes the true state, its navigation, and what people
+and tools see of it.
 """
 
 from __future__ import annotations
@@ -9,15 +9,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from geometry_msgs.msg import TwistStamped, WrenchStamped
-from nav_msgs.msg import Odometry
 from rclpy.node import Node
-from tf2_msgs.msg import TFMessage
-from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
 from auv_core.cdr import MalformedError
 from auv_core.hearing import Hearing
-from auv_core.markers import HULL, MARKER_TICKS, sphere_stencil
 from auv_core.messages import Command
 from auv_core.node_main import (
     Audience,
@@ -33,6 +29,7 @@ from auv_core.qos import EVERY_TICK, own_qos
 from auv_core.run_config import RunConfig
 from auv_core.stencil import header_stamp_s
 from auv_msgs.msg import VehicleState
+from auv_sim.nodes.vehicle_view import VehicleView
 from auv_sim.vehicle import DivergedError, Vehicle, VehicleConfig
 
 _CATCH_UP_TICKS = 20
@@ -52,21 +49,12 @@ class VehicleNode(Node):
         self.exit_code, self.done = 0, False
         self._state_pub = self.create_publisher(VehicleState, "state", EVERY_TICK)
         self._nav_pub = self.create_publisher(VehicleState, "nav", EVERY_TICK)
-        self._odom_pub = self.create_publisher(Odometry, "odom", EVERY_TICK)
-        self._tf_pub = self.create_publisher(TFMessage, "/tf", EVERY_TICK)
-        self._publish_state, self._publish_nav, self._publish_odom, self._publish_tf = map(
-            publishes_bytes, (self._state_pub, self._nav_pub, self._odom_pub, self._tf_pub)
-        )
-        self._marker_pub = self.create_publisher(MarkerArray, "/markers", EVERY_TICK)
-        self._publish_marker = publishes_bytes(self._marker_pub)
+        self._publish_state, self._publish_nav = map(publishes_bytes, (self._state_pub, self._nav_pub))
+        self._view = VehicleView(self, self._config, self._vehicle.navigation.velocity_sd_mps)
         command = (TwistStamped, "cmd_vel") if self._vehicle.takes_velocity else (WrenchStamped, "cmd_wrench")
         heard = own_qos(admits_strangers=run.admits_strangers)
         Hearing(self).listen(*command, self._on_command, heard)
         self._state_stencil = convert.state_stencil()
-        self._odom_stencil = convert.odometry_stencil(self._config.vehicle_id)
-        self._tf_stencil = convert.transform_stencil(self._config.vehicle_id)
-        diameter_m = 2.0 * self._config.model.params.hull_radius_m
-        self._hull_stencil = sphere_stencil(self._config.vehicle_id, 0, diameter_m, HULL)
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
 
     def _audiences(self, run: RunConfig) -> list[Audience]:
@@ -75,7 +63,7 @@ class VehicleNode(Node):
         listeners = {self._state_pub: {"/acoustic_relay_node"}, self._nav_pub: {agent}}
         if not run.waits:
             listeners = {}
-        publishers = (self._state_pub, self._nav_pub, self._odom_pub, self._tf_pub, self._marker_pub)
+        publishers = (self._state_pub, self._nav_pub, *self._view.publishers)
         return [
             Audience(publisher, frozenset(listeners.get(publisher, set()) | recorder))
             for publisher in publishers
@@ -131,15 +119,11 @@ class VehicleNode(Node):
     def _publish(self) -> None:
         state, nav = self._vehicle.state, self._vehicle.nav
         t_s = self._clock_ticks.stamp_s(state.tick)
-        numbers = convert.state_numbers(state)
-        truth = self._state_stencil.filled(t_s, *numbers)
+        truth = self._state_stencil.filled(t_s, *convert.state_numbers(state))
         believed = truth if nav is state else self._state_stencil.filled(t_s, *convert.state_numbers(nav))
         self._publish_nav(believed)
         self._publish_state(truth)
-        self._publish_odom(self._odom_stencil.filled(t_s, *numbers[2:15]))
-        self._publish_tf(self._tf_stencil.filled(t_s, *numbers[2:9]))
-        if state.tick % MARKER_TICKS == 0:
-            self._publish_marker(self._hull_stencil.filled(t_s, *state.position))
+        self._view.publish(t_s, self._vehicle)
 
 
 def make_nodes(**options: Any) -> Sequence[Node]:

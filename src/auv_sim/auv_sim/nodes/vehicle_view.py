@@ -1,0 +1,91 @@
+"""What people and tools see of a vehicle: odometry, the truth beside it, frames, its hull."""
+
+from __future__ import annotations
+
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from std_msgs.msg import String
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+from auv_core import conversions as convert
+from auv_core.geometry import Vec3
+from auv_core.markers import HULL, MARKER_TICKS, sphere_stencil
+from auv_core.node_main import publishes_bytes
+from auv_core.qos import EVERY_TICK, LATCHED
+from auv_core.robot_description import robot_description
+from auv_sim.vehicle import Vehicle, VehicleConfig
+
+_EXACT = (0.0,) * 6
+
+
+class VehicleView:
+    """
+    The topics of a vehicle node that no node of the run reads.
+
+    `odom` is the vehicle's own estimate in the frame `odom`, `ground_truth/odom` the truth in `map`; both are
+    in the axes of REP-103. `/tf` has both, `robot_description` the hull.
+
+    Parameters
+    ----------
+    node : Node
+        In the namespace of the vehicle.
+    config : VehicleConfig
+        The vehicle; its frames begin with its name.
+    velocity_sd_mps : Vec3
+        Standard deviations of its estimated velocity (m/s; body).
+
+    """
+
+    def __init__(self, node: Node, config: VehicleConfig, velocity_sd_mps: Vec3) -> None:
+        vehicle_id, hull_radius_m = config.vehicle_id, config.model.params.hull_radius_m
+        base, truth = convert.base_frame(vehicle_id), convert.truth_frame(vehicle_id)
+        every_tick = [
+            node.create_publisher(kind, topic, EVERY_TICK)
+            for kind, topic in (
+                (Odometry, "odom"),
+                (Odometry, "ground_truth/odom"),
+                (TFMessage, "/tf"),
+                (MarkerArray, "/markers"),
+            )
+        ]
+        self._publish_odom, self._publish_truth, self._publish_tf, self._publish_marker = map(
+            publishes_bytes, every_tick
+        )
+        static = node.create_publisher(TFMessage, "/tf_static", LATCHED)
+        static.publish(TFMessage(transforms=[convert.base_to_frd(vehicle_id)]))
+        description = node.create_publisher(String, "robot_description", LATCHED)
+        description.publish(
+            String(data=robot_description(base, convert.body_frame(vehicle_id), hull_radius_m))
+        )
+        self.publishers = (*every_tick, static, description)
+        u, v, w = velocity_sd_mps
+        self._velocity_variances = (u * u, v * v, w * w, 0.0, 0.0, 0.0)
+        self._odom_stencil = convert.odometry_stencil(convert.odom_frame(vehicle_id), base)
+        self._truth_stencil = convert.odometry_stencil(convert.MAP_FRAME, truth)
+        self._tf_stencil = convert.motion_transforms(vehicle_id)
+        self._hull_stencil = sphere_stencil(vehicle_id, 0, 2.0 * hull_radius_m, HULL)
+
+    def publish(self, t_s: float, vehicle: Vehicle) -> None:
+        """
+        Publish what is seen at the time `t_s` (s).
+
+        Without a valid navigation there is no `odom`, and on `/tf` the body stays where it was believed last.
+        `ground_truth/odom` comes with the marker, not at every tick: that would cost a tenth of a tick, and
+        `/tf` has the same pose.
+        """
+        state, nav, navigation = vehicle.state, vehicle.nav, vehicle.navigation
+        true_pose = convert.enu_pose(state.position, state.attitude)
+        pose = convert.enu_pose(*navigation.odom_frame.pose(nav.position, nav.attitude))
+        odom = convert.odom_in_map(navigation.odom_frame)
+        self._publish_tf(self._tf_stencil.filled(t_s, (odom, pose, true_pose)))
+        if nav.is_valid:
+            variances = convert.estimate_variances(nav, navigation.depth_sd_m)
+            velocity = convert.flu_velocity(nav.nu)
+            self._publish_odom(
+                self._odom_stencil.filled(t_s, *pose, *variances, *velocity, *self._velocity_variances)
+            )
+        if state.tick % MARKER_TICKS == 0:
+            true_velocity = convert.flu_velocity(state.nu)
+            self._publish_truth(self._truth_stencil.filled(t_s, *true_pose, *_EXACT, *true_velocity, *_EXACT))
+            self._publish_marker(self._hull_stencil.filled(t_s, *state.position))
