@@ -58,6 +58,7 @@ def vehicle_configs(scenario: Scenario) -> list[VehicleConfig]:
             address=index + 1,
             seed=scenario.seed,
             navigation=scenario.environment.navigation,
+            command_max_age_s=scenario.command_max_age_s,
         )
         for index, vehicle in enumerate(scenario.vehicles)
     ]
@@ -163,6 +164,7 @@ def _relay_spec(scenario: Scenario, run: Mapping[str, Any]) -> NodeSpec:
         "vehicle_ids": [vehicle.id for vehicle in scenario.vehicles],
         "duration_ticks": scenario.ticks,
         "on_vehicle_loss": scenario.on_vehicle_loss,
+        "state_max_age_s": scenario.state_max_age_s,
         "answer_timeout_s": scenario.answer_timeout_s,
         "start_timeout_s": START_TIMEOUT_S,
     }

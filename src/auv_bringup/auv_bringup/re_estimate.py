@@ -18,10 +18,10 @@ from auv_bringup.bag import Bag
 from auv_bringup.bag_writer import BagError
 from auv_core.messages import SonarContact, VehicleState
 from auv_flocking.estimates import NeighbourEstimate
-from auv_flocking.hearing import why_refused
 from auv_flocking.input_limits import InputJudge, InputLimits
 from auv_flocking.neighbour_filter import with_rounding
 from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
+from auv_flocking.packet_judge import why_refused
 from auv_flocking.report import ReportError
 
 TOLERANCE = 1e-9

@@ -176,6 +176,16 @@ class Scenario:
         choices=("sampled", "continuous"),
     )
     on_vehicle_loss: str = param("when a vehicle is lost", default="stop", choices=("stop", "continue"))
+    command_max_age_s: float = param(
+        "age of a command after which a vehicle's actuators rest (s); never less than two control periods",
+        default=0.5,
+        above=0.0,
+    )
+    state_max_age_s: float = param(
+        "age of a vehicle's state after which its modem is silent (s); never less than two control periods",
+        default=0.5,
+        above=0.0,
+    )
     answer_timeout_s: float = param(
         "wall time without an answer after which a node is lost (s)", default=3.0, minimum=0.5, maximum=600.0
     )

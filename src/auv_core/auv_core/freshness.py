@@ -7,6 +7,10 @@ it is 0; in real time an input may be late, stop, or come from another clock.
 
 from __future__ import annotations
 
+from typing import Generic, TypeVar
+
+T = TypeVar("T")
+
 _ROUNDING_S = 1e-9
 _LEAST_PERIODS = 2.0
 
@@ -23,3 +27,56 @@ def why_not_now(age_s: float, limit_s: float) -> str:
     if age_s < -limit_s:
         return f"{-age_s:.1f} s in the future, allowed: {limit_s:.3g} s"
     return ""
+
+
+class Newest(Generic[T]):
+    """
+    The newest of the inputs of one kind that come in real time, each with its tick.
+
+    The newest is the one that came last.  One from the future is dropped, since it would blind its reader
+    until then; an old one yields to a fresh one, so that a source that starts anew counts once it has caught
+    up with the clock.
+
+    Attributes
+    ----------
+    value
+        The newest input, or None before the first.
+    tick : int
+        Its tick; before the first, that of the start.
+    dropped : int
+        Number of inputs that were not used.
+    dropped_words : str
+        Why the last of them was not.
+
+    """
+
+    def __init__(self, limit_s: float, period_s: float) -> None:
+        self.limit_s = limit_s
+        self._period_s = period_s
+        self.value: T | None = None
+        self.tick = 0
+        self.dropped = 0
+        self.dropped_words = ""
+
+    def start(self, tick: int) -> None:
+        """Count the age from a tick on, where nothing came yet."""
+        if self.value is None:
+            self.tick = tick
+
+    def hear(self, value: T, tick: int, now_tick: int) -> bool:
+        """Take an input of a tick; return whether it is the newest one now."""
+        words = self.why_stale(now_tick, tick)
+        if words and (tick > now_tick or (self.value is not None and not self.why_stale(now_tick))):
+            self.drop(tick, now_tick, words)
+            return False
+        self.value, self.tick = value, tick
+        return True
+
+    def drop(self, tick: int, now_tick: int, words: str) -> None:
+        """Count an input of a tick that is not used, for the reason given."""
+        self.dropped += 1
+        self.dropped_words = f"tick {tick} at tick {now_tick}: {words}"
+
+    def why_stale(self, now_tick: int, tick: int | None = None) -> str:
+        """Return why the newest input, or one of `tick`, is of no use now, or nothing."""
+        return why_not_now((now_tick - (self.tick if tick is None else tick)) * self._period_s, self.limit_s)

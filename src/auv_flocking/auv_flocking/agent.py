@@ -30,12 +30,12 @@ from auv_core.plugins import find_plugin
 from auv_flocking.estimates import Estimates
 from auv_flocking.flock_task import FlockTask, Obstacles
 from auv_flocking.flocking import FlockVelocity
-from auv_flocking.hearing import Hearing, Refusal
 from auv_flocking.holding import NO_FINITE_COMMAND, OUT_OF_REPORT
 from auv_flocking.input_limits import InputJudge, InputLimits
 from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbour_filter import with_rounding
 from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
+from auv_flocking.packet_judge import PacketJudge, Refusal
 from auv_flocking.report import Report, ReportError, why_not_carried
 from auv_flocking.reports import compact
 
@@ -174,7 +174,7 @@ class Agent:
         self.flocks = isinstance(self.task, FlockTask)
         self._table = NeighbourTable(with_rounding(config.neighbours, self._format))
         self._judge = InputJudge(config.inputs, config.period_s)
-        self._hearing = Hearing(self._format, config.address, config.fleet_size)
+        self._packet_judge = PacketJudge(self._format, config.address, config.fleet_size)
         self._sequence = 0
         self.unsent = 0
         self.holding = ""
@@ -227,12 +227,12 @@ class Agent:
     @property
     def rejected(self) -> int:
         """Number of packets that were refused."""
-        return self._hearing.rejected
+        return self._packet_judge.rejected
 
     @property
     def refusals(self) -> dict[int, Refusal]:
         """Why the newest packet of a sender was refused, by its address; empty where all are heard."""
-        return self._hearing.refusals
+        return self._packet_judge.refusals
 
     @property
     def contacts_refused(self) -> int:
@@ -274,7 +274,7 @@ class Agent:
 
         """
         if inbox.receptions:
-            for report in self._hearing.reports(t_s, inbox):
+            for report in self._packet_judge.reports(t_s, inbox):
                 self._table.receive(report)
         usable, self.holding = self._judge.navigation(t_s, nav)
         if inbox.contacts and usable is not None:

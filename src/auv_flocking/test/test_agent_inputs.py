@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from auv_core.messages import Inbox, Packet, Reception, SonarContact, VehicleState, command_numbers
 from auv_core.params import load
 from auv_flocking.agent import Agent, AgentConfig
-from auv_flocking.hearing import refusal_words
 from auv_flocking.holding import (
     BAD_NAVIGATION,
     CAUSES,
@@ -18,6 +17,7 @@ from auv_flocking.holding import (
     STALE_NAVIGATION,
     cause_number,
 )
+from auv_flocking.packet_judge import refusal_words
 from auv_flocking.report import Report
 from auv_flocking.reports import compact, exact
 

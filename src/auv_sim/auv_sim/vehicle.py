@@ -33,6 +33,11 @@ class VehicleConfig:
     address: int = param("acoustic address of this vehicle, from 1", default=1, minimum=1, maximum=254)
     seed: int = param("seed of every random number", default=1, minimum=0, maximum=2**31 - 1)
     navigation: Section = param("how well it knows its own motion", default=EXACT, plugins=NAVIGATION)
+    command_max_age_s: float = param(
+        "age of a command after which the actuators rest (s); never less than two control periods",
+        default=0.5,
+        above=0.0,
+    )
 
     def __post_init__(self) -> None:
         substeps(self.period_s, self.dt_s)

@@ -5,12 +5,11 @@ the modem.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
 from nav_msgs.msg import Path
 from rclpy.node import Node
@@ -19,11 +18,12 @@ from visualization_msgs.msg import MarkerArray
 
 from auv_core import conversions as convert
 from auv_core.acoustic_bytes import outbox_bytes, read_inbox
+from auv_core.alarm import Alarm
 from auv_core.diagnostic_bytes import Status, diagnostics_bytes
 from auv_core.geometry import Vec3
 from auv_core.hearing import Hearing
 from auv_core.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere, sphere_stencil
-from auv_core.messages import Inbox, Reception, command_numbers
+from auv_core.messages import Inbox, command_numbers
 from auv_core.messages import VehicleState as State
 from auv_core.node_main import (
     Audience,
@@ -38,7 +38,10 @@ from auv_core.node_params import declare_config
 from auv_core.qos import EVERY_TICK, LATCHED, own_qos
 from auv_core.run_config import RunConfig
 from auv_flocking.agent import Agent, AgentConfig
-from auv_flocking.estimates import AGE, CENTRE
+from auv_flocking.estimates import CENTRE
+from auv_flocking.holding import cause_number
+from auv_flocking.mail import Mail
+from auv_flocking.nodes.agent_diagnostics import agent_statuses
 from auv_msgs.msg import (
     AcousticInbox,
     AcousticOutbox,
@@ -49,7 +52,7 @@ from auv_msgs.msg import (
 )
 
 _DIAGNOSTIC_TICKS = 10
-_OLD_S = 10.0
+_NOT_THIS_TICK = "not of this tick of lock-step"
 _PATH_POINTS = 120
 _PATH_SPAN_S = 600.0
 
@@ -63,8 +66,10 @@ class AgentNode(Node):
         self._config = declare_config(self, AgentConfig)
         self._ticks = tick_clock(run, self._config.period_s)
         self._agent = Agent(self._config)
-        self._navs: dict[int, State] = {}
-        self._inboxes: dict[int, Inbox] = {}
+        self._mail = Mail(self._config.inputs, self._config.period_s)
+        self._alarm = Alarm(self.get_logger(), "holds, safe command", "acts again")
+        self._nav: State | None = None
+        self._inbox: Inbox | None = None
         self._tick = 0
         self._connect(own_qos(admits_strangers=run.admits_strangers))
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
@@ -125,50 +130,63 @@ class AgentNode(Node):
 
     def _begin(self) -> None:
         self._publish_path()
+        self._mail.start(max(self._ticks.tick_now(), 0))
         steady_timer(self, self._config.period_s, self._run_free)
 
     def _on_nav(self, data: bytes) -> None:
         nav = convert.state_from_bytes(data)
-        self._navs[nav.tick] = nav
-        if self._ticks.lockstep:
+        if not self._ticks.lockstep:
+            self._mail.navs.hear(nav, nav.tick, self._now_tick(nav.tick))
+        elif nav.tick == self._tick:
+            self._nav = nav
             self._step_if_ready()
+        else:
+            self._mail.navs.drop(nav.tick, self._tick, _NOT_THIS_TICK)
 
     def _on_inbox(self, data: bytes) -> None:
         inbox = read_inbox(data)
-        self._inboxes[inbox.tick] = inbox
-        if self._ticks.lockstep:
+        if not self._ticks.lockstep:
+            self._mail.hear_inbox(inbox, self._now_tick(inbox.tick))
+        elif inbox.tick == self._tick:
+            self._inbox = inbox
             self._step_if_ready()
+        else:
+            self._mail.inboxes.drop(inbox.tick, self._tick, _NOT_THIS_TICK)
+
+    def _now_tick(self, tick: int) -> int:
+        """Return the tick that it is now in real time, or that of an input as long as it is not known."""
+        return self._ticks.tick_now() if self._ticks.started else tick
 
     def _step_if_ready(self) -> None:
-        tick = self._tick
-        if self._meeting.ready and tick in self._navs and tick in self._inboxes:
+        nav, inbox, tick = self._nav, self._inbox, self._tick
+        if self._meeting.ready and nav is not None and inbox is not None:
+            self._nav = self._inbox = None
             self._tick += 1
-            self._step(tick, self._navs.pop(tick), self._inboxes.pop(tick))
+            self._step(tick, nav, inbox)
 
     def _run_free(self) -> None:
         tick = self._ticks.tick_now()
-        if not self._navs or tick < self._tick or tick < 0:
+        if tick < max(self._tick, 0) or self._mail.awaits_first(tick):
             return
-        nav = self._navs[max(self._navs)]
-        inboxes = [self._inboxes[key] for key in sorted(self._inboxes)]
-        receptions: list[Reception] = [reception for inbox in inboxes for reception in inbox.receptions]
-        contacts = next((inbox.contacts for inbox in reversed(inboxes) if inbox.contacts), ())
-        ready = [key for key, inbox in self._inboxes.items() if inbox.transmit_ready]
-        self._navs = {nav.tick: nav}
-        self._inboxes = {}
         self._tick = tick + 1
-        self._step(tick, nav, Inbox(max(ready, default=tick), bool(ready), tuple(receptions), contacts))
+        self._step(tick, self._mail.nav, self._mail.take_inbox())
 
-    def _step(self, tick: int, nav: State, inbox: Inbox) -> None:
-        command, packets = self._agent.step(self._ticks.scenario_s(tick), nav, inbox)
+    def _step(self, tick: int, nav: State | None, inbox: Inbox) -> None:
+        scenario_s = self._ticks.scenario_s(tick)
+        command, packets = self._agent.step(scenario_s, nav, inbox)
         t_s = self._ticks.stamp_s(tick)
         self._publish_command(self._command_stencil.filled(t_s, *command_numbers(command)))
         self._publish_outbox(outbox_bytes(self._body_frame, tick, packets, t_s))
         self._publish_beliefs(tick, t_s)
         if tick % MARKER_TICKS == 0:
             self._publish_markers(tick, t_s)
-        if tick % _DIAGNOSTIC_TICKS == 0:
-            self._publish_diagnostics(diagnostics_bytes(self._diagnostics(), t_s))
+        holding = self._agent.holding
+        if self._alarm.note(cause_number(holding), holding, scenario_s) or tick % _DIAGNOSTIC_TICKS == 0:
+            self._publish_diagnostics(diagnostics_bytes(self._statuses(scenario_s), t_s))
+
+    def _statuses(self, scenario_s: float) -> list[Status]:
+        malformed = self._hearing.malformed.total()
+        return agent_statuses(self._agent, self._config, self._mail, malformed, scenario_s)
 
     def _publish_beliefs(self, tick: int, t_s: float) -> None:
         agent = self._agent
@@ -210,34 +228,6 @@ class AgentNode(Node):
                 colour = (0.9, 0.3, 0.2, 0.25)
                 markers.append(sphere("obstacles", number, 0.0, obstacle, 2.0 * safety_distance_m, colour))
         return markers
-
-    def _diagnostics(self) -> list[Status]:
-        agent, name = self._agent, self._config.vehicle_id
-        oldest_s = max(agent.neighbours.column(AGE), default=math.inf)
-        missing = self._config.fleet_size - 1 - len(agent.neighbours)
-        quiet = missing > 0 or (self._config.fleet_size > 1 and oldest_s > _OLD_S)
-        neighbours = Status(
-            level=DiagnosticStatus.WARN if quiet else DiagnosticStatus.OK,
-            name=f"{name}/agent_node: neighbours",
-            message=f"{missing} not heard" if missing else f"oldest packet {oldest_s:.1f} s",
-            hardware_id=name,
-            values=[
-                ("neighbours", str(len(agent.neighbours))),
-                ("oldest_packet_s", f"{oldest_s:.3f}"),
-                ("packets_rejected", str(agent.rejected)),
-                ("packets_outdated", str(agent.outdated)),
-                ("values_saturated", str(agent.saturated)),
-                ("reports_unsent", str(agent.unsent)),
-                ("messages_malformed", str(self._hearing.malformed.total())),
-            ],
-        )
-        law = Status(
-            level=DiagnosticStatus.ERROR if agent.holding else DiagnosticStatus.OK,
-            name=f"{name}/agent_node: control law",
-            message=f"safe command: {agent.holding}" if agent.holding else "acts",
-            hardware_id=name,
-        )
-        return [neighbours, law]
 
     @cached_property
     def _path_points(self) -> list[Vec3]:

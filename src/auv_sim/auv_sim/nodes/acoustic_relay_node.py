@@ -22,6 +22,7 @@ from visualization_msgs.msg import Marker
 
 from auv_core import conversions as convert
 from auv_core.acoustic_bytes import events_bytes, inbox_bytes, read_outbox
+from auv_core.alarm import Alarm
 from auv_core.hearing import Hearing
 from auv_core.markers import LOST_HULL, MARKER_TICKS, sphere
 from auv_core.messages import Packet, VehicleState
@@ -36,6 +37,7 @@ from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
 from auv_sim.barrier import Barrier
 from auv_sim.nodes.clock_node import ClockNode, WatchConfig
 from auv_sim.nodes.link_reports import LinkReports
+from auv_sim.state_watch import StateWatch
 from auv_sim.vehicle import Vehicle, VehicleConfig
 
 _STATS_TICKS = 10
@@ -44,9 +46,14 @@ _ROLES = ("agent_node", "vehicle_node")
 
 @dataclass(frozen=True, kw_only=True)
 class FleetConfig:
-    """Names of the vehicles."""
+    """Names of the vehicles, and how old their states may be."""
 
     vehicle_ids: tuple[str, ...] = param("names of the vehicles in the order of their acoustic addresses")
+    state_max_age_s: float = param(
+        "age of a vehicle's state after which its modem is silent (s); never less than two control periods",
+        default=0.5,
+        above=0.0,
+    )
 
     def __post_init__(self) -> None:
         """Refuse an empty fleet."""
@@ -62,12 +69,15 @@ class AcousticRelayNode(Node):
         run = declare_config(self, RunConfig)
         medium = declare_config(self, MediumConfig)
         watch = declare_config(self, WatchConfig)
-        self._ids = declare_config(self, FleetConfig).vehicle_ids
+        fleet = declare_config(self, FleetConfig)
+        self._ids = fleet.vehicle_ids
         self._period_s = medium.period_s
         self._timeout_s = watch.answer_timeout_s
         self._medium = AcousticMedium(medium)
         self._ticks = tick_clock(run, medium.period_s)
         self._barrier = Barrier(len(self._ids))
+        self._watch = StateWatch(self._ids, fleet.state_max_age_s, medium.period_s)
+        self._alarm = Alarm(self.get_logger(), "modems silent", "modems speak again")
         self._states: list[VehicleState] = []
         self._newest: dict[int, VehicleState] = {}
         self._outboxes: dict[int, list[Packet]] = {}
@@ -167,15 +177,18 @@ class AcousticRelayNode(Node):
 
     def _hear_state(self, index: int, data: bytes) -> None:
         """Take a state in real time."""
-        if index not in self._adrift:
-            self._newest[index] = convert.state_from_bytes(data)
-            self._heard_at_s["vehicle_node", index] = time.monotonic()
+        if index in self._adrift:
+            return
+        self._heard_at_s["vehicle_node", index] = time.monotonic()
+        state = convert.state_from_bytes(data)
+        if self._watch.hear(index, state, self._ticks.tick_now() if self._ticks.started else state.tick):
+            self._newest[index] = state
 
     def _hear_outbox(self, index: int, data: bytes) -> None:
         """Take packets in real time."""
         _, packets = read_outbox(data)
         self._heard_at_s["agent_node", index] = time.monotonic()
-        if self._all_known:
+        if self._all_known and not self._watch.why_stale(index, self._ticks.tick_now()):
             self._states = self._fleet()
             self._transmit(index, packets)
 
@@ -191,6 +204,16 @@ class AcousticRelayNode(Node):
             self._states = self._fleet()
             self._barrier.tick = tick
             self._begin_tick(last, tick)
+            self._watch_states(tick)
+
+    def _watch_states(self, tick: int) -> None:
+        """Say whose modem is silent in real time, since nobody knows where it is."""
+        present = [index for index in range(len(self._ids)) if index not in self._adrift]
+        stale = {index: words for index in present if (words := self._watch.why_stale(index, tick))}
+        words = "; ".join(stale.values())
+        is_new = self._alarm.note(tuple(stale), words, self._ticks.scenario_s(tick))
+        if is_new or tick % _STATS_TICKS == 0:
+            self._reports.tell_states(words, self._watch, self._ticks.stamp_s(tick))
 
     @property
     def _all_known(self) -> bool:

@@ -18,6 +18,7 @@ from auv_core.node_main import publishes_bytes
 from auv_core.qos import EVERY_TICK
 from auv_msgs.msg import AcousticStats
 from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
+from auv_sim.state_watch import StateWatch
 
 _NAMESPACE, _NUMBER = "acoustic links", 0
 
@@ -49,6 +50,17 @@ class LinkReports:
             message=f"{delivered} of {sent} receptions" if sent else "nothing sent yet",
             hardware_id="acoustic medium",
             values=[("delivery_ratio", f"{ratio:.4f}")],
+        )
+        self._publish_diagnostics(diagnostics_bytes([status], t_s))
+
+    def tell_states(self, stale: str, watch: StateWatch, t_s: float) -> None:
+        """Publish whose states are too old to place a modem, at the time `t_s` (s)."""
+        status = Status(
+            level=DiagnosticStatus.ERROR if stale else DiagnosticStatus.OK,
+            name="acoustic_relay_node: states",
+            message=f"modems silent: {stale}" if stale else "all fresh",
+            hardware_id="acoustic medium",
+            values=[("states_left_out", str(watch.left_out)), ("last_left_out", watch.left_out_words)],
         )
         self._publish_diagnostics(diagnostics_bytes([status], t_s))
 

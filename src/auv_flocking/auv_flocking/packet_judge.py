@@ -34,7 +34,7 @@ def why_refused(report: Report, own_address: int, fleet_size: int, t_s: float) -
     return ""
 
 
-class Hearing:
+class PacketJudge:
     """
     Decodes and judges packets.
 

@@ -1,0 +1,58 @@
+"""One line when a trouble begins, or becomes another, and one when it is over."""
+
+from __future__ import annotations
+
+from typing import Any
+
+_REPEAT_S = 1.0
+
+
+class Alarm:
+    """
+    Logs the changes of one trouble of a node.
+
+    Parameters
+    ----------
+    logger : rclpy logger
+        Where to.
+    begins, ends : str
+        What stands before the words of the trouble when it begins and when it is over.
+
+    """
+
+    def __init__(self, logger: Any, begins: str, ends: str) -> None:
+        self._logger = logger
+        self._begins = begins
+        self._ends = ends
+        self._kind: object = None
+        self._words = ""
+        self._since_s = 0.0
+
+    def note(self, kind: object, words: str, t_s: float) -> bool:
+        """
+        Take note of how things are at `t_s` (s); return whether they are otherwise than before.
+
+        Parameters
+        ----------
+        kind : object
+            Which trouble it is; something false where there is none.
+        words : str
+            What to say of it.
+        t_s : float
+            Scenario time (s).
+
+        """
+        if (kind or None) == self._kind:
+            return False
+        if kind:
+            self._logger.error(f"{self._begins}: {words}", throttle_duration_sec=_REPEAT_S)
+            if not self._kind:
+                self._since_s = t_s
+            self._words = words
+        else:
+            for_s = t_s - self._since_s
+            self._logger.info(
+                f"{self._ends} after {for_s:.1f} s; it was: {self._words}", throttle_duration_sec=_REPEAT_S
+            )
+        self._kind = kind or None
+        return True
