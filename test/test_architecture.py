@@ -74,6 +74,7 @@ WALL_CLOCK_FILES = {"auv_core/node_main.py"} | {
         "supervision",
         "tally",
         "topic",
+        "workers",
     )
 }
 SEEDED = {"default_rng", "Generator", "SeedSequence"}

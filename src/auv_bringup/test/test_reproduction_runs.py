@@ -2,6 +2,8 @@
 
 import io
 import os
+import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -9,12 +11,14 @@ import threading
 from pathlib import Path
 
 import pytest
+from full_disk import files_of_at_most
 
 from auv_bringup import experiment, run_key
 from auv_bringup.recording import RecordingError
-from auv_bringup.reproduction import RunSpec, runner, workers
+from auv_bringup.reproduction import RunSpec, runner
 from auv_bringup.reproduction.store import Store, plan_run
 from auv_bringup.tally import Tally
+from auv_bringup.whole_files import WriteError
 
 FOUR = RunSpec("ch5_four_leaders", ("dt_s=0.1",), 1.0)
 ONE = RunSpec("ch5_one_leader", ("dt_s=0.1",), 1.0)
@@ -68,6 +72,57 @@ def test_a_second_call_flies_what_is_new_only(tmp_path, flights):
     assert (first.kept, second.kept) == (set(), {first.planned[FOUR].key})
     assert "runs: 1, and 1 kept" in words
     assert all(time_s > 0.0 for time_s in second.times_s[first.planned[FOUR].key])
+
+
+def changed_digit(folder):
+    path = folder / "metrics.json"
+    path.write_text(re.sub(r"(?<=\.)\d", lambda found: str(9 - int(found[0])), path.read_text(), count=1))
+
+
+def flipped_recording(folder):
+    path = folder / "recording.npz"
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    path.write_bytes(data)
+
+
+def lost_recording(folder):
+    (folder / "recording.npz").unlink()
+
+
+def wrong_types(folder):
+    (folder / "run.json").write_text("[1, 2]")
+
+
+def no_folder(folder):
+    shutil.rmtree(folder)
+    folder.touch()
+
+
+@pytest.mark.parametrize("change", [changed_digit, flipped_recording, lost_recording, wrong_types, no_folder])
+def test_a_kept_run_that_was_changed_is_flown_again_with_one_warning(tmp_path, flights, change):
+    flown, _ = fly([FOUR], tmp_path)
+    change(tmp_path / flown.planned[FOUR].key)
+    again, words = fly([FOUR], tmp_path)
+    assert flights() == ["ch5_four_leaders 1"] * 2
+    assert again.kept == set()
+    assert not again.failed
+    assert words.count("warning: kept runs were changed or damaged and are flown again") == 1
+    assert Store(tmp_path).has(flown.planned[FOUR])
+
+
+def test_a_full_disk_ends_the_flying_in_one_line_and_leaves_nothing(tmp_path, monkeypatch):
+    put_truly = Store.put
+
+    def put(self, *arguments, **options):
+        with files_of_at_most(10):
+            put_truly(self, *arguments, **options)
+
+    monkeypatch.setattr(Store, "put", put)
+    with pytest.raises(WriteError, match=r"^cannot write .*: File too large$"):
+        fly([FOUR, ONE], tmp_path / "runs")
+    assert Store(tmp_path / "runs").forget_old() <= 1, "the other may have been killed at work"
+    assert list((tmp_path / "runs").iterdir()) == []
 
 
 def test_fresh_flies_everything_again(tmp_path, flights):
@@ -151,40 +206,6 @@ def test_a_run_that_raises_fails_alone(tmp_path, monkeypatch):
     assert "error: ch5_one_leader" in words
     assert Store(tmp_path).has(flown.planned[FOUR])
     assert not Store(tmp_path).has(flown.planned[ONE])
-
-
-def collect(calls, n_workers=2):
-    results, amounts = {}, []
-    workers.spread(calls, n_workers, on_result=results.__setitem__, on_progress=amounts.append)
-    return results, amounts
-
-
-def test_calls_need_not_be_picklable_and_tell_progress():
-    def call(number):
-        def inner(advance):
-            advance(0.5)
-            return number
-
-        return inner
-
-    results, amounts = collect([call(n) for n in range(5)])
-    assert results == {n: n for n in range(5)}
-    assert amounts[-1] == 2.5
-
-
-def test_a_result_that_cannot_be_sent_is_a_failure():
-    results, _ = collect([lambda advance: lambda: None, lambda advance: 1])
-    assert isinstance(results[0], workers.Failure)
-    assert results[1] == 1
-
-
-def test_a_killed_worker_is_a_failure():
-    results, _ = collect([lambda advance: os.kill(os.getpid(), signal.SIGKILL)])
-    assert "was killed" in results[0].line
-
-
-def test_no_calls_need_no_worker():
-    assert collect([]) == ({}, [])
 
 
 FLIES_FOR_LONG = """

@@ -1,7 +1,9 @@
 """Claims about flying sweeps: each run once, kept, the same wherever it is flown; who dies is not missed."""
 
 import contextlib
+import functools
 import io
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -9,14 +11,17 @@ import sys
 import threading
 from pathlib import Path
 
+import psutil
 import pyarrow.parquet as pq
 import pytest
 import yaml
 from distributed import Client, LocalCluster
+from full_disk import files_of_at_most
 
 import auv_flocking.separation
+from auv_bringup import workers
 from auv_bringup.run_key import source_version
-from auv_bringup.sweeps import cli, cluster, parts, worker
+from auv_bringup.sweeps import cli, cluster, local, parts, worker
 from auv_bringup.sweeps.plan import plan_runs
 from auv_bringup.sweeps.runner import run_sweep
 from auv_bringup.sweeps.study import study_from_plain
@@ -49,9 +54,18 @@ RAISES = SINKING.format(deed='raise ArithmeticError("it\\nsank")')
 KILLS = SINKING.format(deed="__import__('os').kill(__import__('os').getpid(), 9)")
 
 
+def in_threads(runs, on_result, on_message):
+    """Fly runs on a cluster of threads in this process, which tests can reach into."""
+    with threads() as client:
+        cluster.fly_all(client, runs, on_result, on_message)
+
+
+in_processes = functools.partial(local.fly_here, n_workers=2)
+
+
 @contextlib.contextmanager
 def threads(n=1):
-    """Give a cluster of threads in this process, which tests can reach into."""
+    """Give a cluster of threads in this process."""
     here = {"protocol": "tcp://", "host": "127.0.0.1", "dashboard_address": None}
     any_port = {"dashboard_address": "127.0.0.1:0"}
     with (
@@ -63,13 +77,13 @@ def threads(n=1):
         yield client
 
 
-def sweep(folder, connect=threads, is_fresh=False, **changes):
+def sweep(folder, fly=in_threads, is_fresh=False, **changes):
     """Fly a study; return its table as rows and what was said."""
     study = study_from_plain({**TINY, **changes})
     folder.mkdir(exist_ok=True)
     stream = io.StringIO()
     with Tally("runs", stream) as tally:
-        run_sweep(study, plan_runs(study), folder, connect, tally=tally, is_fresh=is_fresh)
+        run_sweep(study, plan_runs(study), folder, fly, tally=tally, is_fresh=is_fresh)
     return rows_of(folder), stream.getvalue()
 
 
@@ -114,7 +128,7 @@ def test_what_is_done_is_not_flown_again(tmp_path, flights):
     assert [row["pair_distance_min_m"] for row in both if row["seed"] != 2] == [
         row["pair_distance_min_m"] for row in first
     ]
-    sweep(tmp_path, connect=lambda: pytest.fail("there is nothing to fly"))
+    sweep(tmp_path, fly=lambda *_: pytest.fail("there is nothing to fly"))
     sweep(tmp_path, is_fresh=True)
     assert len(flights) == 12
 
@@ -136,6 +150,41 @@ def test_a_sweep_that_breaks_off_loses_only_what_was_in_flight(tmp_path, flights
     rows, _ = sweep(tmp_path)
     assert len(flights) == 4
     assert {row["status"] for row in rows} == {"done"}
+
+
+def test_kept_runs_that_were_changed_are_flown_again_with_one_warning(tmp_path, flights):
+    before, _ = sweep(tmp_path)
+    flights.clear()
+    flipped, cut, *_ = sorted(tmp_path.glob("parts/*/*.json"))
+    flipped.write_text(flipped.read_text().replace('"is_lasting": true', '"is_lasting": false'))
+    cut.write_text(cut.read_text()[:100])
+    after, words = sweep(tmp_path)
+    assert after == before
+    assert len(flights) == 2
+    (line,) = [line for line in words.splitlines() if "warning" in line]
+    assert line.startswith("warning: kept runs were changed or damaged and are flown again: ")
+    assert line.endswith(") and 1 more")
+    _, words = sweep(tmp_path, fly=lambda *_: pytest.fail("they hold again"))
+    assert "warning" not in words
+
+
+def test_a_full_disk_ends_a_sweep_in_one_line_and_the_next_call_goes_on(tmp_path, monkeypatch, capsys):
+    keep_truly = parts.Parts.put
+
+    def keep_two(self, key, finished):
+        if len(list(self._folder.glob("*.json"))) < 2:
+            return keep_truly(self, key, finished)
+        with files_of_at_most(10):
+            return keep_truly(self, key, finished)
+
+    command = [str(written(tmp_path)), "--out", str(tmp_path / "out"), "--workers", "2"]
+    with monkeypatch.context() as patched:
+        patched.setattr(parts.Parts, "put", keep_two)
+        assert cli.main(command) == 3
+    assert capsys.readouterr().err.splitlines()[-1].startswith("error: cannot write ")
+    assert len([path for path in (tmp_path / "out").rglob("*") if path.is_file()]) == 2
+    assert cli.main(command) == 0
+    assert "runs: 4, and 2 kept from an earlier call" in capsys.readouterr().err
 
 
 def test_another_source_flies_again_and_the_old_runs_go(tmp_path, flights, monkeypatch):
@@ -219,41 +268,68 @@ def written(folder, **changes):
     return path
 
 
-def test_killing_a_worker_changes_nothing(tmp_path):
-    """Two processes, one of them killed in the middle, give what one thread gives."""
-    killed = []
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_worker_that_is_killed_or_stopped_changes_nothing(tmp_path, monkeypatch, number):
+    """Two processes, one of them hit in the middle, give what one thread gives."""
+    monkeypatch.setattr(workers, "_LOOK_EVERY_S", 0.1)
+    hit = []
 
-    @contextlib.contextmanager
-    def one_dies():
-        with cluster.local_client(2) as client:
-            keep_truly = client.submit
+    def one_is_hit(runs, on_result, on_message):
+        def hit_and_keep(run, finished):
+            if not hit:
+                hit.append(multiprocessing.active_children()[0].pid)
+                os.kill(hit[0], number)
+            on_result(run, finished)
 
-            def submit_and_kill(*arguments, **options):
-                future = keep_truly(*arguments, **options)
-                if not killed and len(list(tmp_path.glob("two/parts/*/*.json"))) == 1:
-                    killed.append(min(client.run(os.getpid).values()))
-                    os.kill(killed[0], signal.SIGKILL)
-                return future
+        in_processes(runs, hit_and_keep, on_message)
 
-            client.submit = submit_and_kill
-            yield client
-
-    monkey = pytest.MonkeyPatch()
-    with monkey.context() as patched:
-        patched.setattr(cluster, "_LEAST_SUBMITTED", 2)
-        patched.setattr(cluster, "_SUBMITTED_PER_THREAD", 1)
-        sweep(tmp_path / "two", one_dies)
+    _, words = sweep(tmp_path / "two", one_is_hit)
     sweep(tmp_path / "one")
-    assert len(killed) == 1
-    assert not Path("/proc", str(killed[0])).exists()
+    assert not Path("/proc", str(hit[0])).exists()
+    assert (f"worker process {hit[0]} has been stopped" in words) == (number == signal.SIGSTOP)
     assert table_of(tmp_path / "two").equals(table_of(tmp_path / "one"), check_metadata=True)
+
+
+def test_workers_that_cannot_start_are_told_in_one_line_and_the_next_call_goes_on(
+    tmp_path, monkeypatch, capsys
+):
+    command = [str(written(tmp_path)), "--out", str(tmp_path / "out"), "--workers", "2"]
+    with monkeypatch.context() as patched:
+        patched.setattr(workers, "_become_worker", lambda parent: os.kill(os.getpid(), signal.SIGKILL))
+        assert cli.main(command) == 1
+    assert capsys.readouterr().err.splitlines()[-1] == (
+        "error: all of 6 worker processes ended while they started; finished runs are kept for the next call"
+    )
+    assert cli.main(command) == 0
+
+
+def test_nobody_can_hand_a_run_to_a_sweep_on_this_machine(tmp_path):
+    """Neither the sweep nor its workers listen anywhere, so no process, of whatever user, can connect."""
+    listening = []
+
+    def look(runs, on_result, on_message):
+        def look_and_keep(run, finished):
+            for process in [psutil.Process(), *psutil.Process().children()]:
+                listening.extend(c for c in process.net_connections("all") if is_open_to_others(c))
+            on_result(run, finished)
+
+        in_processes(runs, look_and_keep, on_message)
+
+    before = [c for c in psutil.Process().net_connections("all") if is_open_to_others(c)]
+    sweep(tmp_path, look)
+    assert set(listening) <= set(before)
+
+
+def is_open_to_others(found):
+    """Tell whether a socket has a name for others to connect to; those of a socket pair have none."""
+    return bool(found.laddr) and not found.raddr
 
 
 @pytest.mark.slow
 def test_a_run_that_kills_its_workers_fails_alone(tmp_path, monkeypatch):
     plugin(monkeypatch, tmp_path, "kills", KILLS)
     grid = {"agent.separation.kind": ["mathematical", "kills"]}
-    rows, _ = sweep(tmp_path / "out", lambda: cluster.local_client(2), grid=grid)
+    rows, _ = sweep(tmp_path / "out", in_processes, grid=grid)
     assert [row["status"] for row in rows] == ["done"] * 3 + ["failed"] * 3
     assert all("its worker process died every time" in row["error"] for row in rows[3:])
     assert len(list(tmp_path.glob("out/parts/*/*.json"))) == 3, "it is tried again by the next call"
@@ -267,7 +343,7 @@ def test_a_cluster_that_exists_gives_the_same_table(tmp_path, address):
         wait_until(file.exists)
         with running("dask_worker", "--nthreads", "1", "--host", "127.0.0.1", "--no-dashboard", file=file):
             where = str(file) if address == "scheduler file" else yaml.safe_load(file.read_text())["address"]
-            sweep(tmp_path / "there", lambda: cluster.remote_client(where))
+            sweep(tmp_path / "there", functools.partial(cluster.fly_there, scheduler=where))
     sweep(tmp_path / "here")
     assert table_of(tmp_path / "there").equals(table_of(tmp_path / "here"), check_metadata=True)
 
@@ -281,11 +357,9 @@ def test_a_scheduler_that_goes_away_is_told_and_what_is_finished_is_kept(tmp_pat
         wait_until(file.exists)
         with running("dask_worker", "--nthreads", "1", "--host", "127.0.0.1", "--no-dashboard", file=file):
 
-            @contextlib.contextmanager
-            def it_goes():
-                with cluster.remote_client(str(file)) as client:
-                    threading.Thread(target=kill_after_first, args=(scheduler, tmp_path)).start()
-                    yield client
+            def it_goes(*arguments):
+                threading.Thread(target=kill_after_first, args=(scheduler, tmp_path)).start()
+                cluster.fly_there(*arguments, scheduler=str(file))
 
             with pytest.raises(cluster.ClusterError, match="the scheduler is gone"):
                 sweep(tmp_path / "out", it_goes, duration_s=60.0)

@@ -15,6 +15,8 @@ from auv_bringup import results
 from auv_bringup.failures import DONE, FAILED, answered
 from auv_bringup.one_line_parser import MOST_WORKERS, OneLineParser, fail, whole_number
 from auv_bringup.reproduction import Chapter, ChapterError, chapters, choose, with_seeds
+from auv_bringup.whole_files import write_text
+from auv_bringup.workers import WorkersError
 from auv_core.params import ConfigError
 
 if TYPE_CHECKING:
@@ -48,8 +50,10 @@ results:
 
 exit status:
   0    done; a claim that does not hold is a result, not a failure
-  1    a run failed, or a figure, table or claim could not be made; the page says which
+  1    a run failed, or a figure, table or claim could not be made; the page says which;
+       or no worker could start
   2    bad input; nothing was flown
+  3    a result cannot be written, as on a full disk; finished runs are kept
   130  Ctrl-C; finished runs are kept, and the next call goes on from there
 
 examples:
@@ -76,7 +80,10 @@ def _do(arguments: list[str], found: Sequence[Chapter] | None) -> int:
     chosen = with_seeds(_chosen(known, options.only), options.seeds)
     if options.list:
         return _list(chosen)
-    return _reproduce(chosen, options, arguments)
+    try:
+        return _reproduce(chosen, options, arguments)
+    except WorkersError as error:
+        return fail(FAILED, f"{error}; finished runs are kept for the next call")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -211,7 +218,7 @@ def _tell_failures(file: Path, flown: Flown, outcomes: Sequence[ChapterOutcome])
     if not failures:
         return DONE
     text = "\n".join(f"== {name}\n{failure.traceback or failure.line}\n" for name, failure in failures)
-    file.write_text(text, encoding="utf-8")
+    write_text(file, text)
     return fail(FAILED, f"{len(failures)} of its parts could not be made; see {file}")
 
 

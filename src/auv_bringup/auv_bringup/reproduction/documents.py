@@ -13,6 +13,7 @@ from typing import Any
 
 from auv_bringup.reproduction import Chapter, ChapterError, Item, RunSpec, function_of
 from auv_bringup.reproduction.equations import EQUATIONS_FILE, EquationList, load_equations
+from auv_bringup.whole_files import write_text
 
 EQUATIONS_PAGE = "docs/equations.md"
 FIGURES_PAGE = "docs/figures.md"
@@ -35,7 +36,7 @@ def write_documents(chapters: Sequence[Chapter], root: Path | None = None) -> li
     root = root or checkout()
     pages = documents(chapters, load_equations(root))
     for name, text in pages.items():
-        (root / name).write_text(text, encoding="utf-8")
+        write_text(root / name, text)
     return [root / name for name in pages]
 
 

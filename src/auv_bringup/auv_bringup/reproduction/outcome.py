@@ -14,8 +14,8 @@ from matplotlib.figure import Figure as Canvas
 from auv_bringup.failures import Failure
 from auv_bringup.plotting import STYLE
 from auv_bringup.reproduction import Chapter, Figure, Item, Row, Run, Table, Verdict, function_of
-from auv_bringup.reproduction.workers import Advance, Call, attempt, spread
 from auv_bringup.tally import Tally
+from auv_bringup.workers import Advance, Call, attempt, spread
 
 if TYPE_CHECKING:
     from auv_bringup.recording import Recording
@@ -106,6 +106,7 @@ def evaluate(
         [partial(_evaluate, [call_of(index) for index in group]) for group in groups],
         n_workers,
         on_result=note,
+        on_message=tally.message,
     )
     outcomes = (
         Outcome(item, content) for item, content in zip(items, contents, strict=True) if content is not None

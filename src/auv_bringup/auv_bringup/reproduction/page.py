@@ -37,6 +37,7 @@ from auv_bringup.reproduction import (
 )
 from auv_bringup.reproduction.outcome import ChapterOutcome, Outcome, name_of
 from auv_bringup.reproduction.page_template import PAGE
+from auv_bringup.whole_files import write_bytes, write_text
 
 if TYPE_CHECKING:
     from auv_bringup.reproduction.making import Making
@@ -80,9 +81,9 @@ def write_page(folder: Path, chapters: Sequence[ChapterOutcome], making: Making)
     _write_figures(folder / FIGURES_FOLDER, chapters)
     summary = _summary(chapters, making)
     text = json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False)
-    (folder / SUMMARY_FILE).write_text(text + "\n", encoding="utf-8")
+    write_text(folder / SUMMARY_FILE, text + "\n")
     path = folder / PAGE_FILE
-    path.write_text(page_html(chapters, making), encoding="utf-8")
+    write_text(path, page_html(chapters, making))
     return path
 
 
@@ -128,7 +129,7 @@ def _write_figures(folder: Path, chapters: Sequence[ChapterOutcome]) -> None:
     for chapter in chapters:
         for outcome in chapter.figures:
             if isinstance(outcome.item, Figure) and isinstance(outcome.content, bytes):
-                (folder / figure_file(outcome.item)).write_bytes(outcome.content)
+                write_bytes(folder / figure_file(outcome.item), outcome.content)
 
 
 def _rows(outcome: Outcome) -> tuple[Row, ...]:

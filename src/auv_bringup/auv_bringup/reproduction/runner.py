@@ -8,10 +8,12 @@ from functools import partial
 
 from auv_bringup.failures import Failure
 from auv_bringup.flight import fly
+from auv_bringup.kept_json import KeptError, words_of_broken
 from auv_bringup.reproduction import RunSpec
 from auv_bringup.reproduction.store import PlannedRun, Store, plan_run
-from auv_bringup.reproduction.workers import Advance, spread
 from auv_bringup.tally import Tally
+from auv_bringup.whole_files import WriteError
+from auv_bringup.workers import Advance, spread
 from auv_core.params import ConfigError
 
 
@@ -45,7 +47,7 @@ def fly_all(
     """
     Fly every run once, the longest first, except those that are kept from an earlier call.
 
-    A run that fails is reported and does not stop the others.
+    A run that fails is reported and does not stop the others, unless there is no room to keep it.
 
     Parameters
     ----------
@@ -60,25 +62,38 @@ def fly_all(
     is_fresh : bool
         Fly runs that are kept, too.
 
+    Raises
+    ------
+    WriteError
+        When a run cannot be written, as on a full disk; what is finished is kept.
+    WorkersError
+        When no worker process can be started.
+
     """
     flown = Flown()
     _plan(dict.fromkeys(specs), flown, tally)
     by_key = _by_key(flown)
-    flown.kept = set() if is_fresh else {key for key, run in by_key.items() if store.has(run)}
+    flown.kept = set() if is_fresh else _kept(store, by_key.values(), tally)
     missing = sorted((run for key, run in by_key.items() if key not in flown.kept), key=_longest_first)
     kept = f", and {len(flown.kept)} kept from an earlier call" if flown.kept else ""
     tally.start(len(missing), sum(run.cost for run in missing), kept)
 
-    def note(index: int, result: float | Failure) -> None:
+    def note(index: int, result: Failure | str) -> None:
         run = missing[index]
         if isinstance(result, Failure):
             failed = [spec for spec, planned in flown.planned.items() if planned.key == run.key]
             flown.failed.update(dict.fromkeys(failed, result))
             tally.failed(str(run.spec), result)
+        elif result:
+            raise WriteError(result)
         tally.finished()
 
     spread(
-        [partial(_fly, run, store) for run in missing], n_workers, on_result=note, on_progress=tally.advance
+        [partial(_fly, run, store) for run in missing],
+        n_workers,
+        on_result=note,
+        on_progress=tally.advance,
+        on_message=tally.message,
     )
     for key in by_key:
         if (times_s := store.times_s(key)) is not None:
@@ -95,6 +110,21 @@ def _by_key(flown: Flown) -> dict[str, PlannedRun]:
     return by_key
 
 
+def _kept(store: Store, runs: Iterable[PlannedRun], tally: Tally) -> set[str]:
+    """Return the keys of the runs that are there; say in one line which do not hold."""
+    kept: set[str] = set()
+    broken: list[str] = []
+    for run in runs:
+        try:
+            if store.has(run):
+                kept.add(run.key)
+        except KeptError as error:
+            broken.append(f"{store.folder / run.key} ({error})")
+    if broken:
+        tally.message(f"warning: {words_of_broken(broken)}")
+    return kept
+
+
 def _plan(specs: Iterable[RunSpec], flown: Flown, tally: Tally) -> None:
     for spec in specs:
         try:
@@ -108,8 +138,8 @@ def _longest_first(run: PlannedRun) -> float:
     return -run.cost
 
 
-def _fly(run: PlannedRun, store: Store, advance: Advance) -> None:
-    """Fly a run and keep it; called in a worker."""
+def _fly(run: PlannedRun, store: Store, advance: Advance) -> str:
+    """Fly a run and keep it; called in a worker. Return why it cannot be kept, '' if it is."""
     from auv_bringup.metrics import metrics_to_json
 
     reached_s = 0.0
@@ -121,5 +151,9 @@ def _fly(run: PlannedRun, store: Store, advance: Advance) -> None:
 
     flight = fly(run.scenario, on_progress=on_progress)
     metrics = metrics_to_json(flight.metrics)
-    store.put(run, flight.recording, metrics, wall_s=flight.wall_s, cpu_s=flight.cpu_s)
+    try:
+        store.put(run, flight.recording, metrics, wall_s=flight.wall_s, cpu_s=flight.cpu_s)
+    except WriteError as error:
+        return str(error)
     on_progress(run.scenario.duration_s)
+    return ""

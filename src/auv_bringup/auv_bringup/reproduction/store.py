@@ -17,14 +17,17 @@ from typing import TYPE_CHECKING, Any
 
 from auv_bringup import results, run_key
 from auv_bringup.flight import effort
+from auv_bringup.kept_json import KeptError, file_checksum, read_kept, remove, write_kept
 from auv_bringup.recording import Recording, RecordingError
 from auv_bringup.reproduction import RunSpec
 from auv_bringup.scenario import load_scenario, scenario_to_yaml
+from auv_bringup.whole_files import WriteError, write_error, write_text
 
 if TYPE_CHECKING:
     from auv_bringup.scenario import Scenario
 
 _RUN_FILE = "run.json"
+_CHECKSUMS = "checksums"
 _SUFFIX = ".unfinished"
 
 
@@ -55,28 +58,61 @@ class Store:
         self.folder = folder
 
     def has(self, run: PlannedRun) -> bool:
-        """Tell whether the run is there, complete, with its recording if that is wanted."""
+        """
+        Tell whether the run is there, complete, with its recording if that is wanted.
+
+        Raises
+        ------
+        KeptError
+            When it is there, but one of its files is not what `put` wrote.
+
+        """
         folder = self.folder / run.key
-        has_recording = not run.spec.keep_recording or (folder / results.RECORDING_FILE).is_file()
-        return (folder / _RUN_FILE).is_file() and has_recording
+        try:
+            checksums = read_kept(folder / _RUN_FILE, run.key).get(_CHECKSUMS, {})
+        except FileNotFoundError:
+            return False
+        for name, expected in checksums.items():
+            path = folder / name
+            if not path.is_file() or file_checksum(path) != expected:
+                raise KeptError(f"the checksum of {name} does not hold")
+        return not run.spec.keep_recording or results.RECORDING_FILE in checksums
 
     def put(
         self, run: PlannedRun, recording: Recording, metrics_json: str, *, wall_s: float, cpu_s: float
     ) -> None:
         """
         Keep what is wanted of a finished run, and the wall and processor time that it took: all or nothing.
+
+        Raises
+        ------
+        WriteError
+            When it cannot be written, as on a full disk.
+
         """
+        folder = self.folder / run.key
         unfinished = self.folder / f"{run.key}.{os.getpid()}{_SUFFIX}"
         shutil.rmtree(unfinished, ignore_errors=True)
-        unfinished.mkdir(parents=True)
-        (unfinished / results.SCENARIO_FILE).write_text(scenario_to_yaml(run.scenario), encoding="utf-8")
-        (unfinished / results.METRICS_FILE).write_text(metrics_json, encoding="utf-8")
-        if run.spec.keep_recording:
-            recording.save(unfinished / results.RECORDING_FILE)
-        known = {"run": str(run.spec), "wall_s": wall_s, "cpu_s": cpu_s, "source": run_key.source_version()}
-        results.write_json(unfinished / _RUN_FILE, known)
-        shutil.rmtree(self.folder / run.key, ignore_errors=True)
-        unfinished.rename(self.folder / run.key)
+        try:
+            unfinished.mkdir(parents=True)
+            write_text(unfinished / results.SCENARIO_FILE, scenario_to_yaml(run.scenario))
+            write_text(unfinished / results.METRICS_FILE, metrics_json)
+            if run.spec.keep_recording:
+                recording.save(unfinished / results.RECORDING_FILE)
+            known = {
+                "run": str(run.spec),
+                "wall_s": wall_s,
+                "cpu_s": cpu_s,
+                "source": run_key.source_version(),
+                _CHECKSUMS: {path.name: file_checksum(path) for path in unfinished.iterdir()},
+            }
+            write_kept(unfinished / _RUN_FILE, run.key, known)
+            remove(folder)
+            unfinished.rename(folder)
+        except OSError as error:
+            raise error if isinstance(error, WriteError) else write_error(folder, error) from error
+        finally:
+            shutil.rmtree(unfinished, ignore_errors=True)
 
     def recording(self, key: str) -> Recording:
         """Return the recording of a run that is there; raise RecordingError where it cannot be read."""
@@ -93,10 +129,10 @@ class Store:
 
     def times_s(self, key: str) -> tuple[float, float] | None:
         """Return the wall and the processor time that the run took when it was flown (s)."""
-        known = results.read_json(self.folder / key / _RUN_FILE)
         try:
+            known = read_kept(self.folder / key / _RUN_FILE, key)
             return float(known["wall_s"]), float(known["cpu_s"])
-        except (KeyError, TypeError, ValueError):
+        except (OSError, LookupError, TypeError, ValueError):
             return None
 
     def forget_old(self) -> int:
@@ -108,8 +144,7 @@ class Store:
 
     def _old(self) -> Iterator[Path]:
         for folder in self.folder.iterdir() if self.folder.is_dir() else ():
-            source = results.read_json(folder / _RUN_FILE).get("source", run_key.source_version())
-            if source != run_key.source_version() or _is_abandoned(folder):
+            if folder.is_dir() and (_is_abandoned(folder) or _is_of_another_source(folder)):
                 yield folder
 
 
@@ -117,3 +152,13 @@ def _is_abandoned(folder: Path) -> bool:
     """Tell whether the process that was writing this run is gone."""
     _, _, process = folder.name.removesuffix(_SUFFIX).partition(".")
     return folder.name.endswith(_SUFFIX) and not Path("/proc", process).exists()
+
+
+def _is_of_another_source(folder: Path) -> bool:
+    try:
+        known = read_kept(folder / _RUN_FILE, folder.name.partition(".")[0])
+    except OSError:
+        return False
+    except KeptError:
+        return True
+    return known.get("source") != run_key.source_version()

@@ -8,12 +8,16 @@ import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from auv_bringup.failures import DONE, FAILED, answered
 from auv_bringup.one_line_parser import MOST_WORKERS, OneLineParser, fail, whole_number
 from auv_bringup.results import FIGURES, ResultsError, make_folder
 from auv_bringup.sweeps.study import Study, list_studies, load_study
 from auv_core.params import ConfigError
+
+if TYPE_CHECKING:
+    from auv_bringup.sweeps.runner import Fly
 
 _OUT = Path("results/sweeps")
 
@@ -27,7 +31,7 @@ how it works:
   Every run is resolved and checked before the first is flown. Each is kept as it ends:
   a sweep that was ended in any way goes on where it was, by the same command. What is
   kept is used until the scenario, a law, a model or a numerical package changes.
-  A run that fails does not stop the others, nor does a worker that dies.
+  A run that fails does not stop the others, nor does a worker that dies or is stopped.
 
 results:
   DIR/runs.parquet    one row per run: parameters, seed, status, every metric
@@ -39,8 +43,10 @@ results:
 
 exit status:
   0    done
-  1    a run failed (the table says which, and why), or the cluster was lost
+  1    a run failed (the table says which, and why), no worker could start, or the
+       cluster was lost
   2    bad input; nothing was flown
+  3    a result cannot be written, as on a full disk; finished runs are kept
   130  Ctrl-C; finished runs are kept, and the next call goes on from there
 
 examples:
@@ -116,23 +122,29 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
         n_points = len(runs) // len(study.seeds)
         print(f"all allowed: {n_points} points, {len(study.seeds)} seeds each; nothing was flown")
         return DONE
-    from auv_bringup.sweeps.cluster import ClusterError, local_client, remote_client
     from auv_bringup.sweeps.runner import run_sweep
     from auv_bringup.tally import Tally
+    from auv_bringup.workers import WorkersError
 
     folder = options.out or _OUT / study.name
     make_folder(folder)
-    connect = (
-        partial(remote_client, options.scheduler)
-        if options.scheduler
-        else partial(local_client, min(options.workers, len(runs)))
-    )
     try:
         with Tally("runs") as tally:
-            run_sweep(study, runs, folder, connect, tally=tally, is_fresh=options.fresh)
-    except ClusterError as error:
-        return fail(FAILED, str(error))
+            run_sweep(study, runs, folder, _way_to_fly(options), tally=tally, is_fresh=options.fresh)
+    except WorkersError as error:
+        return fail(FAILED, f"{error}; finished runs are kept for the next call")
     return _summarise(folder)
+
+
+def _way_to_fly(options: argparse.Namespace) -> Fly:
+    """Return what flies runs; Dask is loaded only for a cluster."""
+    from auv_bringup.sweeps.local import fly_here
+
+    if not options.scheduler:
+        return partial(fly_here, n_workers=options.workers)
+    from auv_bringup.sweeps.cluster import fly_there
+
+    return partial(fly_there, scheduler=options.scheduler)
 
 
 def _summarise(folder: Path) -> int:

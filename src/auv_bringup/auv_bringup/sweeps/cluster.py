@@ -1,5 +1,5 @@
 """
-Runs on a Dask cluster: one of this machine's own processes, or one that exists.
+Runs on a Dask cluster that exists.
 
 Results come back through Dask, so no folder need be shared. A run whose worker dies is given to another one,
 by Dask; what dies with every worker is flown once more when nothing else is, so that only the run that kills
@@ -9,82 +9,54 @@ its worker fails and not one that happened to wait behind it.
 from __future__ import annotations
 
 import json
-import logging
-import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from itertools import islice
-from multiprocessing import resource_tracker
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
-import dask
-from distributed import Client, Future, KilledWorker, LocalCluster
+from distributed import Client, Future, KilledWorker
 from distributed.comm import get_address_host_port
 
 from auv_bringup.failures import one_line
 from auv_bringup.run_key import source_version
 from auv_bringup.sweeps.plan import PlannedRun
 from auv_bringup.sweeps.worker import Finished, SourceMismatchError, fly_run
+from auv_bringup.workers import WorkersError
 from auv_core.params import ConfigError
 
-ALLOWED_DEATHS = 3
 _LEAST_SUBMITTED = 500
 _SUBMITTED_PER_THREAD = 4
 _CONNECT_TIMEOUT_S = 10
 _LOOK_EVERY_S = 5.0
 _LOOKS_OF_A_DROUGHT = 3
-_HERE = "127.0.0.1"
-_CONFIG = {
-    "distributed.scheduler.allowed-failures": ALLOWED_DEATHS,
-    "distributed.scheduler.worker-saturation": 1.0,
-    # A worker that died is started again by its nanny, however often; Dask would give it up in between.
-    "distributed.deploy.lost-worker-timeout": "10000 hours",
-    # Nothing to look at on the ports that Dask keeps for its dashboard.
-    "distributed.scheduler.http.routes": [],
-    "distributed.worker.http.routes": [],
-    # A worker holds no data between runs, so to pause it would never free anything.
-    "distributed.worker.memory.target": False,
-    "distributed.worker.memory.spill": False,
-    "distributed.worker.memory.pause": False,
-}
+_ANSWER_TIMEOUT_S = 30.0
 
-_LOST = "the scheduler is gone; finished runs are kept for the next call"
+_LOST = "the scheduler is gone"
 
 OnResult = Callable[[PlannedRun, Finished], None]
 OnDrought = Callable[[str], None]
 
 
-class ClusterError(RuntimeError):
+class ClusterError(WorkersError):
     """A cluster that is lost or cannot fly; the message is one line."""
 
 
-@contextmanager
-def local_client(n_workers: int) -> Iterator[Client]:
-    """Start `n_workers` processes that nothing beyond this machine can reach; they end with the context."""
-    with (
-        dask.config.set(_CONFIG),
-        LocalCluster(
-            n_workers=0,
-            threads_per_worker=1,
-            processes=True,
-            host=_HERE,
-            dashboard_address=None,
-            scheduler_kwargs={"dashboard_address": f"{_HERE}:0"},  # any port, where None means a certain one
-            silence_logs=logging.CRITICAL,
-        ) as cluster,
-        Client(cluster, set_as_default=False) as client,
-    ):
-        cluster.sync(_leave_signals_to_the_command)
-        cluster.scale(n_workers)
-        yield client
+def fly_there(
+    runs: Sequence[PlannedRun], on_result: OnResult, on_drought: OnDrought, *, scheduler: str
+) -> None:
+    """
+    Fly runs on the Dask cluster of a scheduler; see `remote_client` and `fly_all`.
 
+    Raises
+    ------
+    ConfigError, ClusterError
+        As these two do.
 
-async def _leave_signals_to_the_command() -> None:
-    """Block, in Dask's thread and so in what it starts, the signals that a terminal sends to all."""
-    resource_tracker.ensure_running()  # would unblock them
-    signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
+    """
+    with remote_client(scheduler) as client:
+        fly_all(client, runs, on_result, on_drought)
 
 
 @contextmanager
@@ -104,7 +76,13 @@ def remote_client(scheduler: str) -> Iterator[Client]:
             address = str(json.loads(Path(scheduler).read_text(encoding="utf-8"))["address"])
         get_address_host_port(address)
         client = Client(address, timeout=_CONNECT_TIMEOUT_S, set_as_default=False)
-    except (OSError, ValueError, LookupError) as error:
+    except (
+        OSError,
+        ValueError,
+        LookupError,
+        TypeError,
+        RuntimeError,
+    ) as error:  # TypeError: TLS without files
         raise ConfigError(f"--scheduler {scheduler!r}: cannot be reached ({one_line(error)})") from None
     with client:
         yield client
@@ -163,7 +141,7 @@ def _fly(
             flying[future] = run
             future.add_done_callback(ended.put)
 
-    submit(max(_LEAST_SUBMITTED, _SUBMITTED_PER_THREAD * sum(client.nthreads().values())))
+    submit(max(_LEAST_SUBMITTED, _SUBMITTED_PER_THREAD * _n_threads(client)))
     while flying:
         future = _next(ended, client, on_drought)
         run, result = flying.pop(future), _result(future)
@@ -181,9 +159,17 @@ def _next(ended: SimpleQueue[Future], client: Client, on_drought: OnDrought) -> 
         except Empty:
             if client.status != "running":
                 raise ClusterError(_LOST) from None
-            looks = 0 if client.nthreads() else looks + 1
+            looks = 0 if _n_threads(client) else looks + 1
             if looks == _LOOKS_OF_A_DROUGHT:
                 on_drought(f"waiting for a worker at {client.scheduler_info()['address']}")
+
+
+def _n_threads(client: Client) -> int:
+    """Return how many runs the workers can fly at once; raise ClusterError when the scheduler is silent."""
+    try:
+        return sum(client.nthreads(callback_timeout=_ANSWER_TIMEOUT_S).values())
+    except (OSError, TimeoutError):
+        raise ClusterError(f"the scheduler has not answered for {_ANSWER_TIMEOUT_S:g} s") from None
 
 
 def _result(future: Future) -> Finished | None:

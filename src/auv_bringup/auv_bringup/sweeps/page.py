@@ -14,6 +14,7 @@ from auv_bringup.sweeps.figures import axis_parameter, line_parameters, meaning_
 from auv_bringup.sweeps.plan import override_texts
 from auv_bringup.sweeps.summary import Group, grid_groups, metric_of, n_failed
 from auv_bringup.sweeps.table import DONE, SweepTable
+from auv_bringup.whole_files import write_text
 from auv_core.params import dump
 
 PAGE_FILE = "index.html"
@@ -41,11 +42,11 @@ def write_page(folder: Path, table: SweepTable, metrics: Sequence[str], figures:
     sections = "\n".join(_metric(table, name, figures.get(name)) for name in metrics)
     path = folder / PAGE_FILE
     title = html.escape(study.title)
-    path.write_text(
+    write_text(
+        path,
         f"{head(study.title)}\n<body>\n<header><h1>{title}</h1>\n"
         f"<p class='facts'>{_facts(table)}</p></header>\n<main>\n{_failures(table)}\n{_how_to_read(table)}\n"
         f"{sections}\n{_making(table)}\n</main>\n</body>\n</html>\n",
-        encoding="utf-8",
     )
     return path
 

@@ -3,33 +3,35 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-
-from distributed import Client
 
 from auv_bringup import results
 from auv_bringup.failures import Failure
+from auv_bringup.kept_json import KeptError, remove, words_of_broken
 from auv_bringup.run_key import source_version
-from auv_bringup.sweeps.cluster import fly_all
 from auv_bringup.sweeps.parts import Parts
 from auv_bringup.sweeps.plan import PlannedRun
 from auv_bringup.sweeps.study import Study
 from auv_bringup.sweeps.table import write_table
 from auv_bringup.sweeps.worker import Finished
 from auv_bringup.tally import Tally
+from auv_bringup.whole_files import write_text
 
 PARTS = "parts"
 FAILURES_FILE = "failures.txt"
 _SHOWN_PACKAGES = ("numpy", "scipy", "numba", "scikit-fuzzy", "distributed", "pyarrow", "matplotlib")
+
+OnResult = Callable[[PlannedRun, Finished], None]
+OnMessage = Callable[[str], None]
+Fly = Callable[[Sequence[PlannedRun], OnResult, OnMessage], None]
 
 
 def run_sweep(
     study: Study,
     runs: Sequence[PlannedRun],
     folder: Path,
-    connect: Callable[[], AbstractContextManager[Client]],
+    fly: Fly,
     *,
     tally: Tally,
     is_fresh: bool = False,
@@ -43,8 +45,9 @@ def run_sweep(
         What is asked for, and all runs of it.
     folder : Path
         Folder of the sweep.
-    connect : callable
-        Returns a context that gives a Dask client; only called if there is something to fly.
+    fly : callable
+        Flies runs, tells what came of each, and tells in one line what else happens (`local.fly_here`,
+        `cluster.fly_there`); only called if there is something to fly.
     tally : Tally
         Told what happens.
     is_fresh : bool
@@ -59,13 +62,15 @@ def run_sweep(
     ------
     ConfigError
         When the cluster cannot be reached.
-    ClusterError
-        When it is lost or cannot fly; what is finished is kept.
+    ClusterError, WorkersError
+        When it is lost or cannot fly, or no process of this machine can; what is finished is kept.
+    WriteError
+        When a result cannot be written, as on a full disk; what is finished is kept.
 
     """
     parts = Parts(folder / PARTS)
     by_key = {run.key: run for run in runs}
-    found = {} if is_fresh else {key: kept for key in by_key if (kept := parts.get(key)) is not None}
+    found = {} if is_fresh else _kept(parts, by_key, tally.message)
     missing = sorted((run for run in by_key.values() if run.key not in found), key=lambda run: -run.effort)
     remark = f", and {len(found)} kept from an earlier call" if found else ""
     tally.start(len(missing), sum(run.effort for run in missing), remark)
@@ -83,13 +88,28 @@ def run_sweep(
         tally.advance(done)
 
     if missing:
-        with connect() as client:
-            fly_all(client, missing, keep, tally.message)
+        fly(missing, keep, tally.message)
     rows = [(run, found[run.key]) for run in runs]
     path = write_table(folder, study, rows, _making())
     _write_failures(folder / FAILURES_FILE, rows)
     parts.forget_old()
     return path
+
+
+def _kept(parts: Parts, keys: Iterable[str], on_message: OnMessage) -> dict[str, Finished]:
+    """Return what is kept by key; forget what does not hold, and say so in one line."""
+    found: dict[str, Finished] = {}
+    broken: list[str] = []
+    for key in keys:
+        try:
+            if (kept := parts.get(key)) is not None:
+                found[key] = kept
+        except KeptError as error:
+            broken.append(f"{parts.path(key)} ({error})")
+            remove(parts.path(key))
+    if broken:
+        on_message(f"warning: {words_of_broken(broken)}")
+    return found
 
 
 def name_of(run: PlannedRun) -> str:
@@ -103,7 +123,7 @@ def _write_failures(file: Path, rows: Sequence[tuple[PlannedRun, Finished]]) -> 
     file.unlink(missing_ok=True)
     if failed:
         text = "\n".join(f"== {name_of(run)}\n{finished.traceback}" for run, finished in failed)
-        file.write_text(text, encoding="utf-8")
+        write_text(file, text)
 
 
 def _making() -> dict[str, str]:

@@ -12,6 +12,7 @@ from auv_bringup.metric_words import is_share
 from auv_bringup.sweeps.confidence import Summary, summarise
 from auv_bringup.sweeps.study import is_number
 from auv_bringup.sweeps.table import DONE, PREFIX, SweepTable
+from auv_bringup.whole_files import whole_file
 
 SUMMARY_FILE = "summary.csv"
 _USUAL = (
@@ -74,7 +75,7 @@ def write_summary(folder: Path, table: SweepTable) -> Path:
     """Write every metric over every point of the grid, one line each."""
     path = folder / SUMMARY_FILE
     grid = tuple(table.study.grid or {})
-    with path.open("w", newline="", encoding="utf-8") as stream:
+    with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         words = [field.name for field in fields(Summary)]
         writer.writerow([*(PREFIX + name for name in grid), "metric", "runs", "failed", *words])

@@ -21,6 +21,7 @@ from auv_bringup.results import ResultsError
 from auv_bringup.sweeps.plan import PlannedRun
 from auv_bringup.sweeps.study import Study, is_number, study_from_plain, value_text
 from auv_bringup.sweeps.worker import Finished
+from auv_bringup.whole_files import whole_file
 from auv_core.params import ConfigError, dump
 
 TABLE_FILE = "runs.parquet"
@@ -90,9 +91,10 @@ def write_table(
     texts = [path for path in study.parameters if not _is_one_type([r.parameters[path] for r, _ in rows])]
     about = json.dumps({"study": dump(study), "making": making, "texts": texts}, allow_nan=False)
     table = pa.table(columns).replace_schema_metadata({_ABOUT: about.encode()})
-    unfinished = folder / f"{TABLE_FILE}.unfinished"
-    pq.write_table(table, unfinished)
-    return unfinished.rename(folder / TABLE_FILE)
+    path = folder / TABLE_FILE
+    with whole_file(path) as unfinished:
+        pq.write_table(table, unfinished, write_page_checksum=True)
+    return path
 
 
 def read_table(folder: Path) -> SweepTable:

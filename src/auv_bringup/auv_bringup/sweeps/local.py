@@ -1,0 +1,54 @@
+"""Runs in processes of this machine; nothing listens, so nobody else can hand them anything."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from auv_bringup.failures import Failure
+from auv_bringup.run_key import source_version
+from auv_bringup.sweeps.plan import PlannedRun
+from auv_bringup.sweeps.worker import Finished, fly_run
+from auv_bringup.workers import Advance, spread
+
+
+def fly_here(
+    runs: Sequence[PlannedRun],
+    on_result: Callable[[PlannedRun, Finished], None],
+    on_message: Callable[[str], None],
+    *,
+    n_workers: int,
+) -> None:
+    """
+    Fly runs in processes of this machine, in their order as workers become free.
+
+    Parameters
+    ----------
+    runs : sequence of PlannedRun
+        No key twice.
+    on_result : callable
+        Told each run and what came of it, as they end.
+    on_message : callable
+        Told in one line when a worker is replaced.
+    n_workers : int
+        Number of processes.
+
+    Raises
+    ------
+    WorkersError
+        When no worker process can be started.
+
+    """
+    calls = [partial(_fly, run.scenario_json, source_version()) for run in runs]
+
+    def note(index: int, result: Finished | Failure) -> None:
+        if isinstance(result, Failure):
+            result = Finished({}, result.line, result.traceback, is_lasting=False)
+        on_result(runs[index], result)
+
+    spread(calls, n_workers, on_result=note, on_message=on_message)
+
+
+def _fly(scenario_json: str, source: str, advance: Advance) -> Finished:
+    del advance
+    return fly_run(scenario_json, source)
