@@ -2,22 +2,22 @@
 ROS 2 domains: a run of its own domain, so that two runs on one machine do not hear each other.
 
 A run uses $ROS_DOMAIN_ID (0 if unset), where the user's own tools look. When another run holds that domain,
-the next free one is taken. A domain is held by a lock (flock) on a small file in the machine's temporary
-folder; the kernel drops the lock when its process ends, however it ends, so nothing is ever left to clean
-up.
+whoever its user is, the next free one is taken. A domain is held by the name of a Unix socket in Linux's
+abstract namespace. Such a name is no file: nobody can put a link or a FIFO in its place, it is the same for
+all users of a network namespace, as UDP ports are, and the kernel drops it when its process ends, however it
+ends.
 """
 
 from __future__ import annotations
 
-import fcntl
+import errno
 import os
-import tempfile
+import socket
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from types import TracebackType
 
-LOCK_FOLDER_NAME = "shoal-domains"
+_NAME = "shoal-domain"
 SAFE_DOMAIN_IDS = (*range(102), *range(215, 233))
 """Domains whose UDP ports lie outside the range from which Linux takes the ports of outgoing connections."""
 _SAFE_WORDS = "a whole number from 0 to 101 or from 215 to 232"
@@ -59,7 +59,7 @@ class DomainClaim:
         self.release()
 
 
-def claim_domain(environ: Mapping[str, str], lock_dir: Path | None = None) -> DomainClaim:
+def claim_domain(environ: Mapping[str, str], name: str = _NAME) -> DomainClaim:
     """
     Hold the domain of $ROS_DOMAIN_ID, or the next one that no other run holds.
 
@@ -67,8 +67,8 @@ def claim_domain(environ: Mapping[str, str], lock_dir: Path | None = None) -> Do
     ----------
     environ : mapping
         Environment variables.
-    lock_dir : Path, optional
-        Folder of the lock files; by default one folder per machine.
+    name : str
+        What the names of all domains begin with.
 
     Raises
     ------
@@ -77,16 +77,33 @@ def claim_domain(environ: Mapping[str, str], lock_dir: Path | None = None) -> Do
 
     """
     asked_id = asked_domain(environ)
-    folder = lock_dir or Path(tempfile.gettempdir()) / LOCK_FOLDER_NAME
-    _make_shared_folder(folder)
     start = SAFE_DOMAIN_IDS.index(asked_id)
     for domain_id in SAFE_DOMAIN_IDS[start:] + SAFE_DOMAIN_IDS[:start]:
-        descriptor = _try_lock(folder / f"{domain_id}.lock")
-        if descriptor is not None:
-            return DomainClaim(domain_id, asked_id, descriptor)
-    raise DomainError(
-        f"all {len(SAFE_DOMAIN_IDS)} ROS domains of this machine are in use (locks in {folder})"
-    )
+        held = try_to_hold(domain_id, name)
+        if held is not None:
+            return DomainClaim(domain_id, asked_id, held)
+    raise DomainError(f"all {len(SAFE_DOMAIN_IDS)} ROS domains of this machine are in use by other runs")
+
+
+def try_to_hold(domain_id: int, name: str = _NAME) -> int | None:
+    """
+    Return a descriptor that holds a domain until it is closed, None if another process holds the domain.
+
+    Raises
+    ------
+    DomainError
+        When the machine has no such sockets.
+
+    """
+    held = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    try:
+        held.bind(f"\0{name}-{domain_id}")
+    except OSError as error:
+        held.close()
+        if error.errno == errno.EADDRINUSE:
+            return None
+        raise DomainError(f"ROS domain {domain_id} cannot be held ({error.strerror})") from None
+    return held.detach()
 
 
 def asked_domain(environ: Mapping[str, str]) -> int:
@@ -95,38 +112,3 @@ def asked_domain(environ: Mapping[str, str]) -> int:
     if not (text.isascii() and text.isdecimal()) or int(text) not in SAFE_DOMAIN_IDS:
         raise DomainError(f"ROS_DOMAIN_ID: {text!r} is not allowed; allowed: {_SAFE_WORDS}")
     return int(text)
-
-
-def _make_shared_folder(folder: Path) -> None:
-    """Make a folder in which every user of the machine can make files, and remove only their own."""
-    try:
-        folder.mkdir(parents=True)
-        folder.chmod(0o1777)
-    except FileExistsError:
-        pass
-    except OSError as error:
-        raise DomainError(
-            f"{folder}: cannot be made ({error.strerror}); it holds the locks of ROS domains"
-        ) from None
-
-
-def _try_lock(path: Path) -> int | None:
-    """Return a descriptor that holds the lock on `path`, None if another process holds it."""
-    # Another user's file can be opened for reading only; flock needs no more.
-    try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
-    except FileNotFoundError:
-        try:
-            descriptor = os.open(path, os.O_RDONLY | os.O_CREAT | os.O_NOFOLLOW, 0o644)
-        except OSError as error:
-            raise DomainError(
-                f"{path}: cannot be made ({error.strerror}); it is the lock of a ROS domain"
-            ) from None
-    except OSError:
-        return None
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        os.close(descriptor)
-        return None
-    return descriptor

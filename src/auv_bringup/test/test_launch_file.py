@@ -3,6 +3,7 @@
 import gc
 import importlib.util
 import json
+import os
 import sys
 from contextlib import ExitStack
 from pathlib import Path
@@ -14,6 +15,8 @@ import yaml
 from auv_bringup.domains import DomainError, claim_domain
 
 LAUNCH_FILE = Path(__file__).parents[1] / "launch" / "flock.launch.py"
+
+DOMAINS = f"test-domain-{os.getpid()}"
 
 
 class Recorded:
@@ -86,14 +89,14 @@ def arguments_of(description):
 
 
 @pytest.fixture
-def claims(launch_file, tmp_path, monkeypatch):
-    """The domains that the launch file has claimed, with locks of this test; given back after it."""
+def claims(launch_file, monkeypatch):
+    """The domains that the launch file has claimed, none of them a real one; given back after it."""
     found = []
 
     with ExitStack() as stack:
 
         def claim(environ):
-            found.append(stack.enter_context(claim_domain(environ, tmp_path / "locks")))
+            found.append(stack.enter_context(claim_domain(environ, DOMAINS)))
             return found[-1]
 
         monkeypatch.setattr(launch_file, "claim_domain", claim)
@@ -227,20 +230,20 @@ def test_the_nodes_get_the_domain_asked_for(start, monkeypatch):
     assert domain_of(start())[0] == "0"
 
 
-def test_a_domain_that_another_run_holds_is_left_to_it(start, tmp_path):
-    with claim_domain({"ROS_DOMAIN_ID": "7"}, tmp_path / "locks"):
+def test_a_domain_that_another_run_holds_is_left_to_it(start):
+    with claim_domain({"ROS_DOMAIN_ID": "7"}, DOMAINS):
         domain, said = domain_of(start(discovery="subnet"))
     assert domain == "8"
     assert said[-2] == "ROS domain 7 is in use by another run; this one takes domain 8"
     assert said[-1].endswith("export ROS_DOMAIN_ID=8 ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET")
 
 
-def test_the_domain_stays_claimed_when_all_is_started(start, claims, tmp_path):
+def test_the_domain_stays_claimed_when_all_is_started(start, claims):
     start()
     assert [claim.domain_id for claim in claims] == [7]
     claims.clear()
     gc.collect()
-    with claim_domain({"ROS_DOMAIN_ID": "7"}, tmp_path / "locks") as other:
+    with claim_domain({"ROS_DOMAIN_ID": "7"}, DOMAINS) as other:
         assert other.domain_id == 8
 
 
