@@ -3,15 +3,24 @@
 source "$(dirname -- "${BASH_SOURCE[0]}")/places.bash"
 
 # uv, colcon, ROS 2 and matplotlib all want a home to write to; give them one where there is none.
-if [ ! -w "${HOME:-}" ]; then
-  export HOME=$root/log/home
-  mkdir -p "$HOME"
+can_write_in() { [ -d "$1" ] && [ -w "$1" ]; }
+
+if ! can_write_in "${HOME:-}"; then
+  HOME=$root/log/home
+  if ! { mkdir -p "$HOME" && can_write_in "$HOME"; } 2>/dev/null; then # another user's checkout
+    HOME=${TMPDIR:-/tmp}/shoal-$UID
+    mkdir -m 700 "$HOME" 2>/dev/null
+    [ ! -L "$HOME" ] && [ -O "$HOME" ] && [ "$(stat -c %a "$HOME")" = 700 ] || HOME=$(mktemp -d) || exit 1
+  fi
+  export HOME
 fi
 
 "$root/scripts/setup" || exit 1
 
 # What other workspaces and venvs have put into this shell does not belong to ours.
 if [ "$ros_kind" = wheels ]; then unset AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH PYTHONPATH; fi
+# These wheels have Fast DDS only.
+if [ "$ros_kind" = wheels ]; then unset RMW_IMPLEMENTATION; fi
 unset PYTHONHOME
 export VIRTUAL_ENV=$venv PATH=$venv/bin:$PATH
 set +u

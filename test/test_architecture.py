@@ -56,7 +56,9 @@ ROS_FILES = {
     )
 }
 # ROS is imported only when a function that needs it runs: these import, and give their help, without ROS.
-LAZY_ROS_FILES = {f"auv_bringup/{name}.py" for name in ("launcher", "replay", "ros_types", "topic")}
+LAZY_ROS_FILES = {
+    f"auv_bringup/{name}.py" for name in ("launcher", "replay", "ros_environment", "ros_types", "topic")
+}
 
 # People wait for these, or read their dates: they look at the wall clock. All else takes time as an argument.
 WALL_CLOCK_FILES = {"auv_core/node_main.py"} | {

@@ -78,7 +78,7 @@ class BagLink:
         self._line, far_end = Pipe()
         with far_end:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", BAG_PROCESS_MODULE, str(far_end.fileno())],
+                [sys.executable, "-P", "-m", BAG_PROCESS_MODULE, str(far_end.fileno())],
                 stdin=subprocess.DEVNULL,
                 pass_fds=[far_end.fileno()],
                 start_new_session=True,

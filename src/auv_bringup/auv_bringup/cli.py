@@ -22,6 +22,7 @@ from auv_bringup.layout import LAYOUTS
 from auv_bringup.node_start import ONE_THREAD
 from auv_bringup.one_line_parser import OneLineParser, fail
 from auv_bringup.plan import DEFAULT_SCENARIO, MODES, ROS_MODES, Plan, make_plan, start_results
+from auv_bringup.ros_environment import check_ros_environment
 
 if TYPE_CHECKING:
     from auv_bringup.launcher import Flight
@@ -212,6 +213,7 @@ def _check_ros() -> None:
             "start this through ./scripts/run, "
             "source the workspace (install/setup.bash), or use --mode inprocess"
         )
+    check_ros_environment(os.environ)
 
 
 def _introduce(plan: Plan, folder: Path) -> None:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from auv_bringup.ros_environment import log_folder
 from auv_bringup.whole_files import write_text
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def container_arguments(parts: Sequence[Part]) -> list[str]:
 
 def command_line(parts: Sequence[Part]) -> list[str]:
     """Return the command that starts a process with the Python that runs this."""
-    return [sys.executable, "-m", CONTAINER_MODULE, *container_arguments(parts)]
+    return [sys.executable, "-P", "-m", CONTAINER_MODULE, *container_arguments(parts)]
 
 
 def log_name(name: str) -> str:
@@ -100,6 +101,7 @@ def node_environment(environ: Mapping[str, str], *, domain_id: int, discovery: s
         PYTHONUNBUFFERED="1",
         RCUTILS_COLORIZED_OUTPUT="0",
         **ONE_THREAD,
+        **log_folder(environ),
     )
     if not ("FASTRTPS_DEFAULT_PROFILES_FILE" in environ or "FASTDDS_DEFAULT_PROFILES_FILE" in environ):
         result["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(config_file("fastdds.xml"))

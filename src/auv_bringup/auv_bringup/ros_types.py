@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from auv_bringup.bag_writer import BagError, Qos
 from auv_bringup.domains import DomainError, asked_domain
-from auv_core.params import shown
+from auv_bringup.ros_environment import check_ros_environment
+from auv_core.params import ConfigError, shown
 
 if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
@@ -105,13 +106,14 @@ def prepare_environment(discovery: str) -> None:
     Raises
     ------
     BagError
-        If $ROS_DOMAIN_ID holds no domain.
+        If $ROS_DOMAIN_ID holds no domain, or another variable asks for what is not there.
     """
     from auv_bringup.node_start import node_environment
 
     try:
+        check_ros_environment(os.environ)
         domain_id = asked_domain(os.environ)
-    except DomainError as error:
+    except (ConfigError, DomainError) as error:
         raise BagError(str(error)) from None
     environment = node_environment(os.environ, domain_id=domain_id, discovery=discovery)
     os.environ.clear()

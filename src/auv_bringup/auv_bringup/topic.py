@@ -16,6 +16,7 @@ import numpy as np
 import yaml
 
 from auv_bringup.bag_writer import BagError
+from auv_bringup.failures import DONE, answered
 from auv_bringup.one_line_parser import OneLineParser, refusal
 from auv_bringup.ros_types import message_class, prepare_environment
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from rclpy.node import Node
     from rclpy.qos import QoSProfile
 
-EXIT_DONE, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 2, 130
 WINDOW = 10_000
 MAX_ELEMENTS = 128
 REPORT_PERIOD_S = 1.0
@@ -34,19 +34,13 @@ _LOOK_S = 0.1
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status."""
-    options = _parse(argv)
-    try:
-        prepare_environment(options.discovery)
-        with _node() as node:
-            return int(options.run(node, options))
-    except BagError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return EXIT_BAD_INPUT
-    except KeyboardInterrupt:
-        return EXIT_INTERRUPTED
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return EXIT_DONE
+    return answered(lambda: _do(_parse(argv)), (BagError,), interrupted="", outlives_its_reader=False)
+
+
+def _do(options: argparse.Namespace) -> int:
+    prepare_environment(options.discovery)
+    with _node() as node:
+        return int(options.run(node, options))
 
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
@@ -121,7 +115,7 @@ def _list(node: Node, options: argparse.Namespace) -> int:
     """Print the topics that there are, once no new ones appear."""
     for name, types in sorted(_settled_topics(node, options.wait).items()):
         print(f"{name} [{', '.join(types)}]" if options.show_types else name)
-    return EXIT_DONE
+    return DONE
 
 
 def _info(node: Node, options: argparse.Namespace) -> int:
@@ -135,7 +129,7 @@ def _info(node: Node, options: argparse.Namespace) -> int:
         if options.verbose:
             for info in infos:
                 print(f"{info}\n")
-    return EXIT_DONE
+    return DONE
 
 
 def _echo(node: Node, options: argparse.Namespace) -> int:
@@ -149,7 +143,7 @@ def _echo(node: Node, options: argparse.Namespace) -> int:
         return left == 0
 
     _receive(node, options, show)
-    return EXIT_DONE
+    return DONE
 
 
 def _hz(node: Node, options: argparse.Namespace) -> int:
@@ -167,7 +161,7 @@ def _hz(node: Node, options: argparse.Namespace) -> int:
         return False
 
     _receive(node, options, note, raw=True)
-    return EXIT_DONE
+    return DONE
 
 
 def describe_rate(arrivals_s: Sequence[float] | deque[float]) -> str:
