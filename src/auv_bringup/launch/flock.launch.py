@@ -7,26 +7,29 @@ Fly a scenario with `ros2 launch`: the nodes of `./scripts/run`, started the ROS
     ros2 launch auv_bringup flock.launch.py set:='acoustics.outage.params.loss_prob=0.5; duration_s=60'
 
 It takes a ROS domain as `./scripts/run` does: $ROS_DOMAIN_ID, or the next that no other run holds.
-It makes the same results folder, with the scenario and the bag, and ends by itself when the flight is over.
-Metrics, figures and report are then made by `ros2 run auv_bringup run --report FOLDER`.
+It makes the same results folder, with the scenario, the bag and the logs of the nodes, and ends by itself:
+with metrics, figures and report, and with a status that is not 0 if the flight was lost.
 """
 
 import os
+import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from launch import Action, LaunchContext, LaunchDescription
 from launch.actions import (
     DeclareLaunchArgument,
     EmitEvent,
+    ExecuteProcess,
     LogInfo,
     OpaqueFunction,
     RegisterEventHandler,
     SetEnvironmentVariable,
     UnsetEnvironmentVariable,
 )
-from launch.event_handlers import OnProcessExit
+from launch.event_handlers import OnProcessExit, OnProcessIO, OnShutdown
 from launch.events import Shutdown, matches_action
-from launch.events.process import ProcessExited, ShutdownProcess
+from launch.events.process import ProcessExited, ProcessIO, ShutdownProcess
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
@@ -37,6 +40,7 @@ from auv_bringup.layout import DEFAULT_LAYOUT, LAYOUTS, ProcessSpec, process_spe
 from auv_bringup.node_start import (
     container_arguments,
     export_line,
+    log_name,
     node_environment,
     parts_of,
     write_params_file,
@@ -44,8 +48,12 @@ from auv_bringup.node_start import (
 from auv_bringup.plan import DEFAULT_SCENARIO, ROS_MODES, make_plan, start_results
 from auv_core.params import ConfigError
 
-# The recorder drains what is still under way before it closes the bag; launch's own 5 s could be too short.
-RECORDER_GRACE_S = "30"
+# A node hands over what it has published, the recorder closes the bag: launch's own 5 s could be too short.
+TIME_TO_LEAVE = {"sigterm_timeout": "30", "sigkill_timeout": "30"}
+
+
+class LostFlightError(RuntimeError):
+    """A flight was lost. Launch ends with a status that is not 0 only after an exception."""
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -108,22 +116,35 @@ def start_flight(context: LaunchContext) -> list[Action]:
         mode=plan.mode,
         bag_dir=folder / results.BAG if given["bag"] == "true" else None,
     )
-    actions = {role: [] for role in ("relay", "vehicle", "agent", "recorder")}
-    for process in process_specs(specs, plan.layout):
-        actions[process.role].append(process_action(process, params_dir))
-    nodes = [action for group in actions.values() for action in group]
-    ending = Ending(
-        relays=actions["relay"],
-        others=[*actions["vehicle"], *actions["agent"]],
-        recorders=actions["recorder"],
-    )
+    processes = {
+        process_action(process, params_dir): process for process in process_specs(specs, plan.layout)
+    }
+    ending = Ending(processes, folder, has_bag=given["bag"] == "true")
     return [
         LogInfo(msg=f"{plan.scenario.name}: {plan.scenario.title}; results go to {folder}"),
         *domain_notes(claim, given["discovery"]),
         *environment_actions(claim.domain_id, given["discovery"]),
+        RegisterEventHandler(log_handler(processes, folder)),
         RegisterEventHandler(OnProcessExit(on_exit=ending.process_ended)),
-        *nodes,
+        RegisterEventHandler(OnShutdown(on_shutdown=ending.shut_down)),
+        *processes,
     ]
+
+
+def log_of(process: ProcessSpec, folder: Path) -> Path:
+    """Return the log of a process in a folder of results."""
+    return folder / results.LOGS / f"{log_name(process.name)}.log"
+
+
+def log_handler(processes: Mapping[Node, ProcessSpec], folder: Path) -> OnProcessIO:
+    """Return what writes the output of each process to its log."""
+
+    def write(event: ProcessIO) -> None:
+        if event.action in processes:
+            with log_of(processes[event.action], folder).open("ab") as log:
+                log.write(event.text)
+
+    return OnProcessIO(on_stdout=write, on_stderr=write)
 
 
 def seed_of(text: str) -> int | None:
@@ -166,17 +187,15 @@ def process_action(process: ProcessSpec, params_dir: Path) -> Node:
         executable="node_container",
         arguments=container_arguments(parts_of(process, params_dir)),
         output="screen",
-        **({"sigterm_timeout": RECORDER_GRACE_S} if process.records else {}),
+        **TIME_TO_LEAVE,
     )
 
 
 def node_action(spec: NodeSpec, params_file: Path) -> Node:
     """Return the action that starts a node."""
-    options = {}
+    options = dict(TIME_TO_LEAVE)
     if spec.role != "relay":  # its process holds two nodes, and a name given here would go to both
         options["name"] = spec.name.rsplit("/", 1)[1]
-    if spec.role == "recorder":
-        options["sigterm_timeout"] = RECORDER_GRACE_S
     return Node(
         package=spec.package,
         executable=spec.executable,
@@ -191,33 +210,96 @@ class Ending:
     """
     Ends a flight in order.
 
-    When the relay, which holds the clock, has ended: vehicles and agents; after them the recorder. The end of
-    the recorder ends everything, too.
+    The end of the relay, which holds the clock, or of the recorder begins it: then relay, vehicles and agents
+    are ended, after them the recorder, then the report is made, and launch shuts down.
+
+    Parameters
+    ----------
+    processes : mapping
+        The processes of the flight, by their actions.
+    folder : Path
+        Folder of the results.
+    has_bag : bool
+        Whether there will be a bag to make a report of.
+
     """
 
-    def __init__(self, *, relays: list[Node], others: list[Node], recorders: list[Node]) -> None:
-        self._relays = relays
-        self._others = list(others)
-        self._recorders = recorders
+    def __init__(self, processes: Mapping[Node, ProcessSpec], folder: Path, *, has_bag: bool) -> None:
+        self._running = dict(processes)
+        self._told: set[Node] = set()
+        self._folder = folder
         self._has_begun = False
+        self._lost = ""
+        self._report = (
+            ExecuteProcess(
+                cmd=[sys.executable, "-m", "auv_bringup.cli", "--report", str(folder)],
+                name="report",
+                output="screen",
+            )
+            if has_bag
+            else None
+        )
+        self._last_line = (
+            f"to make the report:  ros2 run auv_bringup run --report {folder}"
+            if has_bag
+            else f"no bag, so no report; logs are in {folder / results.LOGS}"
+        )
 
     def process_ended(self, event: ProcessExited, context: LaunchContext) -> list[Action]:
-        """Take the end of any process; return what to do about it."""
-        if event.action in self._others:
-            self._others.remove(event.action)
-        if event.action in self._recorders:
-            return [self._shut_down("the recorder has ended")]
-        if event.action in self._relays:
-            self._has_begun = True
-            if self._others:
-                return [
-                    EmitEvent(event=ShutdownProcess(process_matcher=matches_action(action)))
-                    for action in self._others
-                ]
-        if self._has_begun and not self._others:
-            return [self._shut_down("the flight is over")]
-        return []
+        """
+        Take the end of a process; return what to do next.
 
-    @staticmethod
-    def _shut_down(reason: str) -> Action:
-        return EmitEvent(event=Shutdown(reason=reason))
+        Raises
+        ------
+        LostFlightError
+            At the end of a flight that was lost.
+
+        """
+        if event.action is self._report:
+            return self._report_ended(event.returncode)
+        if event.action not in self._running:
+            return []
+        self._judge(self._running.pop(event.action), event.returncode)
+        if context.is_shutdown:  # launch has told every process, and starts none any more
+            return [] if self._running else [LogInfo(msg=self._last_line)]
+        return self._next() if self._has_begun else []
+
+    def shut_down(self, _event: Shutdown, _context: LaunchContext) -> list[Action]:
+        """Say where the report is, unless processes that still run have more to say."""
+        return [] if self._running else [LogInfo(msg=self._last_line)]
+
+    def _judge(self, process: ProcessSpec, returncode: int) -> None:
+        """Begin the end, and find the flight lost, where the end of a process means that."""
+        if process.role not in ("relay", "recorder"):
+            return  # the clock, which hears of it, goes on without the vehicle or ends the flight
+        too_early = process.role == "recorder" and not self._has_begun
+        if (returncode != 0 or too_early) and not self._lost:
+            log = log_of(process, self._folder)
+            self._lost = (
+                f"the flight is lost: {process.name} has ended with status {returncode}; its log is {log}"
+            )
+        self._has_begun = True
+
+    def _next(self) -> list[Action]:
+        """Return what ends those that go next: the recorder goes last, then the report is made."""
+        flying = [action for action, process in self._running.items() if process.role != "recorder"]
+        leaving = flying or list(self._running)
+        if leaving:
+            untold = [action for action in leaving if action not in self._told]
+            self._told.update(untold)
+            return [
+                EmitEvent(event=ShutdownProcess(process_matcher=matches_action(action))) for action in untold
+            ]
+        return [self._report] if self._report is not None else self._finish()
+
+    def _report_ended(self, returncode: int) -> list[Action]:
+        if returncode == 0:
+            self._last_line = f"report: {self._folder / results.REPORT_FILE}"
+        else:
+            self._lost = self._lost or f"the report could not be made (status {returncode})"
+        return self._finish()
+
+    def _finish(self) -> list[Action]:
+        if self._lost:
+            raise LostFlightError(self._lost)
+        return [EmitEvent(event=Shutdown(reason="the flight is over"))]

@@ -41,15 +41,16 @@ NAMES = {
     "launch.actions": [
         "DeclareLaunchArgument",
         "EmitEvent",
+        "ExecuteProcess",
         "LogInfo",
         "OpaqueFunction",
         "RegisterEventHandler",
         "SetEnvironmentVariable",
         "UnsetEnvironmentVariable",
     ],
-    "launch.event_handlers": ["OnProcessExit"],
+    "launch.event_handlers": ["OnProcessExit", "OnProcessIO", "OnShutdown"],
     "launch.events": ["Shutdown"],
-    "launch.events.process": ["ProcessExited", "ShutdownProcess"],
+    "launch.events.process": ["ProcessExited", "ProcessIO", "ShutdownProcess"],
     "launch.substitutions": [],
     "launch_ros": [],
     "launch_ros.actions": ["Node"],
@@ -159,9 +160,12 @@ def test_nodes_that_share_a_process_are_in_a_container(start, layout, sizes):
     assert modules.count("auv_flocking.nodes.agent_node") == 4
     for path in (word for each in words for word in each[3::4]):
         assert "ros__parameters" in Path(path).read_text()
-    with_time = [node for node in nodes if node.options.get("sigterm_timeout") == "30"]
-    assert len(with_time) == 1
-    assert (with_time[0] in containers) == (layout == "single")
+
+
+@pytest.mark.parametrize("layout", ["node", "vehicle", "single"])
+def test_every_node_has_the_time_to_leave(start, layout):
+    for node in of_kind(start(layout=layout), "Node"):
+        assert (node.options["sigterm_timeout"], node.options["sigkill_timeout"]) == ("30", "30")
 
 
 def test_overrides_are_separated_by_semicolons(start, tmp_path):
@@ -256,41 +260,144 @@ def test_a_domain_that_is_none_starts_nothing_and_leaves_no_folder(start, tmp_pa
     assert not (tmp_path / "results").exists()
 
 
-def flight(actions):
-    """Return the nodes by executable, and what to call when one ends."""
-    nodes = {}
-    for node in of_kind(actions, "Node"):
-        nodes.setdefault(node.options["executable"], []).append(node)
-    (handler,) = of_kind(actions, "RegisterEventHandler")
-    on_exit = handler.arguments[0].options["on_exit"]
-    return nodes, lambda action: [a.options["event"] for a in on_exit(SimpleNamespace(action=action), None)]
+def handler(actions, name):
+    """Return the options of the one event handler of a kind."""
+    (found,) = [
+        registered.arguments[0].options
+        for registered in of_kind(actions, "RegisterEventHandler")
+        if kind(registered.arguments[0]) == name
+    ]
+    return found
 
 
-def test_the_flight_ends_in_order(start):
-    nodes, ended = flight(start())
-    (relay,) = nodes["acoustic_relay_node"]
-    others = [*nodes["vehicle_node"], *nodes["agent_node"]]
-    events = ended(relay)
-    assert [kind(event) for event in events] == ["ShutdownProcess"] * 8
-    assert {event.options["process_matcher"][1] for event in events} == set(others)
-    for node in others[:-1]:
-        assert ended(node) == []
-    assert [kind(event) for event in ended(others[-1])] == ["Shutdown"]
+class Flight:
+    """A flight whose processes end as the test says."""
+
+    def __init__(self, actions):
+        self.on_exit = handler(actions, "OnProcessExit")["on_exit"]
+        self.on_shutdown = handler(actions, "OnShutdown")["on_shutdown"]
+        self.nodes = {}
+        for node in of_kind(actions, "Node"):
+            self.nodes.setdefault(node.options["executable"], []).append(node)
+        self.others = [*self.nodes.get("vehicle_node", []), *self.nodes.get("agent_node", [])]
+
+    def end(self, process, returncode=0, *, is_shutdown=False):
+        """Return what is done at the end of a process."""
+        event = SimpleNamespace(action=process, returncode=returncode)
+        return self.on_exit(event, SimpleNamespace(is_shutdown=is_shutdown))
+
+    def end_all(self, returncode=0):
+        """End the relay, the others and the recorder; return what is done then."""
+        self.end(*self.nodes["acoustic_relay_node"], returncode)
+        for node in self.others:
+            done = self.end(node)
+        for recorder in self.nodes.get("recorder_node", []):
+            done = self.end(recorder)
+        return done
+
+    def last_line(self):
+        (action,) = self.on_shutdown(None, None)
+        return action.options["msg"]
+
+
+def told(actions):
+    """Return the processes that are told to end."""
+    events = [action.options["event"] for action in of_kind(actions, "EmitEvent")]
+    return {event.options["process_matcher"][1] for event in events if kind(event) == "ShutdownProcess"}
+
+
+def shuts_down(actions):
+    return [kind(action.options["event"]) for action in actions] == ["Shutdown"]
+
+
+def test_the_flight_ends_in_order(start, tmp_path):
+    flight = Flight(start())
+    (relay,), (recorder,) = flight.nodes["acoustic_relay_node"], flight.nodes["recorder_node"]
+    assert told(flight.end(relay)) == set(flight.others)
+    for node in flight.others[:-1]:
+        assert flight.end(node) == []
+    assert told(flight.end(flight.others[-1])) == {recorder}
+    (report,) = flight.end(recorder)
+    folder = tmp_path / "results" / "flock_acoustic-1-lockstep"
+    assert report.options["cmd"] == [sys.executable, "-m", "auv_bringup.cli", "--report", str(folder)]
+    assert shuts_down(flight.end(report))
+    assert flight.last_line() == f"report: {folder / 'report.html'}"
 
 
 def test_the_end_of_a_vehicle_is_left_to_the_clock(start):
-    nodes, ended = flight(start())
-    for node in [*nodes["vehicle_node"], *nodes["agent_node"]]:
-        assert ended(node) == []
-    assert [kind(event) for event in ended(nodes["acoustic_relay_node"][0])] == ["Shutdown"]
+    flight = Flight(start())
+    for node in flight.others:
+        assert flight.end(node, -9) == []
+    assert told(flight.end(*flight.nodes["acoustic_relay_node"])) == set(flight.nodes["recorder_node"])
 
 
 def test_the_end_of_the_process_of_all_nodes_ends_the_flight(start):
-    nodes, ended = flight(start(layout="single"))
-    assert [kind(event) for event in ended(nodes["node_container"][0])] == ["Shutdown"]
+    flight = Flight(start(layout="single"))
+    (report,) = flight.end(*flight.nodes["node_container"])
+    assert shuts_down(flight.end(report))
 
 
-def test_the_end_of_the_recorder_ends_the_flight(start):
-    nodes, ended = flight(start())
-    assert [kind(event) for event in ended(nodes["recorder_node"][0])] == ["Shutdown"]
-    assert nodes["recorder_node"][0].options["sigterm_timeout"] == "30"
+def test_a_flight_without_a_bag_has_no_report(start):
+    flight = Flight(start(bag="false"))
+    assert shuts_down(flight.end_all())
+    assert "no report" in flight.last_line()
+
+
+def test_a_lost_flight_ends_with_an_exception_after_its_report(start, launch_file, tmp_path):
+    flight = Flight(start())
+    (report,) = flight.end_all(returncode=3)
+    with pytest.raises(launch_file.LostFlightError, match=r"acoustic_relay_node .* status 3; its log is /"):
+        flight.end(report)
+    assert flight.last_line().endswith("report.html")
+
+
+def test_a_flight_whose_recorder_ends_first_is_lost(start, launch_file):
+    flight = Flight(start())
+    (relay,) = flight.nodes["acoustic_relay_node"]
+    assert told(flight.end(*flight.nodes["recorder_node"])) == {relay, *flight.others}
+    assert flight.end(relay, 3) == []  # everybody is told only once
+    for node in flight.others:
+        done = flight.end(node)
+    with pytest.raises(launch_file.LostFlightError, match="recorder_node has ended with status 0"):
+        flight.end(*done)
+
+
+def test_a_report_that_fails_names_its_command(start, launch_file):
+    flight = Flight(start())
+    (report,) = flight.end_all()
+    with pytest.raises(launch_file.LostFlightError, match="report could not be made"):
+        flight.end(report, 1)
+    assert "ros2 run auv_bringup run --report /" in flight.last_line()
+
+
+def test_after_ctrl_c_nothing_is_started_and_the_last_line_names_the_reports_command(start):
+    flight = Flight(start())
+    assert flight.on_shutdown(None, None) == []
+    *first, last = [node for group in flight.nodes.values() for node in group]
+    for node in first:
+        assert flight.end(node, is_shutdown=True) == []
+    (line,) = flight.end(last, is_shutdown=True)
+    assert "ros2 run auv_bringup run --report /" in line.options["msg"]
+
+
+@pytest.mark.parametrize("layout", ["node", "vehicle", "single"])
+def test_what_a_process_says_is_in_the_log_that_the_run_command_gives_it(start, tmp_path, layout):
+    actions = start(layout=layout)
+    io = handler(actions, "OnProcessIO")
+    for number, node in enumerate(of_kind(actions, "Node")):
+        io["on_stdout"](SimpleNamespace(action=node, text=b"out %d\n" % number))
+        io["on_stderr"](SimpleNamespace(action=node, text=b"err\n"))
+    io["on_stdout"](SimpleNamespace(action="the report", text=b"not a node's\n"))
+    (folder,) = (tmp_path / "results").iterdir()
+    logs = {log.name: log.read_text() for log in (folder / "logs").glob("*.log")}
+    assert (
+        set(logs)
+        == {
+            "node": {f"auv_{i}.{role}_node.log" for i in range(1, 5) for role in ("vehicle", "agent")}
+            | {"acoustic_relay_node.log", "recorder_node.log"},
+            "vehicle": {f"auv_{i}.log" for i in range(1, 5)}
+            | {"acoustic_relay_node.log", "recorder_node.log"},
+            "single": {"node_container.log"},
+        }[layout]
+    )
+    assert sorted(logs.values()) == sorted(f"out {number}\nerr\n" for number in range(len(logs)))

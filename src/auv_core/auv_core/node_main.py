@@ -90,6 +90,9 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
         for node in nodes:
             node.destroy_node()
         rclpy.try_shutdown()
+        # Python drops its handlers while it shuts down: a late signal would then kill the process.
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
 
 
 def _spin(nodes: Sequence[Node], is_stopped: Callable[[], bool]) -> None:
