@@ -1,16 +1,20 @@
 """Claims about what a sweep shows: known confidence intervals, and a page whose numbers are the table's."""
 
 import csv
+import json
 import math
 import shutil
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from auv_bringup.results import ResultsError
 from auv_bringup.sweeps import cli
+from auv_bringup.sweeps import table as sweep_table
 from auv_bringup.sweeps.confidence import distribution_band, summarise
 from auv_bringup.sweeps.plan import PlannedRun
 from auv_bringup.sweeps.study import study_from_plain
@@ -92,6 +96,104 @@ def test_a_table_comes_back_with_its_study(tmp_path):
     assert table.columns["scenario.b.kind"][:6] == ["x"] * 3 + [None] * 3
     assert table.columns["pair_distance_min_m"][-1] is None
     assert table.columns["status"][-2:] == ["done", "failed"]
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    """Return the bytes of a table, what is in it, and a folder to put others into."""
+    folder = tmp_path_factory.mktemp("table")
+    study, rows = made_up()
+    return write_table(folder, study, rows, {"Python": "3"}).read_bytes(), read_table(folder), folder
+
+
+@given(st.data())
+def test_a_flipped_bit_is_found_or_changes_nothing(good, data):
+    whole, expected, folder = good
+    place = data.draw(st.integers(0, 8 * len(whole) - 1))
+    changed = bytearray(whole)
+    changed[place // 8] ^= 1 << place % 8
+    (folder / "runs.parquet").write_bytes(changed)
+    try:
+        found = read_table(folder)
+    except ResultsError:
+        return
+    assert (found.study, found.making, found.columns) == (expected.study, expected.making, expected.columns)
+
+
+def rewritten(folder, change):
+    """Write the table again after a change of it, with a checksum that holds."""
+    study, rows = made_up()
+    table = pq.read_table(write_table(folder, study, rows, {"Python": "3"}))
+    about = json.loads(table.schema.metadata[b"shoal"])
+    del about["checksum"]
+    table = change(table, about)
+    about["checksum"] = sweep_table._checksum(table, about)
+    table = table.replace_schema_metadata({b"shoal": json.dumps(about).encode()})
+    pq.write_table(table, folder / "runs.parquet")
+
+
+def with_column(name, values):
+    def change(table, about):
+        return table.drop_columns([name] if name in table.column_names else []).append_column(name, [values])
+
+    return change
+
+
+def with_about(**changes):
+    def change(table, about):
+        about.update(changes)
+        return table
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (with_column("seed", ["one"] * 12), "column seed: string is not its type"),
+        (with_column("error", [None] * 12), "column error: null is not its type"),
+        (with_column("key", ["a"] * 11 + [None]), "column key: a value is missing"),
+        (with_column("status", ["fine"] * 12), "column status: 'fine' is not a status"),
+        (with_column("cpu_s", ["long"] * 12), "column cpu_s: string is not its type"),
+        (with_column("collision", [[1]] * 12), "column collision: list<element: int64> is not a number"),
+        (with_column("../collision", [1] * 12), "column '../collision': not the name of a metric"),
+        (lambda table, about: table.drop_columns(["scenario.b.kind"]), "column scenario.b.kind: missing"),
+        (lambda table, about: table.slice(0, 0), "no rows"),
+        (with_about(texts=["a.slot_s"]), "JSON"),
+        (with_about(texts=7), "TypeError"),
+        (with_about(making={"Python": 3}), "making: not words by name"),
+        (with_about(study={}), "ConfigError"),
+    ],
+)
+def test_a_table_of_wrong_types_is_refused_in_one_line(tmp_path, capsys, change, words):
+    rewritten(tmp_path, change)
+    assert cli.main(["--summarise", str(tmp_path)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"error: {tmp_path / 'runs.parquet'}: not the table of a sweep (")
+    assert words in line
+
+
+@pytest.mark.parametrize(
+    ("n", "word", "words"),
+    [(200_000, "a", "200000 rows; allowed: up to 100000"), (2000, "a" * 20_000, "it unpacks to more than")],
+)
+def test_a_small_file_that_unpacks_to_much_is_refused(tmp_path, monkeypatch, n, word, words):
+    monkeypatch.setattr(sweep_table, "_MOST_BYTES", 1 << 24)
+    pq.write_table(pa.table({"error": [word] * n}), tmp_path / "runs.parquet")
+    assert (tmp_path / "runs.parquet").stat().st_size < 1 << 20
+    with pytest.raises(ResultsError, match=words):
+        read_table(tmp_path)
+
+
+def test_a_table_of_an_earlier_version_has_no_checksum_and_is_read(tmp_path):
+    study, rows = made_up()
+    table = pq.read_table(write_table(tmp_path, study, rows, {}))
+    about = json.loads(table.schema.metadata[b"shoal"])
+    del about["checksum"]
+    pq.write_table(
+        table.replace_schema_metadata({b"shoal": json.dumps(about).encode()}), tmp_path / "runs.parquet"
+    )
+    assert read_table(tmp_path).n_runs == 12
 
 
 def test_numbers_whole_or_not_are_one_column_and_mixed_values_are_text(tmp_path):

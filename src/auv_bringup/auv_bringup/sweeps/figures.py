@@ -23,6 +23,7 @@ from auv_bringup.sweeps.confidence import Summary, distribution_band
 from auv_bringup.sweeps.study import is_number, value_text
 from auv_bringup.sweeps.summary import Group, groups_by, metric_of
 from auv_bringup.sweeps.table import PREFIX, SweepTable
+from auv_bringup.whole_files import whole_file
 
 _SIZE_IN = (7.2, 3.6)
 _DPI = 130
@@ -46,7 +47,8 @@ def write_figures(folder: Path, table: SweepTable, metrics: Sequence[str]) -> di
                 canvas = Canvas(figsize=_SIZE_IN, layout="constrained")
                 draw_metric(canvas, table, name)
                 paths[name] = folder / f"{name}.png"
-                canvas.savefig(paths[name], dpi=_DPI, metadata={"Software": None})
+                with whole_file(paths[name]) as unfinished:
+                    canvas.savefig(unfinished, dpi=_DPI, metadata={"Software": None})
     return paths
 
 

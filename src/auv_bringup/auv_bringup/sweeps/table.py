@@ -8,6 +8,8 @@ so that all but the last two columns are the same however the runs were flown.
 
 from __future__ import annotations
 
+import errno
+import hashlib
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -17,9 +19,10 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from auv_bringup.failures import one_line
 from auv_bringup.results import ResultsError
 from auv_bringup.sweeps.plan import PlannedRun
-from auv_bringup.sweeps.study import Study, is_number, study_from_plain, value_text
+from auv_bringup.sweeps.study import MAX_RUNS, Study, is_number, study_from_plain, value_text
 from auv_bringup.sweeps.worker import Finished
 from auv_bringup.whole_files import whole_file
 from auv_core.params import ConfigError, dump
@@ -29,7 +32,25 @@ DONE, FAILED = "done", "failed"
 PREFIX = "scenario."
 WALL_CLOCK_COLUMNS = ("wall_s", "cpu_s")
 _ABOUT = b"shoal"
-_FIXED = {"run", "seed", "key", "status", "error", *WALL_CLOCK_COLUMNS}
+_CHECKSUM = "checksum"
+_KEYS_OF_OLD_TABLES = {"study", "making", "texts"}
+_TYPES = {
+    "run": pa.types.is_int64,
+    "seed": pa.types.is_int64,
+    "key": pa.types.is_string,
+    "status": pa.types.is_string,
+    "error": pa.types.is_string,
+    **dict.fromkeys(WALL_CLOCK_COLUMNS, lambda found: pa.types.is_float64(found) or pa.types.is_null(found)),
+}
+_SCALARS = (
+    pa.types.is_int64,
+    pa.types.is_float64,
+    pa.types.is_boolean,
+    pa.types.is_string,
+    pa.types.is_null,
+)
+_ROWS_AT_ONCE = 256
+_MOST_BYTES = 1 << 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +87,7 @@ class SweepTable:
     @property
     def metrics(self) -> list[str]:
         """Names of the columns that are metrics."""
-        return [name for name in self.columns if name not in _FIXED and not name.startswith(PREFIX)]
+        return [name for name in self.columns if name not in _TYPES and not name.startswith(PREFIX)]
 
 
 def write_table(
@@ -89,8 +110,10 @@ def write_table(
     """
     columns = {name: pa.array(values) for name, values in _columns(study, rows).items()}
     texts = [path for path in study.parameters if not _is_one_type([r.parameters[path] for r, _ in rows])]
-    about = json.dumps({"study": dump(study), "making": making, "texts": texts}, allow_nan=False)
-    table = pa.table(columns).replace_schema_metadata({_ABOUT: about.encode()})
+    table = pa.table(columns)
+    about: dict[str, Any] = {"study": dump(study), "making": making, "texts": texts}
+    about[_CHECKSUM] = _checksum(table, about)
+    table = table.replace_schema_metadata({_ABOUT: json.dumps(about, allow_nan=False).encode()})
     path = folder / TABLE_FILE
     with whole_file(path) as unfinished:
         pq.write_table(table, unfinished, write_page_checksum=True)
@@ -109,14 +132,67 @@ def read_table(folder: Path) -> SweepTable:
     """
     path = folder / TABLE_FILE
     try:
-        table = pq.read_table(path)
+        table = _read(path)
         about = json.loads((table.schema.metadata or {})[_ABOUT])
+        if set(about) != _KEYS_OF_OLD_TABLES and about.pop(_CHECKSUM) != _checksum(table, about):
+            raise ValueError("its checksum does not hold")
         study = study_from_plain(about["study"])
+        _check(table, study, about)
         return SweepTable(study, about["making"], table.to_pydict(), frozenset(about["texts"]))
     except OSError as error:
-        raise ResultsError(f"{path}: cannot be read ({error.strerror or 'no such table'})") from None
-    except (pa.ArrowException, LookupError, ValueError, TypeError, ConfigError):
-        raise ResultsError(f"{path}: not the table of a sweep") from None
+        raise ResultsError(f"{path}: cannot be read ({error.strerror or one_line(error)})") from None
+    except (pa.ArrowException, LookupError, ValueError, TypeError, RecursionError, ConfigError) as error:
+        raise ResultsError(f"{path}: not the table of a sweep ({one_line(error)})") from None
+
+
+def _read(path: Path) -> pa.Table:
+    """Return a table with its checksums verified, and never more of it than fits into memory."""
+    if not path.is_file():
+        raise FileNotFoundError(errno.ENOENT, "no such table")
+    with pq.ParquetFile(path, page_checksum_verification=True) as file:
+        if file.metadata.num_rows > MAX_RUNS:
+            raise ValueError(f"{file.metadata.num_rows} rows; allowed: up to {MAX_RUNS}")
+        batches, n_bytes = [], 0
+        for batch in file.iter_batches(batch_size=_ROWS_AT_ONCE):
+            batches.append(batch)
+            n_bytes += batch.nbytes
+            if n_bytes > _MOST_BYTES:
+                raise ValueError(f"it unpacks to more than {_MOST_BYTES} bytes")
+        return pa.Table.from_batches(batches, file.schema_arrow)
+
+
+def _checksum(table: pa.Table, about: dict[str, Any]) -> str:
+    """Return a checksum of all but the wall-clock columns, so that equal sweeps give equal tables."""
+    columns = table.drop_columns(list(WALL_CLOCK_COLUMNS)).to_pydict()
+    return hashlib.sha256(json.dumps([about, columns], sort_keys=True).encode()).hexdigest()
+
+
+def _check(table: pa.Table, study: Study, about: dict[str, Any]) -> None:
+    """Raise ValueError or TypeError where what was read is not what `write_table` writes."""
+    types = {field.name: field.type for field in table.schema}
+    if not len(table):
+        raise ValueError("no rows")
+    if len(types) != len(table.schema):
+        raise ValueError("a column stands twice")
+    for name, is_right in _TYPES.items():
+        if not is_right(types[name]):
+            raise TypeError(f"column {name}: {types[name]} is not its type")
+        if name not in WALL_CLOCK_COLUMNS and table[name].null_count:
+            raise ValueError(f"column {name}: a value is missing")
+    for name, found in types.items():
+        if not any(is_scalar(found) for is_scalar in _SCALARS):
+            raise TypeError(f"column {name}: {found} is not a number, a truth value or a word")
+        if not name.startswith(PREFIX) and not name.isidentifier():
+            raise ValueError(f"column {name!r}: not the name of a metric")
+    if strange := set(table["status"].to_pylist()) - {DONE, FAILED}:
+        raise ValueError(f"column status: {sorted(strange)[0]!r} is not a status")
+    for path in about["texts"]:
+        for text in table[PREFIX + path].unique().to_pylist():
+            json.loads(text)
+    if missing := [path for path in study.parameters if PREFIX + path not in types]:
+        raise ValueError(f"column {PREFIX}{missing[0]}: missing")
+    if not all(isinstance(word, str) for pair in about["making"].items() for word in pair):
+        raise TypeError("making: not words by name")
 
 
 def _columns(study: Study, rows: Sequence[tuple[PlannedRun, Finished]]) -> dict[str, list[Any]]:
