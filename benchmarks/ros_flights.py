@@ -83,6 +83,7 @@ def run_bare(
         schedule_as_batch()
     else:
         environ = {name: value for name, value in environ.items() if name != PROFILES}
+        environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 
     def count(number: int) -> None:
         tick.value = number

@@ -14,7 +14,7 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from auv_bringup.node_start import config_file
+from auv_bringup.node_start import node_environment
 from auv_core.qos import own_qos
 
 LIMIT_S = 30.0
@@ -37,8 +37,7 @@ class Desk:
     """A node with its own context and executor."""
 
     def __init__(self) -> None:
-        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-        os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(config_file("fastdds.xml")))
+        os.environ.update(node_environment(os.environ, domain_id=domain_id(), discovery="localhost"))
         self.context = rclpy.Context()
         rclpy.init(context=self.context, domain_id=domain_id())
         self.node = rclpy.create_node("desk", context=self.context, enable_rosout=False)

@@ -254,7 +254,7 @@ def _fly_in_process(plan: Plan, folder: Path, options: argparse.Namespace) -> in
 
 def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim: DomainClaim) -> int:
     from auv_bringup.launcher import fly
-    from auv_bringup.node_start import export_line
+    from auv_bringup.node_start import export_line, reach_notes
     from auv_bringup.processes import Interrupts
     from auv_bringup.progress import Progress
 
@@ -262,6 +262,8 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
     if claim.is_moved:
         print(f"ROS domain {claim.asked_id} is in use by another run; this one takes domain {domain_id}")
     print(f"to look in from another shell:  {export_line(domain_id, options.discovery)}", flush=True)
+    for line in reach_notes(os.environ, options.discovery):
+        print(line, flush=True)
     with Interrupts() as interrupts, Progress(plan.scenario.duration_s) as progress:
         flight = fly(
             plan.scenario,

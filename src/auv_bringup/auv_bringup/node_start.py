@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 # One vehicle's matrices are small: threads of the linear algebra would only fight over the cores.
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 CONTAINER_MODULE = "auv_bringup.nodes.node_container"
+PROFILES, LOCAL_PROFILES = "fastdds.xml", "fastdds_localhost.xml"
 
 
 @dataclass(frozen=True)
@@ -86,8 +87,8 @@ def node_environment(environ: Mapping[str, str], *, domain_id: int, discovery: s
     domain_id : int
         ROS domain.
     discovery : str
-        'localhost' keeps ROS traffic on this machine, whatever the user's environment says; 'subnet' lets
-        it out.
+        'localhost' keeps ROS traffic on this machine, whatever the user's environment says but for a
+        profiles file of Fast DDS: that is the user's word on transports too; 'subnet' lets it out.
 
     """
     result = dict(environ)
@@ -103,9 +104,30 @@ def node_environment(environ: Mapping[str, str], *, domain_id: int, discovery: s
         **ONE_THREAD,
         **log_folder(environ),
     )
-    if not ("FASTRTPS_DEFAULT_PROFILES_FILE" in environ or "FASTDDS_DEFAULT_PROFILES_FILE" in environ):
-        result["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(config_file("fastdds.xml"))
+    if own_profiles(environ) is None:
+        is_closed = discovery == "localhost" and "fastrtps" in environ.get("RMW_IMPLEMENTATION", "fastrtps")
+        profiles = LOCAL_PROFILES if is_closed else PROFILES
+        result["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(config_file(profiles))
+        if is_closed:  # the file says it all, and closes what LOCALHOST leaves open
+            result["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SYSTEM_DEFAULT"
     return result
+
+
+def own_profiles(environ: Mapping[str, str]) -> str | None:
+    """Return the profiles file of Fast DDS that the user has set, None without one."""
+    ours = {str(config_file(name)) for name in (PROFILES, LOCAL_PROFILES)}
+    names = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
+    return next((environ[name] for name in names if name in environ and environ[name] not in ours), None)
+
+
+def reach_notes(environ: Mapping[str, str], discovery: str) -> list[str]:
+    """Return what the user should know about who can reach a run, a line each."""
+    if discovery == "subnet":
+        return ["discovery subnet: every machine on this network sees the run and can send it ROS messages"]
+    profiles = own_profiles(environ)
+    if profiles is None:
+        return []
+    return [f"note: Fast DDS follows {profiles}: whether traffic stays on this machine is its word"]
 
 
 def export_line(domain_id: int, discovery: str) -> str:

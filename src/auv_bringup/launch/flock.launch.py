@@ -43,6 +43,7 @@ from auv_bringup.node_start import (
     log_name,
     node_environment,
     parts_of,
+    reach_notes,
     write_params_file,
 )
 from auv_bringup.plan import DEFAULT_SCENARIO, ROS_MODES, make_plan, start_results
@@ -164,7 +165,7 @@ def domain_notes(claim: DomainClaim, discovery: str) -> list[Action]:
             f"ROS domain {claim.asked_id} is in use by another run; this one takes domain {claim.domain_id}"
         )
         notes.insert(0, LogInfo(msg=moved))
-    return notes
+    return [*(LogInfo(msg=line) for line in reach_notes(os.environ, discovery)), *notes]
 
 
 def environment_actions(domain_id: int, discovery: str) -> list[Action]:

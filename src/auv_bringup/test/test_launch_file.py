@@ -197,11 +197,12 @@ def test_bad_arguments_start_nothing_and_leave_no_folder(start, tmp_path, given)
 
 def test_the_nodes_stay_on_this_machine_unless_told_otherwise(start, monkeypatch):
     monkeypatch.setenv("ROS_STATIC_PEERS", "10.0.0.1")
-    monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE", raising=False)
+    for name in ("ROS_AUTOMATIC_DISCOVERY_RANGE", "FASTRTPS_DEFAULT_PROFILES_FILE"):
+        monkeypatch.delenv(name, raising=False)
     actions = start()
-    assert ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST") in [
-        action.arguments for action in of_kind(actions, "SetEnvironmentVariable")
-    ]
+    given = dict(action.arguments for action in of_kind(actions, "SetEnvironmentVariable"))
+    assert given["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SYSTEM_DEFAULT"
+    assert given["FASTRTPS_DEFAULT_PROFILES_FILE"].endswith("fastdds_localhost.xml")
     assert ("ROS_STATIC_PEERS",) in [
         action.arguments for action in of_kind(actions, "UnsetEnvironmentVariable")
     ]
