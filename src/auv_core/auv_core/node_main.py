@@ -32,14 +32,18 @@ from rclpy.task import Future
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from auv_core.hearing import Hearing
+from auv_core.node_params import refuse_unknown_parameters
 from auv_core.params import ConfigError
 from auv_core.qos import LATCHED
 from auv_core.run_config import RunConfig, TickClock
+from auv_core.run_watch import RunEnd, listed, say_waits
 from auv_msgs.msg import FlockStatus
 
 _WAKE_S = 0.25
 _HAND_OVER_S = 5.0
 _LOOK_S = 0.02
+
+WAITS_FOR_RUN = "the run to begin: /flock/status of /clock_node"
 
 
 def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str] | None = None) -> int:
@@ -50,7 +54,9 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     ----------
     make_nodes : callable
         Makes the nodes, after ``rclpy.init``.  A node may have ``done`` (true when the process shall end),
-        ``exit_code`` and ``on_stop()``, which is called once, before the node is destroyed.
+        ``exit_code``, ``on_stop()``, which is called once, before the node is destroyed, and ``waits_for()``,
+        words that are said every 5 s as long as there are any.  Without any of that the process ends some
+        seconds after its run.
     arguments : sequence of str, optional
         ROS arguments of all nodes; those of the command line if left out.
 
@@ -70,9 +76,12 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     status = 0
     try:
         nodes = make_nodes()
+        refuse_unknown_parameters(nodes)
         for node in nodes:
             node.add_on_set_parameters_callback(_refuse_changes)
-        _spin(nodes, lambda: bool(stopping))
+            say_waits(node)
+        run_end = RunEnd(nodes[0])
+        _spin(nodes, lambda: bool(stopping) or run_end.is_past())
     except ConfigError as error:
         sys.stderr.write(f"error: {error}\n")
         status = 2
@@ -192,6 +201,11 @@ class Rendezvous:
     def missing(self) -> list[str]:
         """Return the full names of the nodes not found yet, sorted."""
         return sorted(set().union(*(self._absent(audience) for audience in self._waiting)))
+
+    def waits_for(self) -> str:
+        """Return who is missing, or which topics are not matched, in words."""
+        topics = [audience.publisher.topic_name for audience in self._waiting]
+        return listed(self.missing()) or listed(topics)
 
     def _look(self) -> None:
         self._waiting = [audience for audience in self._waiting if not self._complete(audience)]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import types
 import typing
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -62,6 +62,37 @@ def declare_config(node: Node, cls: type[T], prefix: str = "") -> T:
     """
     raw = _declare_fields(node, cls, prefix)
     return load(cls, raw, prefix.rstrip(".") or f"parameters of {node.get_name()}")
+
+
+def refuse_unknown_parameters(nodes: Sequence[Node]) -> None:
+    """
+    Refuse parameters that were given to a process and that none of its nodes has.
+
+    Raises
+    ------
+    ConfigError
+        With the name, and the names beside it that there are.
+
+    """
+    for node in nodes:
+        for name in node._parameter_overrides:
+            if not any(each.has_parameter(name) for each in nodes):
+                beside = _names_beside(name, nodes)
+                raise ConfigError(
+                    f"parameters of {node.get_fully_qualified_name()}: unknown name {name!r}; "
+                    f"allowed: {', '.join(beside)}"
+                )
+
+
+def _names_beside(name: str, nodes: Sequence[Node]) -> list[str]:
+    """Return the parameters under the longest beginning of a dotted name under which there are any."""
+    known = sorted({known for node in nodes for known in node._parameters})
+    while "." in name:
+        name = name.rpartition(".")[0]
+        beside = [each for each in known if each.startswith(name + ".")]
+        if beside:
+            return beside
+    return [each for each in known if not each.startswith("qos_overrides.")]
 
 
 def _declare_fields(node: Node, cls: Any, prefix: str) -> dict[str, Any]:

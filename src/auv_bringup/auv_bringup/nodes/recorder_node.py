@@ -27,9 +27,10 @@ from auv_bringup.bag_writer import BagError, Qos
 from auv_bringup.recorded_topics import CLOCK_TOPIC, LOG_TOPIC, TopicSpec, topics_of_graph
 from auv_bringup.ros_types import message_class, qos_of_profile
 from auv_core.node_main import main_loop, steady_timer
-from auv_core.node_params import declare_config
+from auv_core.node_params import declare_config, refuse_unknown_parameters
 from auv_core.params import ConfigError, param
 from auv_core.qos import LATCHED, own_qos
+from auv_core.run_watch import listed
 from auv_msgs.msg import RecorderStatus
 
 EXIT_INTERNAL = 1
@@ -56,6 +57,8 @@ class RecorderNode(Node):
         self.done = False
         self.exit_code = 0
         config = declare_config(self, RecorderConfig)
+        refuse_unknown_parameters([self])
+        self._vehicle_ids = config.topics_vehicles
         self._status = self.create_publisher(RecorderStatus, "/recorder/status", LATCHED)
         self._heard_ticks: list[bytes] = []
         self._topics_met: set[str] = set()
@@ -71,8 +74,19 @@ class RecorderNode(Node):
 
     @property
     def subscriptions(self) -> Iterator[Subscription]:
-        """The subscriptions that the executor shall serve: that of the clock."""
-        yield self._by_topic[CLOCK_TOPIC]
+        """The subscriptions that the executor shall serve: that of the clock, and what is not recorded."""
+        recorded = {id(each) for topic, each in self._by_topic.items() if topic != CLOCK_TOPIC}
+        yield from (each for each in super().subscriptions if id(each) not in recorded)
+
+    def waits_for(self) -> str:
+        """Return for what the node waits, in words, or nothing."""
+        return listed(
+            [
+                f"/{each}/vehicle_node"
+                for each in self._vehicle_ids
+                if f"/{each}/state" not in self._topics_met
+            ]
+        )
 
     def on_stop(self) -> None:
         """Record what has arrived, close the bag, say so."""

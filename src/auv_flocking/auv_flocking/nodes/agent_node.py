@@ -26,6 +26,7 @@ from auv_core.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere,
 from auv_core.messages import Inbox, command_numbers
 from auv_core.messages import VehicleState as State
 from auv_core.node_main import (
+    WAITS_FOR_RUN,
     Audience,
     Rendezvous,
     main_loop,
@@ -37,6 +38,7 @@ from auv_core.node_main import (
 from auv_core.node_params import declare_config
 from auv_core.qos import EVERY_TICK, LATCHED, own_qos
 from auv_core.run_config import RunConfig
+from auv_core.run_watch import Standstill
 from auv_flocking.agent import Agent, AgentConfig
 from auv_flocking.estimates import CENTRE
 from auv_flocking.holding import cause_number
@@ -71,6 +73,7 @@ class AgentNode(Node):
         self._nav: State | None = None
         self._inbox: Inbox | None = None
         self._tick = 0
+        self._standstill = Standstill(self._tick)
         self._connect(own_qos(admits_strangers=run.admits_strangers))
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
 
@@ -132,6 +135,17 @@ class AgentNode(Node):
         self._publish_path()
         self._mail.start(max(self._ticks.tick_now(), 0))
         steady_timer(self, self._config.period_s, self._run_free)
+
+    def waits_for(self) -> str:
+        """Return for what the node waits, in words, or nothing."""
+        if not self._meeting.ready:
+            return self._meeting.waits_for()
+        if not self._ticks.started:
+            return WAITS_FOR_RUN
+        if not self._ticks.lockstep or not self._standstill.at(self._tick):
+            return ""
+        owed = [topic for topic, it in (("nav", self._nav), ("acoustic/rx", self._inbox)) if it is None]
+        return f"{' and '.join(owed)} of tick {self._tick}"
 
     def _on_nav(self, data: bytes) -> None:
         nav = convert.state_from_bytes(data)

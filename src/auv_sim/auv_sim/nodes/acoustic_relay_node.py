@@ -31,6 +31,7 @@ from auv_core.node_params import declare_config
 from auv_core.params import param
 from auv_core.qos import EVERY_TICK, own_qos
 from auv_core.run_config import RunConfig
+from auv_core.run_watch import Standstill, listed
 from auv_msgs.msg import AcousticEvents, AcousticInbox, AcousticOutbox
 from auv_msgs.msg import VehicleState as VehicleStateMsg
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
@@ -84,6 +85,7 @@ class AcousticRelayNode(Node):
         self._heard_at_s: dict[tuple[str, int], float] = {}
         self._adrift: dict[int, Vehicle] = {}
         self._hulls: dict[int, VehicleConfig] = {}
+        self._standstill = Standstill(self._barrier.tick)
         if watch.on_vehicle_loss == "continue":
             self._hulls = {
                 i: declare_config(self, VehicleConfig, f"hulls.{name}.") for i, name in enumerate(self._ids)
@@ -145,6 +147,12 @@ class AcousticRelayNode(Node):
         self._ticks.begin()
         self.clock.announce()
         steady_timer(self, self._period_s, self._run_free)
+
+    def waits_for(self) -> str:
+        """Return for what the node waits, in words, or nothing."""
+        if not self._meeting.ready:
+            return self._meeting.waits_for()
+        return listed(self._awaited()) if self._standstill.at(self._barrier.tick) else ""
 
     def _take_state(self, index: int, data: bytes) -> None:
         """Take an answer in lock-step."""

@@ -19,6 +19,7 @@ from auv_core.diagnostic_bytes import Status, diagnostics_bytes
 from auv_core.hearing import Hearing
 from auv_core.messages import Command
 from auv_core.node_main import (
+    WAITS_FOR_RUN,
     Audience,
     Rendezvous,
     main_loop,
@@ -30,6 +31,7 @@ from auv_core.node_main import (
 from auv_core.node_params import declare_config
 from auv_core.qos import EVERY_TICK, own_qos
 from auv_core.run_config import RunConfig
+from auv_core.run_watch import Standstill
 from auv_core.stencil import header_stamp_s
 from auv_msgs.msg import VehicleState
 from auv_sim.command_watch import CommandWatch
@@ -52,6 +54,7 @@ class VehicleNode(Node):
         self._has_begun = False
         self._watch = CommandWatch(self._config.command_max_age_s, self._config.period_s)
         self._alarm = Alarm(self.get_logger(), "the actuators rest", "the actuators act again")
+        self._standstill = Standstill(self._vehicle.state.tick)
         self.exit_code, self.done = 0, False
         self._state_pub = self.create_publisher(VehicleState, "state", EVERY_TICK)
         self._nav_pub = self.create_publisher(VehicleState, "nav", EVERY_TICK)
@@ -87,6 +90,16 @@ class VehicleNode(Node):
     def _begin(self) -> None:
         self._watch.newest.start(max(self._clock_ticks.tick_now(), 0))
         steady_timer(self, self._config.period_s, self._run_free)
+
+    def waits_for(self) -> str:
+        """Return for what the node waits, in words, or nothing."""
+        if not self._meeting.ready:
+            return self._meeting.waits_for()
+        if not self._clock_ticks.started:
+            return WAITS_FOR_RUN
+        tick = self._vehicle.state.tick
+        is_still = self._clock_ticks.lockstep and self._standstill.at(tick)
+        return f"a command for tick {tick}" if is_still else ""
 
     def _on_command(self, data: bytes) -> None:
         tick = self._clock_ticks.tick_of_stamp(header_stamp_s(data))

@@ -1,0 +1,72 @@
+"""What a process of nodes says while it waits, and how it ends with its run."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+from auv_core.hearing import Hearing, decoded
+from auv_core.qos import LATCHED
+from auv_msgs.msg import FlockStatus
+
+_SAY_S = 5.0
+_GRACE_S = 3.0
+_MOST_NAMES = 10
+_OVER = (FlockStatus.FINISHED, FlockStatus.ABORTED)
+_OVER_BYTES = tuple(state.encode() + b"\0" for state in _OVER)
+
+
+def say_waits(node: Node) -> None:
+    """Log every few seconds for what a node waits: `waits_for()` of the node, if it has any words."""
+
+    def say() -> None:
+        words = node.waits_for()
+        if words:
+            node.get_logger().info(f"waits for {words}")
+
+    if hasattr(node, "waits_for"):
+        node.create_timer(_SAY_S, say, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names for people, the first few of many."""
+    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
+    return ", ".join(names[:_MOST_NAMES]) + more
+
+
+class Standstill:
+    """Tells whether something has not moved since it was looked at last, or since its start."""
+
+    def __init__(self, start: int) -> None:
+        self._last = start
+
+    def at(self, progress: int) -> bool:
+        """Return whether `progress` is what it was at the last call."""
+        last, self._last = self._last, progress
+        return last == progress
+
+
+class RunEnd:
+    """Hears that the run of a node is over; some time later, when everybody has heard it, it is past."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._over_at_s: float | None = None
+        Hearing(node).listen(FlockStatus, "/flock/status", self._hear, LATCHED)
+
+    def is_past(self) -> bool:
+        """Return whether the process shall end, and say so once it shall."""
+        if self._over_at_s is None or time.monotonic() - self._over_at_s < _GRACE_S:
+            return False
+        self._node.get_logger().info("the run is over, so this process ends")
+        return True
+
+    def _hear(self, data: bytes) -> None:
+        is_over = any(word in data for word in _OVER_BYTES) and decoded(FlockStatus, data).state in _OVER
+        if not is_over:
+            self._over_at_s = None
+        elif self._over_at_s is None:
+            self._over_at_s = time.monotonic()
