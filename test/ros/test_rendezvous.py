@@ -1,8 +1,12 @@
 """Nodes find each other before a run begins, and nobody who cannot be matched keeps them from it."""
 
+import json
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -90,3 +94,58 @@ def test_a_reader_that_asks_for_more_than_is_offered_keeps_nobody_waiting(ros):
     publisher.publish(Int64(data=7))
     assert spin_until(lambda: bool(heard))
     assert ready == [True]
+
+
+def test_nodes_that_wait_do_not_ask_the_graph(ros, monkeypatch):
+    """In a process of hundreds of nodes these questions were most of the start."""
+    from std_msgs.msg import Int64
+
+    from auv_core.node_main import Audience, Rendezvous
+    from auv_core.qos import EVERY_TICK
+
+    node, spin_until = ros
+    talker, listener = node("talker"), node("listener")
+    asked = []
+    for name in ("get_publishers_info_by_topic", "get_subscriptions_info_by_topic"):
+        whole = getattr(talker, name)
+        monkeypatch.setattr(talker, name, lambda topic, ask=whole: (asked.append(topic), ask(topic))[1])
+    publisher = talker.create_publisher(Int64, "said", EVERY_TICK)
+    ready = []
+    Rendezvous(talker, [Audience(publisher, frozenset({"/listener"}))], lambda: ready.append(True))
+    end_s = time.monotonic() + 0.3
+    assert spin_until(lambda: time.monotonic() > end_s)
+    assert (ready, asked) == ([], [])
+    listener.create_subscription(Int64, "said", lambda _: None, EVERY_TICK)
+    assert spin_until(lambda: bool(ready))
+    assert asked
+
+
+@pytest.mark.parametrize(("count", "has_services"), [(11, True), (257, False)])
+def test_a_process_of_many_nodes_has_no_services_of_parameters(monkeypatch, count, has_services):
+    from auv_bringup.node_start import Part
+    from auv_bringup.nodes import node_container
+
+    made = []
+    module = SimpleNamespace(make_nodes=lambda **options: [made.append(options)])
+    monkeypatch.setattr(node_container, "import_module", lambda _: module)
+    monkeypatch.setattr(node_container, "main_loop", lambda make_nodes, _: len(make_nodes()))
+    assert node_container.run([Part("module", "/", "params.yaml")] * count) == count
+    for options in made:
+        assert options["start_parameter_services"] == has_services
+        assert ("start_type_description_service:=false" in options["cli_args"]) != has_services
+
+
+@pytest.mark.slow
+def test_a_fleet_of_128_vehicles_flies_in_one_process(tmp_path):
+    """It ended with status 3 before: its start took longer than the launcher waited."""
+    run = subprocess.run(
+        [
+            sys.executable, "-m", "auv_bringup.cli", "swarm", "--mode", "lockstep", "--layout", "single",
+            "--duration", "1", "--no-figures", "--out", str(tmp_path),
+            "--set", "vehicles.count=128", "--set", "random_starts.radius_m=60",
+        ],
+        capture_output=True, text=True, timeout=500, check=False,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr[-2000:]
+    (folder,) = tmp_path.iterdir()
+    assert json.loads((folder / "metrics.json").read_text())["duration_s"] == 1.0

@@ -28,7 +28,7 @@ from typing import Any
 from setproctitle import setproctitle, setthreadtitle
 
 from auv_bringup.compose import compile_ahead, node_specs
-from auv_bringup.layout import ProcessSpec, process_specs
+from auv_bringup.layout import ProcessSpec, process_specs, start_patience_s, vehicles_of
 from auv_bringup.node_start import (
     CONTAINER_MODULE,
     Part,
@@ -39,6 +39,7 @@ from auv_bringup.node_start import (
     parts_of,
 )
 from auv_bringup.processes import (
+    SIGINT_GRACE_S,
     ChildProcesses,
     Interrupts,
     last_lines,
@@ -233,9 +234,10 @@ def _end_in_order(
     """End all nodes, the recorder last; return whether every recorder closed its bag."""
     first = [process.name for process in processes if not process.records]
     recorders = [process.name for process in processes if process.records]
-    exits = children.end(first, is_hurried=lambda: interrupts.is_hurried)
+    patience_s = start_patience_s(vehicles_of(processes))
+    exits = children.end(first, grace_s=SIGINT_GRACE_S + patience_s, is_hurried=lambda: interrupts.is_hurried)
     recorder_exits = children.end(
-        recorders, grace_s=RECORDER_GRACE_S, is_hurried=lambda: interrupts.is_hurried
+        recorders, grace_s=RECORDER_GRACE_S + patience_s, is_hurried=lambda: interrupts.is_hurried
     )
     for exit_ in exits + recorder_exits:
         if exit_.returncode not in (0, LOST_STATUS):

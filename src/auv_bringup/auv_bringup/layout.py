@@ -25,6 +25,25 @@ CONTAINER = "/node_container"
 """Name of the process that holds all nodes."""
 
 
+_TICK_PER_PAIR_S = 0.0005
+_START_PER_PAIR_S = 0.002
+
+
+def tick_patience_s(vehicles: int) -> float:
+    """
+    Return what the longest waits for an answer grow by with the fleet (s, wall).
+
+    Vehicles that all hear each other do work in proportion to their pairs in every tick, and in one process
+    nobody answers before all have done theirs. The figure is ten times what a quiet machine needs.
+    """
+    return _TICK_PER_PAIR_S * vehicles * vehicles
+
+
+def start_patience_s(vehicles: int) -> float:
+    """Return the same for the start and the end of nodes, which the middleware makes one by one (s, wall)."""
+    return _START_PER_PAIR_S * vehicles * vehicles
+
+
 @dataclass(frozen=True)
 class ProcessSpec:
     """
@@ -43,6 +62,11 @@ class ProcessSpec:
     def records(self) -> bool:
         """Whether it holds a recorder, which must be left the time to close its bag."""
         return any(node.role == "recorder" for node in self.nodes)
+
+
+def vehicles_of(processes: Sequence[ProcessSpec]) -> int:
+    """Return the number of vehicles whose nodes are in some processes."""
+    return sum(node.role == "vehicle" for process in processes for node in process.nodes)
 
 
 def process_specs(nodes: Sequence[NodeSpec], layout: str) -> list[ProcessSpec]:

@@ -16,7 +16,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from auv_bringup.layout import ProcessSpec
+from auv_bringup.layout import ProcessSpec, start_patience_s, tick_patience_s, vehicles_of
 from auv_bringup.processes import Exit
 
 NO_STATUS_S = 60.0
@@ -68,6 +68,8 @@ class Supervisor:
     def __init__(self, processes: Sequence[ProcessSpec], *, on_vehicle_loss: str) -> None:
         self._processes = {process.name: process for process in processes}
         self._process_of = {node.name: process for process in processes for node in process.nodes}
+        self._vehicles = vehicles_of(processes)
+        self._patience_s = tick_patience_s(self._vehicles)
         self._goes_on = on_vehicle_loss == "continue"
         self._stopwatch = _Stopwatch()
         self._messages: list[str] = []
@@ -153,17 +155,21 @@ class Supervisor:
             if self._relay_gone_s > RELAY_EXIT_GRACE_S:
                 self._stop(f"{self._relay_exit.name} has ended before the flight did")
         elif self.status is None:
-            if self._silent_s > NO_STATUS_S:
+            limit_s = NO_STATUS_S + start_patience_s(self._vehicles)
+            if self._silent_s > limit_s:
                 self._stop(
-                    f"no word from /clock_node within {NO_STATUS_S:g} s: "
+                    f"no word from /clock_node within {limit_s:g} s: "
                     "the nodes do not find each other, or do not start "
                     "(their logs say more)"
                 )
-        elif self._silent_s > SILENCE_S:
-            self._stop(f"/clock_node (process of /acoustic_relay_node) has not answered for {SILENCE_S:g} s")
+        elif self._silent_s > SILENCE_S + self._patience_s:
+            self._stop(
+                "/clock_node (process of /acoustic_relay_node) has not answered for "
+                f"{SILENCE_S + self._patience_s:.3g} s"
+            )
         elif self._stalled:
             self._stalled_for_s += awake_s
-            if self._stalled_for_s > STALL_S:
+            if self._stalled_for_s > STALL_S + self._patience_s:
                 self._stop(f"{_listed(self._stalled)} stopped answering")
         self._mention_slow_start(awake_s)
 

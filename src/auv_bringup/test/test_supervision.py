@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from auv_bringup import supervision
+from auv_bringup import layout, supervision
 from auv_bringup.compose import node_specs
 from auv_bringup.layout import process_specs
 from auv_bringup.processes import Exit
@@ -229,3 +229,22 @@ def test_nodes_that_end_well_after_the_finish_are_no_loss(policy):
     supervisor.time_passed(10.0)
     assert supervisor.exit_status == 0
     assert supervisor.take_messages() == []
+
+
+def test_a_large_fleet_is_given_more_time_for_start_and_ticks():
+    """Its vehicles have more pairs to work on in each tick, and more nodes to make."""
+    fleet = load_scenario("swarm", overrides=["vehicles.count=128", "random_starts.radius_m=60"])
+    specs = process_specs(node_specs(fleet, mode="lockstep", bag_dir="bag"), "single")
+    small, large = make(layout="single"), Supervisor(specs, on_vehicle_loss="stop")
+    large.status_arrived(running(1.0), 100.0)
+    for supervisor in (small, large):
+        supervisor.time_passed(supervision.SILENCE_S + 1.0)
+    assert (small.is_over, large.is_over) == (True, False)
+    large.time_passed(layout.tick_patience_s(128))
+    assert large.is_over
+    waiting = Supervisor(specs, on_vehicle_loss="stop")
+    waiting.time_passed(supervision.NO_STATUS_S + 1.0)
+    assert not waiting.is_over
+    relay = specs[0].nodes[0].params
+    assert relay["answer_timeout_s"] == fleet.answer_timeout_s + layout.tick_patience_s(128)
+    assert relay["start_timeout_s"] > supervision.NO_STATUS_S

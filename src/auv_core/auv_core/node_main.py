@@ -26,7 +26,7 @@ from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSCompatibility, qos_check_compatible
+from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.topic_endpoint_info import TopicEndpointInfo
@@ -195,6 +195,7 @@ class Rendezvous:
         self._node = node
         self._waiting = list(audiences)
         self._on_ready = on_ready
+        self._offers: dict[str, list[QoSProfile]] = {}
         self.ready = False
         self._timer = steady_timer(node, _LOOK_S, self._look)
 
@@ -215,8 +216,11 @@ class Rendezvous:
             self._on_ready()
 
     def _complete(self, audience: Audience) -> bool:
-        found = len(self._subscribers(audience))
-        return not self._absent(audience) and audience.publisher.get_subscription_count() >= found
+        matched = audience.publisher.get_subscription_count()
+        if matched < len(audience.nodes):
+            return False  # without a look at the graph, which costs much in a large fleet
+        names = self._subscribers(audience)
+        return set(audience.nodes) <= set(names) and matched >= len(names)
 
     def _absent(self, audience: Audience) -> set[str]:
         return set(audience.nodes) - set(self._subscribers(audience))
@@ -224,16 +228,23 @@ class Rendezvous:
     def _subscribers(self, audience: Audience) -> list[str]:
         """Return the readers that can match at all: one that asks for what is not offered never does."""
         topic = audience.publisher.topic_name
-        own_name = self._node.get_fully_qualified_name()
-        # What the graph says of ourselves, since it has the middleware's defaults filled in.
-        offers = [
-            i.qos_profile for i in self._node.get_publishers_info_by_topic(topic) if _name(i) == own_name
-        ]
+        offers = self._offered(topic)
         return [
             _name(info)
             for info in self._node.get_subscriptions_info_by_topic(topic)
             if all(qos_check_compatible(o, info.qos_profile)[0] != QoSCompatibility.ERROR for o in offers)
         ]
+
+    def _offered(self, topic: str) -> list[QoSProfile]:
+        """Return what the graph says that we offer: it has the middleware's defaults filled in."""
+        if topic not in self._offers:
+            own_name = self._node.get_fully_qualified_name()
+            infos = self._node.get_publishers_info_by_topic(topic)
+            found = [info.qos_profile for info in infos if _name(info) == own_name]
+            if not found:
+                return []
+            self._offers[topic] = found
+        return self._offers[topic]
 
 
 def _name(info: TopicEndpointInfo) -> str:

@@ -19,16 +19,25 @@ from auv_core.node_main import main_loop
 
 _GLOBAL_ARGUMENTS = ("--ros-args", "--disable-external-lib-logs")
 """The log of a process is what it prints; ROS keeps a second one elsewhere unless told not to."""
+MOST_WITH_SERVICES = 64
+"""A process of more nodes has no services for parameters and types: they are most of its start-up."""
 
 
 def run(parts: Sequence[Part]) -> int:
     """Run the nodes of all parts in this process; return the exit status."""
-    return main_loop(lambda: [node for part in parts for node in _make(part)], _GLOBAL_ARGUMENTS)
+    with_services = len(parts) <= MOST_WITH_SERVICES
+    return main_loop(
+        lambda: [node for part in parts for node in _make(part, with_services=with_services)],
+        _GLOBAL_ARGUMENTS,
+    )
 
 
-def _make(part: Part) -> Sequence[Node]:
+def _make(part: Part, *, with_services: bool) -> Sequence[Node]:
+    arguments = ["--ros-args", "--params-file", part.params_file]
+    if not with_services:
+        arguments += ["-p", "start_type_description_service:=false"]
     nodes: Sequence[Node] = import_module(part.module).make_nodes(
-        namespace=part.namespace, cli_args=["--ros-args", "--params-file", part.params_file]
+        namespace=part.namespace, cli_args=arguments, start_parameter_services=with_services
     )
     return nodes
 
