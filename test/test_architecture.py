@@ -62,7 +62,7 @@ LAZY_ROS_FILES = {
 }
 
 # People wait for these, or read their dates: they look at the wall clock. All else takes time as an argument.
-WALL_CLOCK_FILES = {"auv_core/node_main.py", "auv_core/run_watch.py"} | {
+WALL_CLOCK_FILES = {"auv_core/node_main.py", "auv_core/run_watch.py", "auv_core/steady_timer.py"} | {
     f"auv_bringup/{name}.py"
     for name in (
         "cli",

@@ -51,6 +51,7 @@ from auv_bringup.results import BAG, LOGS
 from auv_bringup.scenario import Scenario
 from auv_bringup.supervision import LOST_STATUS, Status, Supervisor
 from auv_core.run_config import WallWatch
+from auv_core.steady_timer import SteadyTimer
 
 INTERRUPTED_STATUS = 130
 RECORDER_GRACE_S = 30.0
@@ -289,6 +290,7 @@ class StatusListener:
         Hearing(self._node).listen_decoded(FlockStatus, "/flock/status", self._hear, LATCHED)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
+        self._waker = SteadyTimer(self._node, _LOOK_S, lambda: None)
         return self
 
     def listen(self, timeout_s: float) -> list[Status]:
@@ -300,6 +302,7 @@ class StatusListener:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
+        self._waker.cancel()
         self._executor.shutdown(timeout_sec=1.0)
         self._node.destroy_node()
         self._context.try_shutdown()

@@ -11,15 +11,14 @@ from __future__ import annotations
 
 import signal
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import rclpy
 from rcl_interfaces.msg import SetParametersResult
-from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.executors import Executor, SingleThreadedExecutor
@@ -37,6 +36,7 @@ from auv_core.params import ConfigError
 from auv_core.qos import LATCHED
 from auv_core.run_config import RunConfig, TickClock
 from auv_core.run_watch import RunEnd, listed, say_waits
+from auv_core.steady_timer import SteadyTimer
 from auv_msgs.msg import FlockStatus
 
 _WAKE_S = 0.25
@@ -105,12 +105,21 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
 
 
 def _spin(nodes: Sequence[Node], is_stopped: Callable[[], bool]) -> None:
-    """Run the nodes until told to stop, or one of them is done."""
+    """Run the nodes until told to stop, or one of them is done, or a timer of one fails."""
     executor = make_executor()
     for node in nodes:
         executor.add_node(node)
-    while not is_stopped() and not any(getattr(node, "done", False) for node in nodes):
-        executor.spin_until_future_complete(Future(), timeout_sec=_WAKE_S)
+    woken = Future()
+    waker = SteadyTimer(nodes[0], _WAKE_S, lambda: woken.set_result(None))
+    try:
+        while not is_stopped() and not any(getattr(node, "done", False) for node in nodes):
+            executor.spin_until_future_complete(woken, timeout_sec=_WAKE_S)
+            woken = Future()
+            for node in nodes:
+                if error := getattr(node, "timer_error", None):
+                    raise error
+    finally:
+        waker.cancel()
 
 
 def make_executor(context: Context | None = None) -> Executor:
@@ -133,22 +142,13 @@ def publishes_bytes(publisher: Publisher) -> Callable[[bytes], None]:
     return publish
 
 
-def steady_timer(node: Node, period_s: float, callback: Callable[[], None]) -> Any:
-    """Return a timer of the node on the steady wall clock, whatever its ROS time is."""
-    return node.create_timer(period_s, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
-
-
 def tick_clock(run: RunConfig, period_s: float) -> TickClock:
     """Return the clock of a run on this machine's steady clock."""
     return TickClock(run, period_s, time.monotonic, time.time)
 
 
 def when_running(node: Node, ticks: TickClock, begin: Callable[[], None]) -> None:
-    """
-    Call `begin` once scenario time 0 is known, from the configuration or from the status of the run.
-
-    A subscription to the status tells the relay that this node is ready.
-    """
+    """Call `begin` once scenario time 0 is known, from the configuration or from the status of the run."""
     if ticks.started:
         begin()
         return
@@ -197,7 +197,7 @@ class Rendezvous:
         self._on_ready = on_ready
         self._offers: dict[str, list[QoSProfile]] = {}
         self.ready = False
-        self._timer = steady_timer(node, _LOOK_S, self._look)
+        self._timer = SteadyTimer(node, _LOOK_S, self._look)
 
     def missing(self) -> list[str]:
         """Return the full names of the nodes not found yet, sorted."""
@@ -253,7 +253,17 @@ def _name(info: TopicEndpointInfo) -> str:
 
 
 def _hand_over(nodes: Sequence[Node]) -> None:
-    """Wait, not for long, until every reader has what was published to it."""
+    """
+    Wait, not for long, until every reader has what was published to it.
+
+    The middleware waits until a time of the system clock, which may be stepped; a join keeps the limit.
+    """
+    waiter = threading.Thread(target=_wait_for_readers, args=(nodes,), daemon=True)
+    waiter.start()
+    waiter.join(_HAND_OVER_S)
+
+
+def _wait_for_readers(nodes: Sequence[Node]) -> None:
     deadline = time.monotonic() + _HAND_OVER_S
     for node in nodes:
         for publisher in node.publishers:

@@ -9,7 +9,7 @@ from auv_core.params import param
 
 LOCKSTEP_EPOCH_S = 1.0
 """Stamp of scenario time 0 in lock-step (s); not 0, which tf2 takes for "the latest"."""
-START_LEAD_S = 0.3
+START_LEAD_S = 0.5
 """How long before scenario time 0 a real-time run is announced (s), so that all nodes begin at tick 0."""
 STEP_LIMIT_S = 0.5
 """A wall clock that moves by more against the steady one has been stepped (s)."""

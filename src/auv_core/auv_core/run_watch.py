@@ -5,11 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from auv_core.hearing import Hearing, decoded
 from auv_core.qos import LATCHED
+from auv_core.steady_timer import SteadyTimer
 from auv_msgs.msg import FlockStatus
 
 _SAY_S = 5.0
@@ -28,7 +28,7 @@ def say_waits(node: Node) -> None:
             node.get_logger().info(f"waits for {words}")
 
     if hasattr(node, "waits_for"):
-        node.create_timer(_SAY_S, say, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        SteadyTimer(node, _SAY_S, say)
 
 
 def listed(names: Sequence[str]) -> str:

@@ -26,11 +26,12 @@ from auv_bringup.bag_link import BagLink, Batch
 from auv_bringup.bag_writer import BagError, Qos
 from auv_bringup.recorded_topics import CLOCK_TOPIC, LOG_TOPIC, TopicSpec, topics_of_graph
 from auv_bringup.ros_types import message_class, qos_of_profile
-from auv_core.node_main import main_loop, steady_timer
+from auv_core.node_main import main_loop
 from auv_core.node_params import declare_config, refuse_unknown_parameters
 from auv_core.params import ConfigError, param
 from auv_core.qos import LATCHED, own_qos
 from auv_core.run_watch import listed
+from auv_core.steady_timer import SteadyTimer
 from auv_msgs.msg import RecorderStatus
 
 EXIT_INTERNAL = 1
@@ -69,7 +70,7 @@ class RecorderNode(Node):
             self._bag.wait_until_open()
         except BagError as error:
             raise ConfigError(str(error)) from None
-        steady_timer(self, CHECKPOINT_PERIOD_S, self._checkpoint)
+        SteadyTimer(self, CHECKPOINT_PERIOD_S, self._checkpoint)
         self._publish_status()
 
     @property

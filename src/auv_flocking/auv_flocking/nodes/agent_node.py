@@ -31,7 +31,6 @@ from auv_core.node_main import (
     Rendezvous,
     main_loop,
     publishes_bytes,
-    steady_timer,
     tick_clock,
     when_running,
 )
@@ -39,6 +38,7 @@ from auv_core.node_params import declare_config
 from auv_core.qos import EVERY_TICK, LATCHED, own_qos
 from auv_core.run_config import RunConfig
 from auv_core.run_watch import Standstill
+from auv_core.steady_timer import SteadyTimer
 from auv_flocking.agent import Agent, AgentConfig
 from auv_flocking.estimates import CENTRE
 from auv_flocking.holding import cause_number
@@ -134,7 +134,7 @@ class AgentNode(Node):
     def _begin(self) -> None:
         self._publish_path()
         self._mail.start(max(self._ticks.tick_now(), 0))
-        steady_timer(self, self._config.period_s, self._run_free)
+        SteadyTimer(self, self._config.period_s, self._run_free)
 
     def waits_for(self) -> str:
         """Return for what the node waits, in words, or nothing."""

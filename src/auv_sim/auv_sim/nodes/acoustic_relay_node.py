@@ -26,12 +26,13 @@ from auv_core.alarm import Alarm
 from auv_core.hearing import Hearing
 from auv_core.markers import LOST_HULL, MARKER_TICKS, sphere
 from auv_core.messages import Packet, VehicleState
-from auv_core.node_main import Audience, Rendezvous, main_loop, publishes_bytes, steady_timer, tick_clock
+from auv_core.node_main import Audience, Rendezvous, main_loop, publishes_bytes, tick_clock
 from auv_core.node_params import declare_config
 from auv_core.params import param
 from auv_core.qos import EVERY_TICK, own_qos
 from auv_core.run_config import RunConfig
 from auv_core.run_watch import Standstill, listed
+from auv_core.steady_timer import SteadyTimer
 from auv_msgs.msg import AcousticEvents, AcousticInbox, AcousticOutbox
 from auv_msgs.msg import VehicleState as VehicleStateMsg
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
@@ -146,7 +147,7 @@ class AcousticRelayNode(Node):
             return
         self._ticks.begin()
         self.clock.announce()
-        steady_timer(self, self._period_s, self._run_free)
+        SteadyTimer(self, self._period_s, self._run_free)
 
     def waits_for(self) -> str:
         """Return for what the node waits, in words, or nothing."""

@@ -19,10 +19,11 @@ from tf2_msgs.msg import TFMessage
 
 from auv_core import conversions as convert
 from auv_core.hearing import Hearing
-from auv_core.node_main import publishes_bytes, steady_timer
+from auv_core.node_main import publishes_bytes
 from auv_core.params import param
 from auv_core.qos import EVERY_TICK, LATCHED
 from auv_core.run_config import TickClock, WallWatch
+from auv_core.steady_timer import SteadyTimer
 from auv_msgs.msg import FlockStatus, RecorderStatus
 
 _LOOK_S = 0.2
@@ -109,7 +110,7 @@ class ClockNode(Node):
         self._static_pub.publish(TFMessage(transforms=[convert.map_to_map_ned()]))
         Hearing(self).listen_decoded(RecorderStatus, "/recorder/status", self._on_recorder, EVERY_TICK)
         self.on_room: Callable[[], None] = _nothing
-        steady_timer(self, _LOOK_S, self._look)
+        SteadyTimer(self, _LOOK_S, self._look)
 
     @property
     def done(self) -> bool:

@@ -24,7 +24,6 @@ from auv_core.node_main import (
     Rendezvous,
     main_loop,
     publishes_bytes,
-    steady_timer,
     tick_clock,
     when_running,
 )
@@ -32,6 +31,7 @@ from auv_core.node_params import declare_config
 from auv_core.qos import EVERY_TICK, own_qos
 from auv_core.run_config import RunConfig
 from auv_core.run_watch import Standstill
+from auv_core.steady_timer import SteadyTimer
 from auv_core.stencil import header_stamp_s
 from auv_msgs.msg import VehicleState
 from auv_sim.command_watch import CommandWatch
@@ -89,7 +89,7 @@ class VehicleNode(Node):
 
     def _begin(self) -> None:
         self._watch.newest.start(max(self._clock_ticks.tick_now(), 0))
-        steady_timer(self, self._config.period_s, self._run_free)
+        SteadyTimer(self, self._config.period_s, self._run_free)
 
     def waits_for(self) -> str:
         """Return for what the node waits, in words, or nothing."""
