@@ -5,10 +5,13 @@ import functools
 import io
 import multiprocessing
 import os
+import random
+import shutil
 import signal
 import subprocess
 import sys
 import threading
+from collections import Counter
 from pathlib import Path
 
 import psutil
@@ -252,7 +255,9 @@ def test_a_worker_with_another_source_ends_the_sweep_in_one_line(tmp_path, monke
         sweep(tmp_path)
 
 
-@pytest.mark.parametrize("where", ["tcp://127.0.0.1:9", "nonsense", "foo://here:1", "gone.json", "tiny.json"])
+@pytest.mark.parametrize(
+    "where", ["tcp://127.0.0.1:9", "tls://127.0.0.1:9", "nonsense", "foo://here:1", "gone.json", "tiny.json"]
+)
 def test_a_scheduler_that_is_not_there_is_told_in_one_line(where, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(cluster, "_CONNECT_TIMEOUT_S", 0.5)
     monkeypatch.chdir(tmp_path)
@@ -367,6 +372,72 @@ def test_a_scheduler_that_goes_away_is_told_and_what_is_finished_is_kept(tmp_pat
     assert len(rows) == 6
 
 
+@pytest.mark.slow
+def test_a_scheduler_that_is_stopped_is_told_in_one_line(tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "_LOOK_EVERY_S", 0.5)
+    monkeypatch.setattr(cluster, "_ANSWER_TIMEOUT_S", 2.0)
+    file = tmp_path / "scheduler.json"
+    with running(
+        "dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", file=file
+    ) as scheduler:
+        wait_until(file.exists)
+
+        def it_stops(*arguments):
+            scheduler.send_signal(signal.SIGSTOP)
+            cluster.fly_all(*arguments)
+
+        with (
+            cluster.remote_client(str(file)) as client,
+            pytest.raises(cluster.ClusterError, match=r"^the scheduler has not answered for 2 s$"),
+        ):
+            sweep(tmp_path / "out", lambda *arguments: it_stops(client, *arguments))
+
+
+STRANGER = """
+import os, sys
+from distributed import Client
+if os.getuid() == 0:
+    os.setgid(65534)
+    os.setuid(65534)
+try:
+    Client(sys.argv[1], timeout=3).submit(print, "it ran").result(timeout=10)
+except Exception as error:
+    sys.exit(f"{type(error).__name__}: kept out")
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="makes certificates with openssl")
+def test_a_cluster_with_certificates_flies_and_keeps_another_user_without_them_out(tmp_path, monkeypatch):
+    """Certificates and configuration are those of docs/sweeps.md."""
+    key, cert = (str(tmp_path / name) for name in ("key.pem", "cert.pem"))
+    make = "openssl req -x509 -newkey rsa:2048 -nodes -days 365 -subj /CN=my-sweeps"
+    subprocess.run([*make.split(), "-keyout", key, "-out", cert], check=True, capture_output=True)
+    mine = {"cert": cert, "key": key}
+    tls = {"ca-file": cert, "scheduler": mine, "worker": mine, "client": mine}
+    config = {"distributed": {"comm": {"require-encryption": True, "tls": tls}}}
+    (tmp_path / "dask.yaml").write_text(yaml.safe_dump(config))
+    file, here = tmp_path / "scheduler.json", ("--protocol", "tls", "--host", "127.0.0.1", "--no-dashboard")
+    monkeypatch.setenv("DASK_CONFIG", str(tmp_path / "dask.yaml"))
+    with running("dask_scheduler", "--port", "0", *here, file=file):
+        wait_until(file.exists)
+        address = yaml.safe_load(file.read_text())["address"]
+        assert address.startswith("tls://")
+        with running("dask_worker", "--nthreads", "1", *here, file=file):
+            assert sweep_command(written(tmp_path), "--scheduler", address).wait(WAIT_S) == 0
+            monkeypatch.delenv("DASK_CONFIG")
+            for other in (address, address.replace("tls://", "tcp://")):
+                stranger = subprocess.run(
+                    [sys.executable, "-c", STRANGER, other],
+                    capture_output=True,
+                    text=True,
+                    timeout=WAIT_S,
+                )
+                assert stranger.stderr.splitlines()[-1].endswith("kept out"), stranger.stderr
+            assert "it ran" not in (tmp_path / "dask_worker.log").read_text()
+    assert {row["status"] for row in rows_of(tmp_path / "out")} == {"done"}
+
+
 def kill_after_first(process, folder):
     wait_until(lambda: list(folder.glob("out/parts/*/*.json")))
     process.kill()
@@ -387,24 +458,24 @@ def running(module, *arguments, file):
         process.wait(WAIT_S)
 
 
+def sweep_command(path, *options):
+    """Start a sweep of a study into the folder `out` beside it, in a session of its own."""
+    environ = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    command = [sys.executable, "-m", "auv_bringup.sweeps.cli", str(path), "--out", str(path.parent / "out")]
+    with (path.parent / "log").open("wb") as stream:
+        return subprocess.Popen(
+            [*command, *options], stdout=stream, stderr=stream, env=environ, start_new_session=True
+        )
+
+
 @pytest.fixture
 def long_command(tmp_path):
     """Start a sweep that takes long; give it when its first run is kept."""
     path = written(tmp_path, duration_s=200.0, seeds=list(range(20)))
-    environ = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-    command = [sys.executable, "-m", "auv_bringup.sweeps.cli", str(path), "--workers", "2"]
-    log = tmp_path / "log"
-    with log.open("wb") as stream:
-        process = subprocess.Popen(
-            [*command, "--out", str(tmp_path / "out")],
-            stdout=stream,
-            stderr=stream,
-            env=environ,
-            start_new_session=True,
-        )
+    process = sweep_command(path, "--workers", "2")
     try:
         wait_until(lambda: list(tmp_path.glob("out/parts/*/*.json")))
-        yield process, log
+        yield process, tmp_path / "log"
     finally:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
@@ -451,3 +522,39 @@ def test_a_killed_command_leaves_no_process_and_what_it_has_finished(long_comman
     wait_until(lambda: members(process.pid) == [])
     _, words = sweep(tmp_path / "out", duration_s=200.0, seeds=list(range(3)), grid={LOSS: [0.0]})
     assert "kept from an earlier call" in words
+
+
+def hit_at_random(command, rng, hits, most):
+    """Kill or stop a worker, or kill the command, at random moments until it ends or `most` hits are made."""
+    pause = threading.Event()
+    while command.poll() is None:
+        pause.wait(rng.uniform(0.0, 1.0))
+        if hits.total() >= most:
+            continue
+        (hit,) = rng.choices(["worker killed", "worker stopped", "command killed"], weights=(6, 3, 1))
+        with contextlib.suppress(psutil.NoSuchProcess, IndexError):
+            process = psutil.Process(command.pid)
+            target = process if hit == "command killed" else rng.choice(process.children())
+            target.send_signal(signal.SIGSTOP if hit == "worker stopped" else signal.SIGKILL)
+            hits[hit] += 1
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_hostile_hits_on_command_and_workers_change_nothing_in_the_table(tmp_path, capsys):
+    changes = {"duration_s": 120.0, "seeds": list(range(30))}
+    path, rng, hits, statuses = written(tmp_path, **changes), random.Random(1), Counter(), []
+    while not statuses or statuses[-1] != 0:
+        command = sweep_command(path, "--workers", "2")
+        hit_at_random(command, rng, hits, most=60)
+        statuses.append(command.returncode)
+        wait_until(functools.partial(nobody_runs, command.pid))
+    assert set(statuses) <= {0, 1, -signal.SIGKILL}
+    with capsys.disabled():
+        sys.stdout.write(f"\n{dict(hits)}, {len(statuses)} calls\n")
+    sweep(tmp_path / "undisturbed", in_processes, **changes)
+    assert table_of(tmp_path / "out").equals(table_of(tmp_path / "undisturbed"), check_metadata=True)
+
+
+def nobody_runs(session):
+    return members(session) == []

@@ -33,6 +33,8 @@ _LOOK_EVERY_S = 5.0
 _LOOKS_OF_A_DROUGHT = 3
 _ANSWER_TIMEOUT_S = 30.0
 
+_UNREACHABLE = (OSError, ValueError, LookupError, TypeError, RuntimeError)
+"""What Dask raises; TypeError for a tls:// address when no certificate is configured."""
 _LOST = "the scheduler is gone"
 
 OnResult = Callable[[PlannedRun, Finished], None]
@@ -76,13 +78,7 @@ def remote_client(scheduler: str) -> Iterator[Client]:
             address = str(json.loads(Path(scheduler).read_text(encoding="utf-8"))["address"])
         get_address_host_port(address)
         client = Client(address, timeout=_CONNECT_TIMEOUT_S, set_as_default=False)
-    except (
-        OSError,
-        ValueError,
-        LookupError,
-        TypeError,
-        RuntimeError,
-    ) as error:  # TypeError: TLS without files
+    except _UNREACHABLE as error:
         raise ConfigError(f"--scheduler {scheduler!r}: cannot be reached ({one_line(error)})") from None
     with client:
         yield client
