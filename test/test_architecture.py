@@ -72,6 +72,7 @@ WALL_CLOCK_FILES = {"auv_core/node_main.py", "auv_core/run_watch.py", "auv_core/
         "processes",
         "progress",
         "replay",
+        "shared_memory",
         "reproduction/cli",
         "results",
         "supervision",

@@ -49,6 +49,7 @@ from auv_bringup.processes import (
 from auv_bringup.progress import Progress
 from auv_bringup.results import BAG, LOGS
 from auv_bringup.scenario import Scenario
+from auv_bringup.shared_memory import clear_shared_memory
 from auv_bringup.supervision import LOST_STATUS, Status, Supervisor
 from auv_core.run_config import WallWatch
 from auv_core.steady_timer import SteadyTimer
@@ -120,14 +121,18 @@ def fly(
         compile_ahead(scenario, progress.message)
     if mode == "lockstep":
         schedule_as_batch()
-    return fly_nodes(
-        process_specs(nodes, layout),
-        on_vehicle_loss=scenario.on_vehicle_loss,
-        logs_dir=results_dir / LOGS,
-        environ=environ,
-        interrupts=interrupts,
-        progress=progress,
-    )
+    clear_shared_memory()  # of runs that were killed
+    try:
+        return fly_nodes(
+            process_specs(nodes, layout),
+            on_vehicle_loss=scenario.on_vehicle_loss,
+            logs_dir=results_dir / LOGS,
+            environ=environ,
+            interrupts=interrupts,
+            progress=progress,
+        )
+    finally:
+        clear_shared_memory()
 
 
 def start_process(

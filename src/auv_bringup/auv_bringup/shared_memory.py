@@ -1,0 +1,110 @@
+"""
+What killed processes leave of Fast DDS in shared memory, and how it goes.
+
+Fast DDS keeps files in /dev/shm: of each participant a segment ``fastrtps_<hex>``, of each port that somebody
+listens at ``fastrtps_port<N>`` and a semaphore. Whoever owns a segment or listens at a port holds a lock
+(flock) on a file beside it, ``..._el`` or ``..._sl``, and the kernel drops that lock when the process ends,
+however it ends. So a lock that can be had is one whose owner is dead; `fastdds shm clean` goes by the same
+rule. A port without a lock file is one that somebody has opened to send to; it is dead if no process has it
+in its memory.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import re
+import time
+from collections import defaultdict
+from collections.abc import Iterable
+from contextlib import ExitStack, suppress
+from pathlib import Path
+
+SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Linux keeps it
+_FILE = re.compile(r"(?:sem\.)?(?P<owner>fast(?:rtps|dds)_(?:port)?[0-9a-f]+)(?:_(?P<kind>el|sl|mutex))?")
+_OPENED_S = 0.5
+"""A port that was made so short a time ago may be about to be mapped."""
+
+
+def clear_shared_memory(folder: Path = SHARED_MEMORY) -> int:
+    """
+    Remove what dead processes of this user have left; return how many files that were.
+
+    What belongs to a living process, or to another user, stays.
+    """
+    files: dict[str, dict[str, Path]] = defaultdict(dict)
+    for path in _own_files(folder):
+        found = _FILE.fullmatch(path.name)
+        if found:
+            files[found["owner"]][found["kind"] or "memory"] = path
+    without_lock = {owner for owner, parts in files.items() if not parts.keys() & {"el", "sl"}}
+    in_use = _mapped_names() if without_lock else frozenset()
+    removed = 0
+    for owner, parts in files.items():
+        if owner in without_lock:
+            is_dead = owner not in in_use and all(_age_s(path) > _OPENED_S for path in parts.values())
+            removed += _remove(parts.values()) if is_dead else 0
+        else:
+            removed += _remove_if_unlocked(parts)
+    return removed
+
+
+def _own_files(folder: Path) -> list[Path]:
+    """Return this user's files; [] where there is no such folder."""
+    try:
+        with os.scandir(folder) as entries:
+            return [
+                Path(entry.path)
+                for entry in entries
+                if entry.is_file(follow_symlinks=False)
+                and entry.stat(follow_symlinks=False).st_uid == os.geteuid()
+            ]
+    except OSError:
+        return []
+
+
+def _remove_if_unlocked(parts: dict[str, Path]) -> int:
+    """Remove the files of an owner if all its locks can be had, the locks themselves last."""
+    locks = [parts[kind] for kind in ("el", "sl") if kind in parts]
+    with ExitStack() as stack:
+        for path in locks:
+            if not _lock(path, stack):
+                return 0
+        return _remove([path for kind, path in parts.items() if kind not in ("el", "sl")]) + _remove(locks)
+
+
+def _lock(path: Path, stack: ExitStack) -> bool:
+    """Hold a lock until the stack ends; return False if somebody else holds it, or the file is another."""
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+        stack.callback(os.close, descriptor)
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return os.fstat(descriptor).st_ino == path.stat().st_ino
+    except OSError:
+        return False
+
+
+def _remove(paths: Iterable[Path]) -> int:
+    removed = 0
+    for path in paths:
+        with suppress(OSError):
+            path.unlink()
+            removed += 1
+    return removed
+
+
+def _age_s(path: Path) -> float:
+    """Return how long ago a file was changed last (s); 0 if it is gone."""
+    try:
+        return time.time() - path.stat().st_mtime
+    except OSError:
+        return 0.0
+
+
+def _mapped_names() -> frozenset[str]:
+    """Return the names of the files of Fast DDS that a process has in its memory."""
+    names: set[str] = set()
+    for maps in Path("/proc").glob("[0-9]*/maps"):
+        with suppress(OSError):
+            names.update(re.findall(r"/(fast(?:rtps|dds)_\w+)", maps.read_text(errors="replace")))
+    return frozenset(names)
