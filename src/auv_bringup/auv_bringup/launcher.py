@@ -58,6 +58,7 @@ INTERRUPTED_STATUS = 130
 RECORDER_GRACE_S = 30.0
 """The recorder drains for at most 20 s before it closes the bag."""
 _LOOK_S = 0.1
+_STOPPED_LOOK_S = 0.25
 _MOST_AWAKE_S = 0.5
 """Longer pauses mean that the launcher itself was suspended; the nodes are not to blame for them."""
 
@@ -208,7 +209,7 @@ def _watch(
 ) -> float:
     """Watch until the flight is over or interrupted; return how long the start took (s, NaN: no start)."""
     start_up_s = math.nan
-    last_s = time.monotonic()
+    last_s = looked_s = time.monotonic()
     wall = WallWatch(time.monotonic, time.time)
     while not supervisor.is_over and not interrupts.count:
         for status in listener.listen(_LOOK_S):
@@ -226,6 +227,9 @@ def _watch(
         now_s = time.monotonic()
         supervisor.time_passed(min(now_s - last_s, _MOST_AWAKE_S))
         last_s = now_s
+        if now_s - looked_s > _STOPPED_LOOK_S:
+            supervisor.processes_stopped(children.stopped(), min(now_s - looked_s, _MOST_AWAKE_S))
+            looked_s = now_s
         if warning := wall.warning():
             progress.message(f"warning: {warning}")
         for line in supervisor.take_messages():
@@ -245,6 +249,9 @@ def _end_in_order(
     recorder_exits = children.end(
         recorders, grace_s=RECORDER_GRACE_S + patience_s, is_hurried=lambda: interrupts.is_hurried
     )
+    killed = children.end_orphans(grace_s=RECORDER_GRACE_S, is_hurried=lambda: interrupts.is_hurried)
+    if killed:
+        progress.message("warning: the process that writes the bag did not end, and was killed")
     for exit_ in exits + recorder_exits:
         if exit_.returncode not in (0, LOST_STATUS):
             progress.message(

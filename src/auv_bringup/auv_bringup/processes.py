@@ -25,11 +25,13 @@ from types import FrameType, TracebackType
 from typing import Any, NoReturn
 
 from auv_bringup.interrupts import SIGNALS, heeded_signals
+from auv_bringup.process_states import adopt_orphans, family_of, is_stopped, module_of, orphans
 
 SIGINT_GRACE_S = 6.0
 SIGTERM_GRACE_S = 2.0
 HURRY_GRACE_S = 1.0
 _WAIT_SLICE_S = 0.05
+_LOOK_S = 0.02
 _KILL_TIMEOUT_S = 10.0
 _PR_SET_PDEATHSIG = 1
 _libc = ctypes.CDLL(None, use_errno=True)
@@ -64,11 +66,17 @@ class _Fork(multiprocessing.get_context("fork").Process):  # type: ignore[misc]
 
 
 class ChildProcesses:
-    """The children of this process, by name. A context manager: on leaving, whatever still runs is killed."""
+    """
+    The children of this process, by name.
+
+    A context manager: on leaving, whatever still runs is killed, and so is what children that have ended
+    have left running.
+    """
 
     def __init__(self) -> None:
         self._running: dict[str, subprocess.Popen[bytes] | _Fork] = {}
         self._logs: dict[str, Path] = {}
+        self._of_others: frozenset[int] = frozenset()
 
     def start(self, name: str, arguments: Sequence[str], *, log: Path, environ: Mapping[str, str]) -> None:
         """Start a child whose output goes to the file `log`."""
@@ -145,6 +153,7 @@ class ChildProcesses:
         """
         wanted = [name for name in names if name in self._running]
         exits: list[Exit] = []
+        self._kill_stopped(wanted)
         for number, patience_s in ((signal.SIGINT, grace_s), (signal.SIGTERM, SIGTERM_GRACE_S)):
             self._signal(wanted, number)
             exits += self._wait(wanted, patience_s, is_hurried)
@@ -156,13 +165,78 @@ class ChildProcesses:
         self._signal(wanted, signal.SIGKILL)
         return self._wait(wanted, _KILL_TIMEOUT_S, lambda: False)
 
+    def stopped(self) -> dict[str, str]:
+        """
+        Return the running children that are stopped by a signal, or have started what is: by their names
+        what the latter is, '' for the child itself.
+        """
+        found = {}
+        for name, process in self._running.items():
+            for member in family_of(process.pid) if process.pid is not None else ():
+                if is_stopped(member):
+                    found[name] = "" if member == process.pid else module_of(member)
+                    break
+        return found
+
+    def end_orphans(self, *, grace_s: float, is_hurried: Callable[[], bool] = lambda: False) -> list[int]:
+        """
+        Wait until what ended children have left running has ended, too; kill what takes longer or is stopped.
+
+        Parameters
+        ----------
+        grace_s : float
+            How long to wait (s).
+        is_hurried : callable
+            Asked all the time; once True `HURRY_GRACE_S` is enough.
+
+        Returns
+        -------
+        killed : list of int
+            Ids of those that had to be killed.
+
+        """
+        start_s = time.monotonic()
+        killed: list[int] = []
+        while left := self._orphans():
+            patience_s = HURRY_GRACE_S if is_hurried() else grace_s
+            is_late = time.monotonic() - start_s >= patience_s
+            for pid in left:
+                if pid not in killed and (is_late or is_stopped(pid)):
+                    os.kill(pid, signal.SIGKILL)
+                    killed.append(pid)
+            if time.monotonic() - start_s > patience_s + _KILL_TIMEOUT_S:
+                break
+            time.sleep(_LOOK_S)
+        return killed
+
     def __enter__(self) -> ChildProcesses:
+        self._of_others = frozenset(orphans())
+        adopt_orphans()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         self.kill(self.running)
+        self.end_orphans(grace_s=0.0)
+
+    def _orphans(self) -> list[int]:
+        """Reap the orphans that have ended; return those that have not."""
+        known = self._of_others.union(process.pid for process in self._running.values())
+        left = []
+        for pid in orphans():
+            if pid not in known and os.waitpid(pid, os.WNOHANG)[0] == 0:
+                left.append(pid)
+        return left
+
+    def _kill_stopped(self, names: Iterable[str]) -> None:
+        """Kill every process of some children that is stopped: it hears nothing else."""
+        for name in names:
+            pid = self._running[name].pid
+            for member in list(family_of(pid)) if pid is not None else ():
+                if is_stopped(member):
+                    with suppress(ProcessLookupError):
+                        os.kill(member, signal.SIGKILL)
 
     def _signal(self, names: Iterable[str], number: signal.Signals) -> None:
         for name in names:

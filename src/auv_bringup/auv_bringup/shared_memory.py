@@ -5,8 +5,8 @@ Fast DDS keeps files in /dev/shm: of each participant a segment ``fastrtps_<hex>
 listens at ``fastrtps_port<N>`` and a semaphore. Whoever owns a segment or listens at a port holds a lock
 (flock) on a file beside it, ``..._el`` or ``..._sl``, and the kernel drops that lock when the process ends,
 however it ends. So a lock that can be had is one whose owner is dead; `fastdds shm clean` goes by the same
-rule. A port without a lock file is one that somebody has opened to send to; it is dead if no process has it
-in its memory.
+rule. A port without a lock file is one that somebody has opened to send to; it is dead if no other process
+than this one has it in its memory (Fast DDS keeps such ports mapped after the last participant is gone).
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from pathlib import Path
 
 SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Linux keeps it
 _FILE = re.compile(r"(?:sem\.)?(?P<owner>fast(?:rtps|dds)_(?:port)?[0-9a-f]+)(?:_(?P<kind>el|sl|mutex))?")
-_OPENED_S = 0.5
-"""A port that was made so short a time ago may be about to be mapped."""
+_OPENING_S = 0.1
+"""Within so long whoever has made a port has it in its memory."""
 
 
 def clear_shared_memory(folder: Path = SHARED_MEMORY) -> int:
@@ -38,14 +38,10 @@ def clear_shared_memory(folder: Path = SHARED_MEMORY) -> int:
         if found:
             files[found["owner"]][found["kind"] or "memory"] = path
     without_lock = {owner for owner, parts in files.items() if not parts.keys() & {"el", "sl"}}
-    in_use = _mapped_names() if without_lock else frozenset()
-    removed = 0
-    for owner, parts in files.items():
-        if owner in without_lock:
-            is_dead = owner not in in_use and all(_age_s(path) > _OPENED_S for path in parts.values())
-            removed += _remove(parts.values()) if is_dead else 0
-        else:
-            removed += _remove_if_unlocked(parts)
+    removed = sum(_remove_if_unlocked(parts) for owner, parts in files.items() if owner not in without_lock)
+    if without_lock:
+        time.sleep(_OPENING_S)
+        removed += sum(_remove(files[owner].values()) for owner in without_lock - _mapped_names())
     return removed
 
 
@@ -93,18 +89,12 @@ def _remove(paths: Iterable[Path]) -> int:
     return removed
 
 
-def _age_s(path: Path) -> float:
-    """Return how long ago a file was changed last (s); 0 if it is gone."""
-    try:
-        return time.time() - path.stat().st_mtime
-    except OSError:
-        return 0.0
-
-
 def _mapped_names() -> frozenset[str]:
-    """Return the names of the files of Fast DDS that a process has in its memory."""
+    """Return the names of the files of Fast DDS that another process has in its memory."""
     names: set[str] = set()
     for maps in Path("/proc").glob("[0-9]*/maps"):
         with suppress(OSError):
+            if int(maps.parent.name) == os.getpid():
+                continue
             names.update(re.findall(r"/(fast(?:rtps|dds)_\w+)", maps.read_text(errors="replace")))
     return frozenset(names)

@@ -13,7 +13,7 @@ the process that holds all nodes.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from auv_bringup.layout import ProcessSpec, start_patience_s, tick_patience_s, vehicles_of
@@ -27,6 +27,8 @@ STALL_S = 4.5
 """Longest stall to be waited out; the clock, which notices it, acts well before."""
 RELAY_EXIT_GRACE_S = 1.0
 """The last status of a relay that ended may arrive after its end was seen."""
+STOPPED_S = 2.0
+"""A process that a signal (SIGSTOP) has stopped for so long is lost, also while the flight starts."""
 SLOW_START_S = 15.0
 """After so long the user is told for whom the start waits."""
 
@@ -79,6 +81,7 @@ class Supervisor:
         self._silent_s = 0.0
         self._relay_exit: Exit | None = None
         self._relay_gone_s = 0.0
+        self._stopped_for_s: dict[str, float] = {}
         self._waiting_s = 0.0
         self.status: Status | None = None
         self.is_over = False
@@ -144,6 +147,21 @@ class Supervisor:
         if len(process.nodes) > 1 and log_lines:
             why += f": {log_lines[-1]}"  # it names the node
         self._lose(process, why)
+
+    def processes_stopped(self, stopped: Mapping[str, str], awake_s: float) -> None:
+        """
+        Take the processes that are stopped by a signal, or have started what is, for another `awake_s` (s).
+
+        By their names `stopped` has what they have started and is stopped, '' for themselves.
+        """
+        before_s = self._stopped_for_s
+        self._stopped_for_s = {name: before_s.get(name, 0.0) + awake_s for name in stopped}
+        for name, started in stopped.items():
+            if before_s.get(name, 0.0) <= STOPPED_S < self._stopped_for_s[name]:
+                process = self._processes[name]
+                also = " (with /clock_node)" if process.role == "relay" else ""
+                who = f"{started}, started by {name}," if started else f"{name}{also}"
+                self._lose(process, f"{who} is stopped by a signal")
 
     def time_passed(self, awake_s: float) -> None:
         """Let `awake_s` of wall time pass in which a status could have been seen (s)."""

@@ -108,6 +108,67 @@ def test_a_stubborn_child_is_killed_and_others_are_not_kept_waiting(tmp_path, sh
         assert children.running == []
 
 
+def test_a_stopped_child_is_seen_and_ended_at_once(tmp_path):
+    with family(tmp_path, good=GOOD, stopped=GOOD) as children:
+        assert children.stopped() == {}
+        os.kill(children.pid("stopped"), signal.SIGSTOP)
+        wait_until(lambda: children.stopped() == {"stopped": ""})
+        start_s = time.monotonic()
+        exits = {each.name: each.returncode for each in children.end(["good", "stopped"])}
+    assert exits == {"good": 0, "stopped": -signal.SIGKILL}
+    assert time.monotonic() - start_s < 3.0
+
+
+WITH_GRANDCHILD = """
+import subprocess, sys, time
+grandchild = subprocess.Popen([sys.executable, "-c", {script!r}],
+                              start_new_session=True)
+print(grandchild.pid, 'ready', flush=True)
+time.sleep(100)
+"""
+
+
+def grandchild_of(tmp_path, name):
+    return int((tmp_path / f"{name}.log").read_text().split(" ready")[0].split()[-1])
+
+
+def test_a_stopped_grandchild_is_seen_with_its_parent_and_killed(tmp_path):
+    script = WITH_GRANDCHILD.format(script="import time; time.sleep(100)")
+    with family(tmp_path, parent=script) as children:
+        pid = grandchild_of(tmp_path, "parent")
+        os.kill(pid, signal.SIGSTOP)
+        wait_until(lambda: children.stopped() == {"parent": sys.executable})
+        children.end(["parent"])
+        assert children.end_orphans(grace_s=5.0) == []
+        assert not Path(f"/proc/{pid}").exists()
+
+
+@pytest.mark.parametrize(
+    ("script", "grace_s", "is_killed"), [("pass", 5.0, False), ("time.sleep(100)", 0.2, True)]
+)
+def test_what_an_ended_child_leaves_is_waited_for_and_killed_by_its_id(tmp_path, script, grace_s, is_killed):
+    lasting = f"import time; time.sleep(0.3); {script}"
+    with family(tmp_path, parent=WITH_GRANDCHILD.format(script=lasting)) as children:
+        pid = grandchild_of(tmp_path, "parent")
+        children.kill(["parent"])
+        assert children.end_orphans(grace_s=grace_s) == ([pid] if is_killed else [])
+        assert not Path(f"/proc/{pid}").exists()
+
+
+def test_processes_of_others_are_not_orphans(tmp_path):
+    other = subprocess.Popen(
+        [sys.executable, "-c", DEFAULT], start_new_session=True, stdout=subprocess.DEVNULL
+    )
+    try:
+        with family(tmp_path, good=GOOD) as children:
+            children.end(["good"])
+            assert children.end_orphans(grace_s=0.0) == []
+        assert other.poll() is None
+    finally:
+        other.kill()
+        other.wait(10)
+
+
 def test_hurry_cuts_the_grace_short(tmp_path, monkeypatch):
     monkeypatch.setattr(processes, "HURRY_GRACE_S", 0.1)
     with family(tmp_path, stubborn=STUBBORN) as children:

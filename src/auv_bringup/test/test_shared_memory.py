@@ -1,11 +1,9 @@
 """What dead processes leave in shared memory goes; what living ones or other users have stays."""
 
 import fcntl
-import mmap
 import os
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -18,13 +16,20 @@ fcntl.flock(file, fcntl.LOCK_EX if sys.argv[1].endswith("_el") else fcntl.LOCK_S
 print("held", flush=True)
 sys.stdin.read()
 """
-OLD_S = 100.0
 
 
-def make(folder, *names, age_s=OLD_S):
+MAP = """
+import mmap, sys
+file = open(sys.argv[1], "rb")
+memory = mmap.mmap(file.fileno(), 0, prot=mmap.PROT_READ)
+print("mapped", flush=True)
+sys.stdin.read()
+"""
+
+
+def make(folder, *names):
     for name in names:
         (folder / name).write_bytes(b"x" * 100)
-        os.utime(folder / name, (time.time() - age_s,) * 2)
 
 
 def left(folder):
@@ -72,11 +77,15 @@ def test_what_a_process_holds_stays_whole_until_it_is_killed(tmp_path, names, lo
 def test_a_port_without_a_lock_stays_while_a_process_has_it_in_its_memory(tmp_path):
     names = ("fastrtps_port7413", "sem.fastrtps_port7413_mutex")
     make(tmp_path, *names)
-    with (tmp_path / names[0]).open("rb") as file, mmap.mmap(file.fileno(), 0, prot=mmap.PROT_READ):
+    sender = subprocess.Popen(
+        [sys.executable, "-c", MAP, tmp_path / names[0]], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    try:
+        assert sender.stdout.readline() == b"mapped\n"
         assert clear_shared_memory(tmp_path) == 0
-    make(tmp_path, *names, age_s=0.1)
-    assert clear_shared_memory(tmp_path) == 0  # somebody may be about to open it
-    make(tmp_path, *names)
+    finally:
+        sender.kill()
+        sender.communicate(timeout=10)
     assert clear_shared_memory(tmp_path) == 2
 
 

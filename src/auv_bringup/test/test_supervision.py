@@ -202,6 +202,48 @@ def test_a_silent_clock_is_named_within_5_s(policy):
     assert "/clock_node" in supervisor.reason
 
 
+@pytest.mark.parametrize("layout", ["node", "vehicle", "single"])
+@pytest.mark.parametrize("status", [None, Status("waiting"), running(1.0)])
+def test_a_stopped_process_is_named_within_5_s_from_the_start_on(layout, status):
+    for process in processes("bag", layout):
+        supervisor = Supervisor(processes("bag", layout), on_vehicle_loss="stop")
+        if status is not None:
+            supervisor.status_arrived(status, 100.0)
+        passed_s = 0.0
+        while not supervisor.is_over:
+            supervisor.processes_stopped({process.name: ""}, 0.25)
+            passed_s += 0.25
+        assert passed_s < 3.0
+        assert process.name in supervisor.reason
+        assert "stopped by a signal" in supervisor.reason
+        assert supervisor.exit_status == 3
+
+
+def test_what_a_process_has_started_is_named_with_it():
+    supervisor = make(layout="single")
+    for _ in range(3):
+        supervisor.processes_stopped({"/node_container": "auv_bringup.bag_process"}, 1.0)
+    assert supervisor.reason == "auv_bringup.bag_process, started by /node_container, is stopped by a signal"
+
+
+def test_a_process_that_goes_on_soon_is_not_lost():
+    supervisor = make()
+    for _ in range(20):
+        supervisor.processes_stopped({AGENT_2: ""}, 1.5)
+        supervisor.processes_stopped({}, 0.25)
+    assert not supervisor.is_over
+
+
+def test_a_stopped_vehicle_may_be_left_behind():
+    supervisor = make("continue")
+    supervisor.processes_stopped({AGENT_2: ""}, 1.5)
+    supervisor.processes_stopped({AGENT_2: ""}, 1.5)
+    supervisor.processes_stopped({AGENT_2: ""}, 1.5)
+    assert not supervisor.is_over
+    assert supervisor.lost_vehicles == ["auv_2"]
+    assert set(supervisor.take_processes_to_end()) == {AGENT_2, VEHICLE_2}
+
+
 def test_no_word_at_all_ends_the_wait():
     supervisor = Supervisor(processes(None), on_vehicle_loss="stop")
     waited_s = 0.0

@@ -1,0 +1,66 @@
+"""What Linux says of other processes: whether they are stopped, and what they have started."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+_PR_SET_CHILD_SUBREAPER = 36
+_libc = ctypes.CDLL(None, use_errno=True)
+
+
+def is_stopped(pid: int) -> bool:
+    """Return whether a process is stopped by a signal (SIGSTOP, Ctrl-Z); one that is gone is not."""
+    try:
+        stat = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
+    return stat.rpartition(")")[2].split()[0] == "T"
+
+
+def children_of(pid: int) -> list[int]:
+    """Return the ids of the processes that a process has started, without theirs; [] if it is gone."""
+    found: list[int] = []
+    for children in Path(f"/proc/{pid}/task").glob("*/children"):
+        with suppress(OSError):
+            found += [int(word) for word in children.read_text(encoding="ascii").split()]
+    return found
+
+
+def family_of(pid: int) -> Iterator[int]:
+    """Yield the ids of a process and of all that descend from it."""
+    yield pid
+    for child in children_of(pid):
+        yield from family_of(child)
+
+
+def module_of(pid: int) -> str:
+    """Return the Python module that a process runs, or the name of its program."""
+    try:
+        words = Path(f"/proc/{pid}/cmdline").read_text(encoding="utf-8", errors="replace").split("\0")
+    except OSError:
+        return str(pid)
+    return words[words.index("-m") + 1] if "-m" in words[:-1] else words[0]
+
+
+def adopt_orphans() -> None:
+    """Become the parent of every descendant whose parent ends, so that none is lost from sight."""
+    _libc.prctl(_PR_SET_CHILD_SUBREAPER, 1)
+
+
+def orphans() -> list[int]:
+    """
+    Return the ids of adopted processes that lead sessions of their own.
+
+    What this process has started itself is among them as long as it runs.
+    """
+    own_session = os.getsid(0)
+    found = []
+    for pid in children_of(os.getpid()):
+        with suppress(ProcessLookupError):
+            if os.getsid(pid) != own_session:
+                found.append(pid)
+    return found
