@@ -22,6 +22,7 @@ from pathlib import Path
 
 SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Linux keeps it
 _FILE = re.compile(r"(?:sem\.)?(?P<owner>fast(?:rtps|dds)_(?:port)?[0-9a-f]+)(?:_(?P<kind>el|sl|mutex))?")
+_MAPPED = re.compile(r"^\S+ \S+ \S+ ([0-9a-f]+):([0-9a-f]+) (\d+) .*fast(?:rtps|dds)_", re.MULTILINE)
 _OPENING_S = 0.1
 """Within so long whoever has made a port has it in its memory."""
 
@@ -41,7 +42,10 @@ def clear_shared_memory(folder: Path = SHARED_MEMORY) -> int:
     removed = sum(_remove_if_unlocked(parts) for owner, parts in files.items() if owner not in without_lock)
     if without_lock:
         time.sleep(_OPENING_S)
-        removed += sum(_remove(files[owner].values()) for owner in without_lock - _mapped_names())
+        mapped = _mapped_files()
+        for owner in without_lock:
+            if not any(_identity(path) in mapped for path in files[owner].values()):
+                removed += _remove(files[owner].values())
     return removed
 
 
@@ -89,12 +93,22 @@ def _remove(paths: Iterable[Path]) -> int:
     return removed
 
 
-def _mapped_names() -> frozenset[str]:
-    """Return the names of the files of Fast DDS that another process has in its memory."""
-    names: set[str] = set()
+def _identity(path: Path) -> tuple[int, int] | None:
+    """Return device and inode of a file, None if it is gone."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+def _mapped_files() -> frozenset[tuple[int, int]]:
+    """Return device and inode of the files that another process has in its memory."""
+    found: set[tuple[int, int]] = set()
     for maps in Path("/proc").glob("[0-9]*/maps"):
         with suppress(OSError):
             if int(maps.parent.name) == os.getpid():
                 continue
-            names.update(re.findall(r"/(fast(?:rtps|dds)_\w+)", maps.read_text(errors="replace")))
-    return frozenset(names)
+            for major, minor, inode in _MAPPED.findall(maps.read_text(errors="replace")):
+                found.add((os.makedev(int(major, 16), int(minor, 16)), int(inode)))
+    return frozenset(found)
