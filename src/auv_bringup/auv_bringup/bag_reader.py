@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import partial
 from operator import itemgetter
 from pathlib import Path
@@ -16,7 +15,9 @@ from numpy.typing import NDArray
 from auv_bringup.bag import Bag
 from auv_bringup.bag_writer import BagError
 from auv_bringup.recording import Recording, law_states
-from auv_flocking.holding import cause_number
+from auv_bringup.tick_series import TickSeries
+from auv_core.freshness import age_limit_s
+from auv_flocking.holding import STALE_COMMAND, cause_number
 
 if TYPE_CHECKING:
     from auv_bringup.scenario import Scenario
@@ -36,9 +37,10 @@ _NEIGHBOUR_WIDTH = 3 + 3 + 36 + 1 + 1  # position, velocity, covariance, age, ag
 def read_recording(bag_dir: Path, scenario: Scenario) -> Recording:
     """Read the arrays of a run from its bag.
 
-    Ticks that a bag lacks (a real-time run may miss some) hold the values of the tick before. A lost
-    vehicle's commands and estimates are NaN from its loss on. Rows of `sent` are in the order of tick and
-    source, those of `received` of tick, destination and arrival, those of `events` as the medium wrote them.
+    Ticks that a bag lacks (a real-time run may miss some) hold the values of the tick before; commands no
+    longer than a vehicle acts on them, then it rests. A lost vehicle's commands and estimates are NaN from
+    its loss on. Rows of `sent` are in the order of tick and source, those of `received` of tick, destination
+    and arrival, those of `events` as the medium wrote them.
 
     Parameters
     ----------
@@ -57,55 +59,30 @@ def read_recording(bag_dir: Path, scenario: Scenario) -> Recording:
     BagError
         If the bag cannot be read or holds no state of some vehicle.
     """
-    reader = _RunReader([vehicle.id for vehicle in scenario.vehicles], scenario.period_s)
+    command_max_age_s = age_limit_s(scenario.command_max_age_s, scenario.period_s)
+    ids = [vehicle.id for vehicle in scenario.vehicles]
+    reader = _RunReader(ids, scenario.period_s, command_max_age_s)
     bag = Bag(Path(bag_dir))
     reader.read(bag)
     return reader.recording(bag.path)
 
 
-@dataclass
-class _Series:
-    """Values of one quantity of one vehicle by tick."""
-
-    width: int
-    values: dict[int, FloatArray] = field(default_factory=dict)
-
-    def table(self, n_rows: int, *, hold_to_end: bool) -> FloatArray:
-        """Return (n_rows, width): missing rows hold the one before, NaN before the first.
-
-        Parameters
-        ----------
-        n_rows
-            Number of ticks.
-        hold_to_end
-            Hold beyond the last value too; otherwise NaN follows it.
-        """
-        table = np.full((n_rows, self.width), np.nan)
-        ticks = np.array(sorted(tick for tick in self.values if 0 <= tick < n_rows), dtype=np.int64)
-        if len(ticks) == 0:
-            return table
-        stop = n_rows if hold_to_end else ticks[-1] + 1
-        rows = np.array([self.values[tick] for tick in ticks])
-        source = np.searchsorted(ticks, np.arange(ticks[0], stop), side="right") - 1
-        table[ticks[0] : stop] = rows[source]
-        return table
-
-
 class _RunReader:
     """Collects the messages of a run by vehicle and tick."""
 
-    def __init__(self, vehicle_ids: list[str], period_s: float) -> None:
+    def __init__(self, vehicle_ids: list[str], period_s: float, command_max_age_s: float) -> None:
         self._ids = vehicle_ids
+        self._command_max_age_ticks = command_max_age_s / period_s
         self._period_s = period_s
         n = len(vehicle_ids)
-        self._state = [_Series(13) for _ in range(n)]
-        self._nav = [_Series(4) for _ in range(n)]
-        self._command = [_Series(6) for _ in range(n)]
-        self._reference = [_Series(3) for _ in range(n)]
-        self._centre = [_Series(6) for _ in range(n)]
+        self._state = [TickSeries(13) for _ in range(n)]
+        self._nav = [TickSeries(4) for _ in range(n)]
+        self._command = [TickSeries(6) for _ in range(n)]
+        self._reference = [TickSeries(3) for _ in range(n)]
+        self._centre = [TickSeries(6) for _ in range(n)]
         self._law_state: dict[tuple[int, int], list[float]] = {}
         self._holding: dict[tuple[int, int], int] = {}
-        self._neighbours = [_Series(n * _NEIGHBOUR_WIDTH) for _ in range(n)]
+        self._neighbours = [TickSeries(n * _NEIGHBOUR_WIDTH) for _ in range(n)]
         self._sent: list[tuple[int, int, int]] = []
         self._received: list[tuple[int, int, int, int, float]] = []
         self._contacts: list[tuple[int, int, float, float, float]] = []
@@ -166,6 +143,10 @@ class _RunReader:
         recording.neighbour_covariance[:, i] = neighbours[..., 6:42].reshape(k, n, 6, 6)
         recording.neighbour_age_s[:, i] = neighbours[..., 42]
         recording.neighbour_sonar_age_s[:, i] = neighbours[..., 43]
+        if not lost:
+            is_resting = self._command[i].ages(k) > self._command_max_age_ticks
+            recording.command[is_resting, i] = 0.0
+            recording.holding[is_resting, i] = cause_number(STALE_COMMAND)
         if lost:
             recording.lost_at_s[i] = (max(self._command[i].values, default=-1) + 1) * self._period_s
 

@@ -91,6 +91,7 @@ MEANINGS = {
         "", "such ticks since no report carries the position"
     ),
     "safe_commands_no_finite_command_from_the_law": Meaning("", "such ticks since the law gave no number"),
+    "safe_commands_stale_command": Meaning("", "ticks in which a vehicle rested without a fresh command"),
     "collision": Meaning("", "two hulls touched"),
     "collision_at_s": Meaning("s", "when they first did", 1),
     "lost_vehicles": Meaning("", "vehicles whose computer was lost"),

@@ -7,6 +7,7 @@ from numpy.testing import assert_array_equal
 
 from auv_bringup.bag_reader import read_recording
 from auv_bringup.bag_writer import BagError
+from auv_bringup.metrics_safety import safe_command_metrics
 
 
 def written(tmp_path, run, **options):
@@ -90,6 +91,24 @@ def test_missed_ticks_hold_the_tick_before(tmp_path):
     assert np.isnan(recording.command[0, 1]).all()
     assert_array_equal(recording.command[5, 1], run.command[4, 1])
     assert_array_equal(recording.command[9, 0], run.command[8, 0])
+
+
+class Silent(synthetic.SyntheticRun):
+    """A run in which the agent of vehicle 2 says nothing from tick 10 to 24."""
+
+    def write_decision(self, recorder, k, i):
+        if i != 1 or not 10 <= k < 25:
+            super().write_decision(recorder, k, i)
+
+
+def test_a_vehicle_without_a_fresh_command_rests_and_that_is_counted(tmp_path):
+    run = Silent(2, 30)
+    recording = read_recording(written(tmp_path, run), synthetic.scenario(2))
+    assert_array_equal(recording.command[9:15, 1], run.command[[9] * 6, 1])
+    assert not recording.command[15:25, 1].any()
+    assert_array_equal(recording.command[25:, 1], run.command[25:, 1])
+    assert_array_equal(recording.command[:, 0], run.command[:, 0])
+    assert safe_command_metrics(recording)["safe_commands_stale_command"] == 10
 
 
 class Losing(synthetic.SyntheticRun):

@@ -54,8 +54,8 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     ----------
     make_nodes : callable
         Makes the nodes, after ``rclpy.init``.  A node may have ``done`` (true when the process shall end),
-        ``exit_code``, ``on_stop()``, which is called once, before the node is destroyed, and ``waits_for()``,
-        words that are said every 5 s as long as there are any.  Without any of that the process ends some
+        ``exit_code``, ``on_stop()``, which is called once, before the node is destroyed, ``waits_for()``,
+        words that are said every 5 s as long as there are any, and ``on_run_end()``.  The process ends some
         seconds after its run.
     arguments : sequence of str, optional
         ROS arguments of all nodes; those of the command line if left out.
@@ -80,7 +80,7 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
         for node in nodes:
             node.add_on_set_parameters_callback(_refuse_changes)
             say_waits(node)
-        run_end = RunEnd(nodes[0])
+        run_end = RunEnd(nodes)
         _spin(nodes, lambda: bool(stopping) or run_end.is_past())
     except ConfigError as error:
         sys.stderr.write(f"error: {error}\n")

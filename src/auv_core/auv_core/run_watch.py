@@ -50,23 +50,33 @@ class Standstill:
 
 
 class RunEnd:
-    """Hears that the run of a node is over; some time later, when everybody has heard it, it is past."""
+    """
+    Hears that the run of a process is over; some time later, when everybody has heard it, it is past.
 
-    def __init__(self, node: Node) -> None:
-        self._node = node
+    What is heard before any other status is the end of an earlier run, and of no concern.
+    """
+
+    def __init__(self, nodes: Sequence[Node]) -> None:
+        self._nodes = nodes
+        self._has_run = False
         self._over_at_s: float | None = None
-        Hearing(node).listen(FlockStatus, "/flock/status", self._hear, LATCHED)
+        Hearing(nodes[0]).listen(FlockStatus, "/flock/status", self._hear, LATCHED)
 
     def is_past(self) -> bool:
         """Return whether the process shall end, and say so once it shall."""
         if self._over_at_s is None or time.monotonic() - self._over_at_s < _GRACE_S:
             return False
-        self._node.get_logger().info("the run is over, so this process ends")
+        self._nodes[0].get_logger().info("the run is over, so this process ends")
         return True
 
     def _hear(self, data: bytes) -> None:
         is_over = any(word in data for word in _OVER_BYTES) and decoded(FlockStatus, data).state in _OVER
-        if not is_over:
-            self._over_at_s = None
-        elif self._over_at_s is None:
+        self._has_run |= not is_over
+        if is_over and self._has_run and self._over_at_s is None:
             self._over_at_s = time.monotonic()
+            for node in self._nodes:
+                getattr(node, "on_run_end", _nothing)()
+
+
+def _nothing() -> None:
+    pass

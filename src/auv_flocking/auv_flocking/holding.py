@@ -1,7 +1,8 @@
 """
 Why an agent holds: gives the safe command (no force, or no velocity) in place of its law's.
 
-The words of a hold begin with its cause, so that a recorded text can be counted by cause.
+The words of a hold begin with its cause, so that a recorded text can be counted by cause.  A vehicle without
+a fresh command rests, which comes to the same; what a bag shows of it is the last cause.
 """
 
 from __future__ import annotations
@@ -11,8 +12,16 @@ BAD_NAVIGATION = "unusable navigation"
 SILENT_MODEM = "silent modem"
 OUT_OF_REPORT = "position beyond the report"
 NO_FINITE_COMMAND = "no finite command from the law"
+STALE_COMMAND = "stale command"
 
-CAUSES = (STALE_NAVIGATION, BAD_NAVIGATION, SILENT_MODEM, OUT_OF_REPORT, NO_FINITE_COMMAND)
+CAUSES = (
+    STALE_NAVIGATION,
+    BAD_NAVIGATION,
+    SILENT_MODEM,
+    OUT_OF_REPORT,
+    NO_FINITE_COMMAND,
+    STALE_COMMAND,
+)
 
 
 def cause_number(holding: str) -> int:

@@ -73,6 +73,7 @@ class AgentNode(Node):
         self._nav: State | None = None
         self._inbox: Inbox | None = None
         self._tick = 0
+        self._timer: SteadyTimer | None = None
         self._standstill = Standstill(self._tick)
         self._connect(own_qos(admits_strangers=run.admits_strangers))
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
@@ -134,7 +135,12 @@ class AgentNode(Node):
     def _begin(self) -> None:
         self._publish_path()
         self._mail.start(max(self._ticks.tick_now(), 0))
-        SteadyTimer(self, self._config.period_s, self._run_free)
+        self._timer = SteadyTimer(self, self._config.period_s, self._run_free)
+
+    def on_run_end(self) -> None:
+        """Give no more commands."""
+        if self._timer is not None:
+            self._timer.cancel()
 
     def waits_for(self) -> str:
         """Return for what the node waits, in words, or nothing."""

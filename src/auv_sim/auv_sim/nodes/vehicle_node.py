@@ -54,6 +54,7 @@ class VehicleNode(Node):
         self._has_begun = False
         self._watch = CommandWatch(self._config.command_max_age_s, self._config.period_s)
         self._alarm = Alarm(self.get_logger(), "the actuators rest", "the actuators act again")
+        self._timer: SteadyTimer | None = None
         self._standstill = Standstill(self._vehicle.state.tick)
         self.exit_code, self.done = 0, False
         self._state_pub = self.create_publisher(VehicleState, "state", EVERY_TICK)
@@ -89,7 +90,12 @@ class VehicleNode(Node):
 
     def _begin(self) -> None:
         self._watch.newest.start(max(self._clock_ticks.tick_now(), 0))
-        SteadyTimer(self, self._config.period_s, self._run_free)
+        self._timer = SteadyTimer(self, self._config.period_s, self._run_free)
+
+    def on_run_end(self) -> None:
+        """Move no more."""
+        if self._timer is not None:
+            self._timer.cancel()
 
     def waits_for(self) -> str:
         """Return for what the node waits, in words, or nothing."""
