@@ -53,12 +53,14 @@ ROS_FILES = {
         "qos",
         "run_watch",
         "stencil",
+        "strangers",
         "transform_stencil",
     )
 }
 # ROS is imported only when a function that needs it runs: these import, and give their help, without ROS.
 LAZY_ROS_FILES = {
-    f"auv_bringup/{name}.py" for name in ("launcher", "replay", "ros_environment", "ros_types", "topic")
+    f"auv_bringup/{name}.py"
+    for name in ("replay", "ros_environment", "ros_types", "status_listener", "topic")
 }
 
 # People wait for these, or read their dates: they look at the wall clock. All else takes time as an argument.
@@ -74,6 +76,7 @@ WALL_CLOCK_FILES = {"auv_core/node_main.py", "auv_core/run_watch.py", "auv_core/
         "replay",
         "shared_memory",
         "reproduction/cli",
+        "status_listener",
         "results",
         "supervision",
         "tally",

@@ -149,3 +149,33 @@ def test_a_fleet_of_128_vehicles_flies_in_one_process(tmp_path):
     assert run.returncode == 0, run.stderr[-2000:]
     (folder,) = tmp_path.iterdir()
     assert json.loads((folder / "metrics.json").read_text())["duration_s"] == 1.0
+
+
+def test_readers_of_another_type_and_readers_that_never_match_do_not_keep_a_node_waiting(ros, monkeypatch):
+    import rclpy
+    from std_msgs.msg import Int64, String
+
+    from auv_core import node_main
+    from auv_core.node_main import Audience, Rendezvous
+    from auv_core.qos import EVERY_TICK
+
+    node, spin_until = ros
+    talker, listener = node("talker"), node("listener")
+    publisher = talker.create_publisher(Int64, "said", EVERY_TICK)
+    context = rclpy.Context()
+    rclpy.init(context=context, args=[])
+    stranger = rclpy.create_node("stranger", context=context)
+    stranger.create_subscription(String, "said", lambda _: None, 10)
+    assert spin_until(lambda: talker.count_subscribers("said") == 1)
+    ready, late = [], []
+    Rendezvous(talker, [Audience(publisher, frozenset({"/listener"}))], lambda: ready.append(True))
+    listener.create_subscription(Int64, "said", lambda _: None, EVERY_TICK)
+    assert spin_until(lambda: bool(ready))
+    # A reader that the graph takes for one that matches, and that does not.
+    monkeypatch.setattr(node_main, "_can_match", lambda offer, reader: True)
+    monkeypatch.setattr(node_main, "_STRANGERS_S", 0.3)
+    meeting = Rendezvous(talker, [Audience(publisher, frozenset({"/listener"}))], lambda: late.append(True))
+    assert meeting.missing() == ["/listener"]
+    assert spin_until(lambda: bool(late))
+    stranger.destroy_node()
+    rclpy.shutdown(context=context)

@@ -1,5 +1,6 @@
 """The replay command as a process, heard by a real subscriber."""
 
+import os
 import signal
 import time
 from collections import defaultdict
@@ -14,6 +15,7 @@ from nav_msgs.msg import Path as PathMessage
 from ros_desk import desk, finish, process
 from rosgraph_msgs.msg import Clock
 
+from auv_bringup.domains import claim_domain
 from auv_msgs.msg import VehicleState
 
 pytestmark = pytest.mark.ros
@@ -135,3 +137,11 @@ def test_what_cannot_be_replayed_is_one_error(recorded, options, said):
     assert status == 2
     assert said in errors
     assert errors.count("\n") == 1
+
+
+def test_a_replay_leaves_the_domain_of_a_run_to_it(recorded):
+    folder, _ = recorded
+    with claim_domain(os.environ) as claim, process(REPLAY, folder, "--rate", 100, "--delay", 0) as replay:
+        status, _, errors = finish(replay, None)
+    assert status == 0
+    assert f"ROS domain {claim.domain_id} is in use by another run; this replay takes domain" in errors

@@ -308,6 +308,7 @@ def _remember_flight(folder: Path, flight: Flight, domain_id: int) -> None:
         exit_status=flight.exit_status,
         stopped_because=flight.reason or None,
         lost_vehicles=list(flight.lost_vehicles),
+        strangers=list(flight.strangers),
         simulated_s=flight.simulated_s,
         real_time_factor=flight.real_time_factor,
         start_up_s=flight.start_up_s,

@@ -18,12 +18,10 @@ import math
 import os
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from types import TracebackType
-from typing import Any
 
 from setproctitle import setproctitle, setthreadtitle
 
@@ -50,9 +48,9 @@ from auv_bringup.progress import Progress
 from auv_bringup.results import BAG, LOGS
 from auv_bringup.scenario import Scenario
 from auv_bringup.shared_memory import clear_shared_memory
-from auv_bringup.supervision import LOST_STATUS, Status, Supervisor
+from auv_bringup.status_listener import StatusListener
+from auv_bringup.supervision import LOST_STATUS, Supervisor
 from auv_core.run_config import WallWatch
-from auv_core.steady_timer import SteadyTimer
 
 INTERRUPTED_STATUS = 130
 RECORDER_GRACE_S = 30.0
@@ -69,7 +67,8 @@ class Flight:
     How a flight ended.
 
     `exit_status` is 0, 3 (vehicle or node lost, flight stopped) or 130 (interrupted); `reason` says why it
-    was stopped; `real_time_factor` counts the flight only and is NaN when it was too short to tell.
+    was stopped; `real_time_factor` counts the flight only and is NaN when it was too short to tell;
+    `strangers` says who else published on topics of the run, a line each.
     """
 
     exit_status: int
@@ -78,6 +77,7 @@ class Flight:
     simulated_s: float
     real_time_factor: float
     start_up_s: float
+    strangers: tuple[str, ...] = ()
 
 
 def fly(
@@ -124,7 +124,7 @@ def fly(
         schedule_as_batch()
     clear_shared_memory()  # of runs that were killed
     try:
-        return fly_nodes(
+        flight = fly_nodes(
             process_specs(nodes, layout),
             on_vehicle_loss=scenario.on_vehicle_loss,
             logs_dir=results_dir / LOGS,
@@ -134,6 +134,17 @@ def fly(
         )
     finally:
         clear_shared_memory()
+    return of_asked_length(flight, scenario, mode)
+
+
+def of_asked_length(flight: Flight, scenario: Scenario, mode: str) -> Flight:
+    """Return a flight that is good only if it is as long as asked; in real time ticks may be left out."""
+    more_s = 0.5 * scenario.period_s if mode == "lockstep" else scenario.answer_timeout_s
+    over_s = flight.simulated_s - scenario.duration_s
+    if flight.exit_status or -0.5 * scenario.period_s <= over_s <= more_s:
+        return flight
+    reason = f"the flight ended at {flight.simulated_s:.1f} s, not at the {scenario.duration_s:g} s asked for"
+    return replace(flight, exit_status=LOST_STATUS, reason=reason)
 
 
 def start_process(
@@ -169,7 +180,7 @@ def fly_nodes(
             start(children, process, parts_of(process, params_dir), log, environ)
         supervisor = Supervisor(processes, on_vehicle_loss=on_vehicle_loss)
         # A node of its own comes after the children are started: it brings threads, and a fork loses them.
-        with StatusListener(environ) as listener:
+        with StatusListener(environ, processes) as listener:
             start_up_s = _watch(supervisor, children, listener, interrupts, progress, start_s)
             was_interrupted = interrupts.count > 0 and not supervisor.is_over
             if was_interrupted:
@@ -177,7 +188,8 @@ def fly_nodes(
             elif supervisor.reason:
                 progress.message(f"{supervisor.reason}: ending the run")
             bag_is_closed = _end_in_order(processes, children, interrupts, progress)
-    return _flight(supervisor, was_interrupted, bag_is_closed, start_up_s)
+    flight = _flight(supervisor, was_interrupted, bag_is_closed, start_up_s)
+    return replace(flight, strangers=tuple(listener.strangers))
 
 
 def _import_nodes(processes: Sequence[ProcessSpec]) -> None:
@@ -230,8 +242,9 @@ def _watch(
         if now_s - looked_s > _STOPPED_LOOK_S:
             supervisor.processes_stopped(children.stopped(), min(now_s - looked_s, _MOST_AWAKE_S))
             looked_s = now_s
-        if warning := wall.warning():
-            progress.message(f"warning: {warning}")
+        for words in [wall.warning(), *listener.new_strangers()]:
+            if words:
+                progress.message(f"warning: {words}")
         for line in supervisor.take_messages():
             progress.message(line if line.startswith(" ") else f"warning: {line}")
         children.kill(supervisor.take_processes_to_end())
@@ -275,59 +288,3 @@ def _flight(supervisor: Supervisor, was_interrupted: bool, bag_is_closed: bool, 
         real_time_factor=supervisor.real_time_factor,
         start_up_s=start_up_s,
     )
-
-
-class StatusListener:
-    """A small ROS node that hears /flock/status; hidden from `ros2 node list` by its name."""
-
-    def __init__(self, environ: dict[str, str]) -> None:
-        self._environ = environ
-        self._heard: list[Status] = []
-
-    def __enter__(self) -> StatusListener:
-        adopt(self._environ)
-        import rclpy
-        from rclpy.executors import SingleThreadedExecutor
-        from rclpy.signals import SignalHandlerOptions
-
-        from auv_core.hearing import Hearing
-        from auv_core.qos import LATCHED
-        from auv_msgs.msg import FlockStatus
-
-        self._context = rclpy.Context()
-        rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
-        self._node = rclpy.create_node(
-            "_shoal_launcher", context=self._context, enable_rosout=False, start_parameter_services=False
-        )
-        Hearing(self._node).listen_decoded(FlockStatus, "/flock/status", self._hear, LATCHED)
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
-        self._waker = SteadyTimer(self._node, _LOOK_S, lambda: None)
-        return self
-
-    def listen(self, timeout_s: float) -> list[Status]:
-        """Wait at most `timeout_s` for a status; return those that came, oldest first."""
-        self._executor.spin_once(timeout_sec=timeout_s)
-        heard, self._heard = self._heard, []
-        return heard
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        self._waker.cancel()
-        self._executor.shutdown(timeout_sec=1.0)
-        self._node.destroy_node()
-        self._context.try_shutdown()
-
-    def _hear(self, message: Any) -> None:
-        self._heard.append(
-            Status(
-                state=message.state,
-                tick=message.tick,
-                time_s=message.time_s,
-                duration_s=message.duration_s,
-                waiting_for=tuple(message.waiting_for),
-                lost_vehicles=tuple(message.lost_vehicles),
-                detail=message.detail,
-            )
-        )

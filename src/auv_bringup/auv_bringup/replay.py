@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import sys
 import threading
 import time
@@ -15,7 +16,9 @@ from typing import TYPE_CHECKING, Any
 from auv_bringup.bag import Bag, RecordedMessage
 from auv_bringup.bag_mend import mend_bag
 from auv_bringup.bag_writer import BagError
+from auv_bringup.domains import DomainError, claim_domain
 from auv_bringup.failures import answered
+from auv_bringup.node_start import export_line
 from auv_bringup.one_line_parser import OneLineParser, refusal
 from auv_bringup.progress import Progress
 from auv_bringup.recorded_topics import CLOCK_TOPIC
@@ -174,8 +177,24 @@ class _Plan:
 
 
 def _replay(bag: Bag, options: argparse.Namespace) -> int:
-    """Publish the bag."""
-    prepare_environment(options.discovery)
+    """Publish the bag in a domain of its own, as a run flies in one."""
+    try:
+        claim = claim_domain(os.environ)
+    except DomainError as error:
+        raise BagError(str(error)) from None
+    with claim:
+        if claim.is_moved:
+            _tell(
+                f"ROS domain {claim.asked_id} is in use by another run; this replay takes domain "
+                f"{claim.domain_id}; to look in:  {export_line(claim.domain_id, options.discovery)}"
+            )
+        os.environ["ROS_DOMAIN_ID"] = str(claim.domain_id)
+        prepare_environment(options.discovery)
+        return _play(bag, options)
+
+
+def _play(bag: Bag, options: argparse.Namespace) -> int:
+    """Publish the bag in the domain of this process."""
     import rclpy
     from rclpy.signals import SignalHandlerOptions
 

@@ -164,7 +164,7 @@ def write_report(
     page = _PAGE.substitute(
         title=html.escape(scenario.title),
         facts=html.escape(f"{scenario.name}, seed {scenario.seed}, {metrics.get('mode')}"),
-        flown=html.escape(_flown(scenario, metrics)),
+        flown=html.escape(_flown(scenario, metrics) + _strangers(provenance)),
         verdicts="\n".join(_verdicts(scenario, metrics)),
         numbers=_numbers_table(scenario, metrics),
         figures=_figures_section(figures),
@@ -196,6 +196,12 @@ def _flown(scenario: Scenario, metrics: dict[str, Any]) -> str:
         f"{medium.preset or 'given'} medium (access {medium.mac.kind}, losses {medium.outage.kind})."
         f"{_known(scenario)}"
     )
+
+
+def _strangers(provenance: dict[str, Any]) -> str:
+    """Say who else published on topics of the run."""
+    strangers = provenance.get("strangers") or []
+    return f" Strangers on its topics, not recorded: {'; '.join(map(str, strangers))}." if strangers else ""
 
 
 def _known(scenario: Scenario) -> str:

@@ -83,6 +83,7 @@ class Supervisor:
         self._relay_gone_s = 0.0
         self._stopped_for_s: dict[str, float] = {}
         self._waiting_s = 0.0
+        self._doubts = False
         self.status: Status | None = None
         self.is_over = False
         self.exit_status = 0
@@ -115,7 +116,14 @@ class Supervisor:
         return names
 
     def status_arrived(self, status: Status, wall_s: float) -> None:
-        """Take a status of the clock, received at `wall_s` on any steady clock (s)."""
+        """
+        Take a status of the clock, received at `wall_s` on any steady clock (s).
+
+        One that goes back in time is of another clock, and is not believed.
+        """
+        if self.status is not None and (status.tick < self.status.tick or _has_begun(self.status, status)):
+            self._doubt(status)
+            return
         self._silent_s = 0.0
         self.status = status
         if status.state in ("running", "finished"):
@@ -132,6 +140,14 @@ class Supervisor:
             self._stall(status)
         else:
             self._stalled, self._stalled_for_s = (), 0.0
+
+    def _doubt(self, status: Status) -> None:
+        if not self._doubts:
+            self._doubts = True
+            self._messages.append(
+                f"/flock/status goes back to tick {status.tick} ({status.state}): another run publishes it; "
+                "not believed"
+            )
 
     def process_ended(self, exit_: Exit, log_lines: Sequence[str], log: str) -> None:
         """Take the end of a process, with the last lines and the path of its log."""
@@ -255,5 +271,9 @@ class _Stopwatch:
         return (self._last[0] - self._first[0]) / (self._last[1] - self._first[1])
 
 
+def _has_begun(before: Status, after: Status) -> bool:
+    return after.state == "waiting" != before.state
+
+
 def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names) or "nobody"
+    return ", ".join(names) or "the connections of nodes that are all there"

@@ -6,6 +6,7 @@ import pytest
 
 from auv_bringup import layout, supervision
 from auv_bringup.compose import node_specs
+from auv_bringup.launcher import Flight, of_asked_length
 from auv_bringup.layout import process_specs
 from auv_bringup.processes import Exit
 from auv_bringup.scenario import load_scenario
@@ -290,3 +291,36 @@ def test_a_large_fleet_is_given_more_time_for_start_and_ticks():
     relay = specs[0].nodes[0].params
     assert relay["answer_timeout_s"] == fleet.answer_timeout_s + layout.tick_patience_s(128)
     assert relay["start_timeout_s"] > supervision.NO_STATUS_S
+
+
+@pytest.mark.parametrize(
+    "foreign", [running(0.5), Status("finished", 5, 0.5, 30.0), Status("waiting"), Status("aborted", 2, 0.2)]
+)
+def test_a_status_that_goes_back_is_of_another_clock_and_not_believed(foreign):
+    supervisor = make()
+    before = supervisor.status
+    supervisor.status_arrived(foreign, 101.0)
+    supervisor.status_arrived(foreign, 102.0)
+    assert (supervisor.is_over, supervisor.status) == (False, before)
+    (line,) = supervisor.take_messages()
+    assert "another run publishes it; not believed" in line
+
+
+@pytest.mark.parametrize(
+    ("mode", "flown_s", "is_good"),
+    [
+        ("lockstep", 30.0, True),
+        ("lockstep", 2.6, False),
+        ("lockstep", 30.2, False),
+        ("realtime", 31.0, True),
+        ("realtime", 29.8, False),
+        ("realtime", 200.0, False),
+    ],
+)
+def test_a_length_that_is_not_the_asked_one_is_no_good_flight(mode, flown_s, is_good):
+    scenario = load_scenario("flock_acoustic", duration_s=30.0)
+    flight = of_asked_length(Flight(0, "", (), flown_s, 1.0, 1.0), scenario, mode)
+    assert flight.exit_status == (0 if is_good else 3)
+    assert ("not at the 30 s asked for" in flight.reason) != is_good
+    lost = Flight(3, "auv_1 is lost", (), 2.0, 1.0, 1.0)
+    assert of_asked_length(lost, scenario, mode) == lost

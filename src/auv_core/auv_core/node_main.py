@@ -9,6 +9,7 @@ published, and leaves with its own exit status.
 
 from __future__ import annotations
 
+import math
 import signal
 import sys
 import threading
@@ -25,7 +26,7 @@ from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible
+from rclpy.qos import QoSCompatibility, qos_check_compatible
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.topic_endpoint_info import TopicEndpointInfo
@@ -37,11 +38,14 @@ from auv_core.qos import LATCHED
 from auv_core.run_config import RunConfig, TickClock
 from auv_core.run_watch import RunEnd, listed, say_waits
 from auv_core.steady_timer import SteadyTimer
+from auv_core.strangers import full_name
 from auv_msgs.msg import FlockStatus
 
 _WAKE_S = 0.25
 _HAND_OVER_S = 5.0
 _LOOK_S = 0.02
+_STRANGERS_S = 3.0
+"""Longest wait for readers that are not the run's own, once its own are there."""
 
 WAITS_FOR_RUN = "the run to begin: /flock/status of /clock_node"
 
@@ -195,13 +199,15 @@ class Rendezvous:
         self._node = node
         self._waiting = list(audiences)
         self._on_ready = on_ready
-        self._offers: dict[str, list[QoSProfile]] = {}
+        self._offers: dict[str, list[TopicEndpointInfo]] = {}
+        self._alone_since_s = math.inf
         self.ready = False
         self._timer = SteadyTimer(node, _LOOK_S, self._look)
 
     def missing(self) -> list[str]:
-        """Return the full names of the nodes not found yet, sorted."""
-        return sorted(set().union(*(self._absent(audience) for audience in self._waiting)))
+        """Return the full names of the nodes not found, or found and not connected, yet; sorted."""
+        absent = set().union(*(self._absent(audience) for audience in self._waiting))
+        return sorted(absent or set().union(*(audience.nodes for audience in self._waiting)))
 
     def waits_for(self) -> str:
         """Return who is missing, or which topics are not matched, in words."""
@@ -216,40 +222,52 @@ class Rendezvous:
             self._on_ready()
 
     def _complete(self, audience: Audience) -> bool:
+        """
+        Return whether a publisher has matched all of its audience.
+
+        It says how many readers it has matched, not which; so those of strangers are waited for too, where
+        they can match at all, and not for long.
+        """
         matched = audience.publisher.get_subscription_count()
         if matched < len(audience.nodes):
             return False  # without a look at the graph, which costs much in a large fleet
-        names = self._subscribers(audience)
-        return set(audience.nodes) <= set(names) and matched >= len(names)
+        if self._absent(audience):
+            self._alone_since_s = math.inf
+            return False
+        self._alone_since_s = min(self._alone_since_s, time.monotonic())
+        readers = self._readers(audience)
+        if time.monotonic() - self._alone_since_s > _STRANGERS_S:
+            readers = [name for name in readers if name in audience.nodes]
+        return matched >= len(readers)
 
     def _absent(self, audience: Audience) -> set[str]:
-        return set(audience.nodes) - set(self._subscribers(audience))
+        return set(audience.nodes) - set(self._readers(audience))
 
-    def _subscribers(self, audience: Audience) -> list[str]:
-        """Return the readers that can match at all: one that asks for what is not offered never does."""
+    def _readers(self, audience: Audience) -> list[str]:
+        """Return the readers that can match: of this type, and asking for no more than is offered."""
         topic = audience.publisher.topic_name
-        offers = self._offered(topic)
+        own = self._offered(topic)
         return [
-            _name(info)
+            full_name(info)
             for info in self._node.get_subscriptions_info_by_topic(topic)
-            if all(qos_check_compatible(o, info.qos_profile)[0] != QoSCompatibility.ERROR for o in offers)
+            if all(_can_match(offer, info) for offer in own)
         ]
 
-    def _offered(self, topic: str) -> list[QoSProfile]:
+    def _offered(self, topic: str) -> list[TopicEndpointInfo]:
         """Return what the graph says that we offer: it has the middleware's defaults filled in."""
         if topic not in self._offers:
             own_name = self._node.get_fully_qualified_name()
             infos = self._node.get_publishers_info_by_topic(topic)
-            found = [info.qos_profile for info in infos if _name(info) == own_name]
+            found = [info for info in infos if full_name(info) == own_name]
             if not found:
                 return []
             self._offers[topic] = found
         return self._offers[topic]
 
 
-def _name(info: TopicEndpointInfo) -> str:
-    """Return the full name of the node behind an endpoint."""
-    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+def _can_match(offer: TopicEndpointInfo, reader: TopicEndpointInfo) -> bool:
+    compatible = qos_check_compatible(offer.qos_profile, reader.qos_profile)[0] != QoSCompatibility.ERROR
+    return compatible and offer.topic_type == reader.topic_type
 
 
 def _hand_over(nodes: Sequence[Node]) -> None:

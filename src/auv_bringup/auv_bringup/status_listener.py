@@ -1,0 +1,105 @@
+"""The launcher's ear: a ROS node that hears how a run is, and looks for strangers on its topics."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Any
+
+from auv_bringup.layout import ProcessSpec
+from auv_bringup.node_start import adopt
+from auv_bringup.supervision import Status
+
+CLOCK_NODE = "/clock_node"
+"""It lives in the process of the relay."""
+_WAKE_S = 0.1
+_LOOK_S = 1.0
+
+
+class StatusListener:
+    """
+    A small ROS node that hears /flock/status; hidden from `ros2 node list` by its name.
+
+    Parameters
+    ----------
+    environ : dict
+        Environment of the nodes.
+    processes : sequence of ProcessSpec
+        Those of the run.
+
+    Attributes
+    ----------
+    strangers : list of str
+        Who else published on topics of the run so far, a line each.
+
+    """
+
+    def __init__(self, environ: dict[str, str], processes: Sequence[ProcessSpec]) -> None:
+        self._environ = environ
+        nodes = [node for process in processes for node in process.nodes]
+        self._own_nodes = {node.name for node in nodes} | {CLOCK_NODE}
+        self._vehicle_ids = sorted({node.vehicle_id for node in nodes if node.vehicle_id})
+        self._heard: list[Status] = []
+        self._looked_at_s = time.monotonic()
+        self.strangers: list[str] = []
+
+    def __enter__(self) -> StatusListener:
+        adopt(self._environ)
+        import rclpy
+        from rclpy.executors import SingleThreadedExecutor
+        from rclpy.signals import SignalHandlerOptions
+
+        from auv_core.hearing import Hearing
+        from auv_core.qos import LATCHED
+        from auv_core.steady_timer import SteadyTimer
+        from auv_core.strangers import StrangerWatch
+        from auv_msgs.msg import FlockStatus
+
+        self._context = rclpy.Context()
+        rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        self._node = rclpy.create_node(
+            "_shoal_launcher", context=self._context, enable_rosout=False, start_parameter_services=False
+        )
+        Hearing(self._node).listen_decoded(FlockStatus, "/flock/status", self._hear, LATCHED)
+        self._watch = StrangerWatch(self._node, self._own_nodes, self._vehicle_ids)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._waker = SteadyTimer(self._node, _WAKE_S, lambda: None)
+        return self
+
+    def listen(self, timeout_s: float) -> list[Status]:
+        """Wait at most `timeout_s` for a status; return those that came, oldest first."""
+        self._executor.spin_once(timeout_sec=timeout_s)
+        heard, self._heard = self._heard, []
+        return heard
+
+    def new_strangers(self) -> list[str]:
+        """Return who is new among those who publish on topics of the run, a line each; look once a second."""
+        if time.monotonic() - self._looked_at_s < _LOOK_S:
+            return []
+        self._looked_at_s = time.monotonic()
+        words = [stranger.words for stranger in self._watch.look()]
+        self.strangers += words
+        return words
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self._waker.cancel()
+        self._executor.shutdown(timeout_sec=1.0)
+        self._node.destroy_node()
+        self._context.try_shutdown()
+
+    def _hear(self, message: Any) -> None:
+        self._heard.append(
+            Status(
+                state=message.state,
+                tick=message.tick,
+                time_s=message.time_s,
+                duration_s=message.duration_s,
+                waiting_for=tuple(message.waiting_for),
+                lost_vehicles=tuple(message.lost_vehicles),
+                detail=message.detail,
+            )
+        )
