@@ -22,6 +22,12 @@ class Flight:
     cpu_s: float
 
 
+def load_source() -> None:
+    """Load all that flights need, so that processes forked later fly with it, whatever changes on disk."""
+    import auv_bringup.experiment
+    import auv_bringup.metrics  # noqa: F401
+
+
 def fly(scenario: Scenario, *, on_progress: Callable[[float], None] | None = None) -> Flight:
     """
     Fly a resolved scenario in this process and evaluate it.

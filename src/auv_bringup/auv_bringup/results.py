@@ -182,7 +182,7 @@ def read_json(path: Path) -> dict[str, Any]:
     """Return what `write_json` wrote; {} when there is no such file or it holds something else."""
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return data if isinstance(data, dict) else {}
 

@@ -154,6 +154,22 @@ def test_the_source_of_runs_is_what_they_import():
     assert not {file for file in files if file.startswith(("nodes/", "scenarios/"))}
 
 
+def test_forked_workers_fly_with_the_source_that_their_parent_has_loaded():
+    """Otherwise a module that changes meanwhile would be flown under the key of the old one."""
+    script = """
+import sys
+from auv_bringup import flight, run_key
+flight.load_source()
+loaded = {getattr(module, "__file__", None) for module in sys.modules.values()}
+print([path.name for path in run_key._imported(run_key._ENTRANCES) if str(path) not in loaded])
+"""
+    environ = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=WAIT_S, env=environ
+    )
+    assert done.stdout == "[]\n", done.stderr
+
+
 def test_plugins_from_elsewhere_belong_to_the_source(tmp_path, monkeypatch):
     monkeypatch.setenv("SHOAL_PLUGINS", str(tmp_path))
     for file in ("separation/gentle.py", "scenarios/mine.yaml", "reproduction/mine.py"):

@@ -393,6 +393,31 @@ def test_a_scheduler_that_is_stopped_is_told_in_one_line(tmp_path, monkeypatch):
             sweep(tmp_path / "out", lambda *arguments: it_stops(client, *arguments))
 
 
+@pytest.mark.slow
+def test_a_worker_of_a_cluster_that_is_stopped_is_named_and_its_runs_are_flown(tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "_LOOK_EVERY_S", 1.0)
+    monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL", "10s")
+    file, here = tmp_path / "scheduler.json", ("--host", "127.0.0.1", "--no-dashboard")
+    with running("dask_scheduler", "--port", "0", *here, file=file):
+        wait_until(file.exists)
+        with running("dask_worker", "--nthreads", "1", *here, file=file) as nanny:
+            stopped = []
+
+            def one_is_stopped(runs, on_result, on_message):
+                def stop_and_keep(run, finished):
+                    if not stopped:
+                        stopped.extend(psutil.Process(nanny.pid).children())
+                        for process in stopped:
+                            process.suspend()
+                    on_result(run, finished)
+
+                cluster.fly_there(runs, stop_and_keep, on_message, scheduler=str(file))
+
+            rows, words = sweep(tmp_path / "out", one_is_stopped, duration_s=60.0)
+    assert words.count("is silent; the scheduler gives its runs to others") >= 1
+    assert {row["status"] for row in rows} == {"done"}
+
+
 STRANGER = """
 import os, sys
 from distributed import Client

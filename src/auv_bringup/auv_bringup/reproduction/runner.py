@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from auv_bringup.failures import Failure
-from auv_bringup.flight import fly
+from auv_bringup.flight import fly, load_source
 from auv_bringup.kept_json import KeptError, words_of_broken
 from auv_bringup.reproduction import RunSpec
 from auv_bringup.reproduction.store import PlannedRun, Store, plan_run
@@ -88,6 +88,7 @@ def fly_all(
             raise WriteError(result)
         tally.finished()
 
+    load_source()
     spread(
         [partial(_fly, run, store) for run in missing],
         n_workers,

@@ -9,12 +9,14 @@ its worker fails and not one that happened to wait behind it.
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
 from queue import Empty, SimpleQueue
+from typing import Any
 
 from distributed import Client, Future, KilledWorker
 from distributed.comm import get_address_host_port
@@ -31,6 +33,7 @@ _SUBMITTED_PER_THREAD = 4
 _CONNECT_TIMEOUT_S = 10
 _LOOK_EVERY_S = 5.0
 _LOOKS_OF_A_DROUGHT = 3
+_LOOKS_OF_SILENCE = 6
 _ANSWER_TIMEOUT_S = 30.0
 
 _UNREACHABLE = (OSError, ValueError, LookupError, TypeError, RuntimeError)
@@ -38,7 +41,7 @@ _UNREACHABLE = (OSError, ValueError, LookupError, TypeError, RuntimeError)
 _LOST = "the scheduler is gone"
 
 OnResult = Callable[[PlannedRun, Finished], None]
-OnDrought = Callable[[str], None]
+OnMessage = Callable[[str], None]
 
 
 class ClusterError(WorkersError):
@@ -46,7 +49,7 @@ class ClusterError(WorkersError):
 
 
 def fly_there(
-    runs: Sequence[PlannedRun], on_result: OnResult, on_drought: OnDrought, *, scheduler: str
+    runs: Sequence[PlannedRun], on_result: OnResult, on_message: OnMessage, *, scheduler: str
 ) -> None:
     """
     Fly runs on the Dask cluster of a scheduler; see `remote_client` and `fly_all`.
@@ -58,7 +61,7 @@ def fly_there(
 
     """
     with remote_client(scheduler) as client:
-        fly_all(client, runs, on_result, on_drought)
+        fly_all(client, runs, on_result, on_message)
 
 
 @contextmanager
@@ -84,7 +87,7 @@ def remote_client(scheduler: str) -> Iterator[Client]:
         yield client
 
 
-def fly_all(client: Client, runs: Sequence[PlannedRun], on_result: OnResult, on_drought: OnDrought) -> None:
+def fly_all(client: Client, runs: Sequence[PlannedRun], on_result: OnResult, on_message: OnMessage) -> None:
     """
     Fly runs on a cluster, in their order as workers become free.
 
@@ -96,23 +99,23 @@ def fly_all(client: Client, runs: Sequence[PlannedRun], on_result: OnResult, on_
         No key twice.
     on_result : callable
         Told each run and what came of it, as they end.
-    on_drought : callable
-        Told in words when there is no worker.
+    on_message : callable
+        Told in one line when there is no worker, or when one is silent.
 
     Raises
     ------
     ClusterError
-        When the scheduler is lost, or a worker cannot fly at all, for want of this project's source.
+        When the scheduler is lost or silent, or a worker cannot fly at all: it has not this source.
 
     """
     suspects = []
-    for run, result in _fly(client, runs, "run", on_drought):
+    for run, result in _fly(client, runs, "run", on_message):
         if result is None:
             suspects.append(run)
         else:
             on_result(run, result)
     for run in suspects:
-        ((_, result),) = _fly(client, [run], "run-alone", on_drought)
+        ((_, result),) = _fly(client, [run], "run-alone", on_message)
         on_result(run, result or _killed())
 
 
@@ -122,12 +125,13 @@ def _killed() -> Finished:
 
 
 def _fly(
-    client: Client, runs: Iterable[PlannedRun], word: str, on_drought: OnDrought
+    client: Client, runs: Iterable[PlannedRun], word: str, on_message: OnMessage
 ) -> Iterator[tuple[PlannedRun, Finished | None]]:
     """Yield runs and results, None where too many workers died; only so many are handed over at a time."""
     source, waiting = source_version(), iter(runs)
     flying: dict[Future, PlannedRun] = {}
     ended: SimpleQueue[Future] = SimpleQueue()
+    watch = _Watch(client, on_message)
 
     def submit(count: int) -> None:
         for run in islice(waiting, count):
@@ -137,43 +141,74 @@ def _fly(
             flying[future] = run
             future.add_done_callback(ended.put)
 
-    submit(max(_LEAST_SUBMITTED, _SUBMITTED_PER_THREAD * _n_threads(client)))
+    submit(max(_LEAST_SUBMITTED, _SUBMITTED_PER_THREAD * _identity(client)["total_threads"]))
     while flying:
-        future = _next(ended, client, on_drought)
+        future = _next(ended, watch)
         run, result = flying.pop(future), _result(future)
         future.release()
         submit(1)
         yield run, result
 
 
-def _next(ended: SimpleQueue[Future], client: Client, on_drought: OnDrought) -> Future:
+def _next(ended: SimpleQueue[Future], watch: _Watch) -> Future:
     """Return the next future that has ended, however long that takes."""
-    looks = 0
     while True:
         try:
             return ended.get(timeout=_LOOK_EVERY_S)
         except Empty:
-            if client.status != "running":
-                raise ClusterError(_LOST) from None
-            looks = 0 if _n_threads(client) else looks + 1
-            if looks == _LOOKS_OF_A_DROUGHT:
-                on_drought(f"waiting for a worker at {client.scheduler_info()['address']}")
+            watch.look()
 
 
-def _n_threads(client: Client) -> int:
-    """Return how many runs the workers can fly at once; raise ClusterError when the scheduler is silent."""
+class _Watch:
+    """Looks at a cluster while nothing ends, and says what there is to wait for."""
+
+    def __init__(self, client: Client, on_message: OnMessage) -> None:
+        self._client, self._on_message = client, on_message
+        self._looks_of_drought = 0
+        self._silent_looks: Counter[tuple[str, float]] = Counter()
+
+    def look(self) -> None:
+        """Name workers that are silent; raise ClusterError when the scheduler is lost."""
+        if self._client.status != "running":
+            raise ClusterError(_LOST)
+        identity = _identity(self._client)
+        self._looks_of_drought = 0 if identity["workers"] else self._looks_of_drought + 1
+        if self._looks_of_drought == _LOOKS_OF_A_DROUGHT:
+            self._on_message(f"waiting for a worker at {identity['address']}")
+        heard = [(address, worker["last_seen"]) for address, worker in identity["workers"].items()]
+        self._silent_looks = Counter({sign: self._silent_looks[sign] + 1 for sign in heard})
+        for (address, _), looks in self._silent_looks.items():
+            if looks == _LOOKS_OF_SILENCE:
+                self._on_message(
+                    f"worker {address} is silent; the scheduler gives its runs to others after its worker-ttl"
+                )
+
+
+def _identity(client: Client) -> dict[str, Any]:
+    """Return what the scheduler says of itself and of its workers; raise ClusterError when it is silent."""
     try:
-        return sum(client.nthreads(callback_timeout=_ANSWER_TIMEOUT_S).values())
-    except (OSError, TimeoutError):
-        raise ClusterError(f"the scheduler has not answered for {_ANSWER_TIMEOUT_S:g} s") from None
+        identity: dict[str, Any] = client.sync(
+            client.scheduler.identity, n_workers=-1, callback_timeout=_ANSWER_TIMEOUT_S
+        )
+    except TimeoutError:
+        raise ClusterError(_silent()) from None
+    except OSError:
+        raise ClusterError(_LOST) from None
+    return identity
+
+
+def _silent() -> str:
+    return f"the scheduler has not answered for {_ANSWER_TIMEOUT_S:g} s"
 
 
 def _result(future: Future) -> Finished | None:
     try:
-        finished: Finished = future.result()
+        finished: Finished = future.result(timeout=_ANSWER_TIMEOUT_S)
     except KilledWorker:
         return None
-    except CancelledError:
+    except TimeoutError:
+        raise ClusterError(_silent()) from None
+    except (CancelledError, OSError):  # fly_run raises none of its own
         raise ClusterError(_LOST) from None
     except SourceMismatchError as error:
         raise ClusterError(str(error)) from None

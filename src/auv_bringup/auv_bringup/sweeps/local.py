@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from auv_bringup.failures import Failure
+from auv_bringup.flight import load_source
 from auv_bringup.run_key import source_version
 from auv_bringup.sweeps.plan import PlannedRun
 from auv_bringup.sweeps.worker import Finished, fly_run
@@ -39,6 +40,7 @@ def fly_here(
         When no worker process can be started.
 
     """
+    load_source()
     calls = [partial(_fly, run.scenario_json, source_version()) for run in runs]
 
     def note(index: int, result: Finished | Failure) -> None:
