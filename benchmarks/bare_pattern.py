@@ -68,7 +68,9 @@ class _BareNode(Node):
 
     def __init__(self, spec: NodeSpec, fleet: Sequence[str], *, is_lean: bool) -> None:
         super().__init__(spec.executable, namespace=spec.namespace)
-        self._types = {topic.name: topic.type_name for topic in topics_of_graph(fleet, kinematic=False)}
+        self._types = {
+            topic.name: topic.type_name for topic in topics_of_graph(fleet, kinematic=False, lockstep=True)
+        }
         self._audiences: list[Audience] = []
         self._recorder = {RECORDER}
         self._is_lean = is_lean
@@ -210,7 +212,7 @@ class BareRecorder(_BareNode):
         super().__init__(spec, fleet, is_lean=is_lean)
         self._topics: list[Subscription] = []
         self._ticks = 0
-        for topic in topics_of_graph(fleet, kinematic=False):
+        for topic in topics_of_graph(fleet, kinematic=False, lockstep=True):
             qos = LATCHED if topic.latched else EVERY_TICK
             kind = message_class(topic.type_name)
             self._topics.append(self.create_subscription(kind, topic.name, self._hear_clock, qos, raw=True))

@@ -37,6 +37,7 @@ TICK_NS = 100_000_000
 def recorder_arguments(folder, vehicles=("auv_1", "auv_2"), *, alone=False):
     """Return the command line that the launcher would make; `alone`: that of the node by itself."""
     parameters = {"bag_dir": str(folder / "bag"), "topics_vehicles": list(vehicles), "kinematic": False}
+    parameters["mode"] = "lockstep"
     path = folder / "params.yaml"
     path.write_text(yaml.safe_dump({"/recorder_node": {"ros__parameters": parameters}}))
     if alone:
@@ -213,6 +214,6 @@ def test_the_types_of_the_graph_have_the_hashes_that_the_bag_states():
     import synthetic_bag as synthetic
 
     for kinematic in (False, True):
-        for spec in topics_of_graph(["a"], kinematic=kinematic):
+        for spec in topics_of_graph(["a"], kinematic=kinematic, lockstep=True):
             described = load_message_type(spec.type_name)
             assert described.type_hash == synthetic.message_type(spec.type_name).type_hash, spec

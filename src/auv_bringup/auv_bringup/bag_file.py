@@ -8,7 +8,9 @@ killed lacks little, and one that is closed does not tell when its writer was as
 
 from __future__ import annotations
 
+import fcntl
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
@@ -25,10 +27,16 @@ class TimedMessage(NamedTuple):
 
 
 class BagFile:
-    """A new file whose every write reaches the operating system before it returns."""
+    """
+    A new file whose every write reaches the operating system before it returns.
+
+    A lock (flock) tells others that it is still being written; it ends with this process, however that ends.
+    """
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("xb", buffering=0)
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         self._position = 0
         self._has_tail = False
 

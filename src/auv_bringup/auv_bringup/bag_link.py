@@ -12,13 +12,12 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Sequence
 from contextlib import suppress
 from multiprocessing.connection import Pipe
 from pathlib import Path
 from typing import NamedTuple
 
-from auv_bringup.bag_writer import BagError, Qos
+from auv_bringup.bag_writer import BagError
 from auv_bringup.processes import Exit
 from auv_bringup.recorded_topics import TopicSpec
 
@@ -27,22 +26,25 @@ _ANSWER_LIMIT_S = 30.0
 
 
 class Opening(NamedTuple):
-    """The first word to the process: the bag's folder, which must not exist, and the topics to come."""
+    """
+    The first word to the process.
+
+    `bag_dir` is created and must not exist; `topics` are those to come, in the order of the bag.
+    """
 
     bag_dir: Path
     topics: tuple[TopicSpec, ...]
+    lockstep: bool
 
 
 class Batch(NamedTuple):
     """
     Messages taken at one time, by topic, in the order of the topics.
 
-    `offered_qos` holds what the publishers of a topic offer, with its first messages; `is_checkpoint` asks to
-    bring the files up to date.
+    `is_checkpoint` asks to bring the files up to date.
     """
 
     messages: dict[str, list[bytes]]
-    offered_qos: dict[str, tuple[Qos, ...]]
     is_checkpoint: bool = False
 
 
@@ -62,10 +64,8 @@ class BagLink:
 
     Parameters
     ----------
-    bag_dir
-        Folder to create; it must not exist.
-    topics
-        All that may be written.
+    opening
+        What the process is told first.
 
     Attributes
     ----------
@@ -73,8 +73,8 @@ class BagLink:
         The newest answer.
     """
 
-    def __init__(self, bag_dir: Path, topics: Sequence[TopicSpec]) -> None:
-        self._bag_dir = bag_dir
+    def __init__(self, opening: Opening) -> None:
+        self._bag_dir = opening.bag_dir
         self._line, far_end = Pipe()
         with far_end:
             self._process = subprocess.Popen(
@@ -84,7 +84,7 @@ class BagLink:
                 start_new_session=True,
             )
         self.written = Written()
-        self._send(Opening(bag_dir, tuple(topics)))
+        self._send(opening)
 
     def wait_until_open(self) -> None:
         """

@@ -18,7 +18,7 @@ from multiprocessing.connection import Connection
 
 from auv_bringup.bag_link import Batch, Opening, Written
 from auv_bringup.bag_recorder import BagRecorder
-from auv_bringup.bag_writer import BagError, BagWriter, Qos
+from auv_bringup.bag_writer import BagError, BagWriter
 from auv_bringup.message_definitions import DefinitionError
 
 
@@ -49,20 +49,18 @@ class _Bag:
     """A bag and the recorder that feeds it."""
 
     def __init__(self, opening: Opening) -> None:
-        self._offered_qos: dict[str, tuple[Qos, ...]] = {}
         self._writer = BagWriter(opening.bag_dir)
-        self._recorder = BagRecorder(self._writer, lambda topic: self._offered_qos.get(topic, ()))
+        self._recorder = BagRecorder(self._writer, lockstep=opening.lockstep)
         self._sinks = {spec.name: self._recorder.sink(spec) for spec in opening.topics}
         self.close = self._recorder.finish
 
     def take(self, batch: Batch) -> None:
         """Write a batch."""
-        self._offered_qos.update(batch.offered_qos)
         for topic, messages in batch.messages.items():
             self._sinks[topic](messages)
         self._recorder.flush()
         if batch.is_checkpoint:
-            self._writer.checkpoint()
+            self._writer.checkpoint(self._recorder.held())
 
     def written(self, *, closed: bool = False) -> Written:
         """Return what is in the bag."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from auv_bringup.bag import Bag
 from auv_bringup.bag_writer import BagError
+from auv_bringup.recorded_topics import SHARED_TOPICS, STATUS_TOPIC
 from auv_bringup.recording import Recording, law_states
 from auv_bringup.tick_series import TickSeries
 from auv_core.freshness import age_limit_s
@@ -24,12 +25,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-WALL_CLOCK_TOPICS = frozenset({"/rosout", "/flock/status", "/recorder/status"})
+WALL_CLOCK_TOPICS = frozenset({"/rosout", "/recorder/status"})
 """Topics whose content depends on the wall clock: never part of a comparison."""
-SHARED_TOPICS = frozenset({"/tf", "/tf_static", "/markers", "/diagnostics"})
-"""Topics with several publishers: the order of their messages within one tick means nothing."""
-
-_STATUS_TOPIC = "/flock/status"
 _EVENTS_TOPIC = "/acoustic/events"
 _NEIGHBOUR_WIDTH = 3 + 3 + 36 + 1 + 1  # position, velocity, covariance, age, age of the sonar's last look
 
@@ -200,7 +197,7 @@ class _RunReader:
     def _handlers(self) -> dict[str, Callable[[Any], None]]:
         """Return what to do with a message, by topic."""
         handlers: dict[str, Callable[[Any], None]] = {
-            _STATUS_TOPIC: self._take_status,
+            STATUS_TOPIC: self._take_status,
             _EVENTS_TOPIC: self._take_events,
         }
         for i, name in enumerate(self._ids):

@@ -1,26 +1,34 @@
-"""Give each received message its time and put it into the bag: the recorder without ROS.
+"""Give each received message its time and its place in the bag: the recorder without ROS.
 
-The time of a message in the bag is scenario time, never the wall clock's, so that two lock-step runs make the
-same bag:
+The time of a message in the bag is the run's, never the wall clock's:
 
-* a message with a stamp (its header, or that of its first element) has the stamp's time;
-* one without (an empty list of markers, a log line stamped by the wall clock) has that of the newest /clock,
-  or of the newest stamp where there is no /clock;
-* latched messages with stamp 0 or of a type without one, and all without a stamp that come before the first
-  message with one, have the time of that first message.
+* a message with a stamp (its header, or that of its first element) has the stamp's time, if that lies on the
+  run's time line (:mod:`auv_bringup.bag_time`), else the newest time of the run;
+* one without (an empty list of markers, a log line stamped by the wall clock) has the newest time of the run;
+* latched messages with stamp 0 or of a type without one, and all without a stamp that come before the run's
+  time is known, have the time of tick 0.
 
-Padding is zeroed, see :mod:`auv_bringup.cdr_padding`.
+Messages of one time stand in the order of topics, and those of topics with several publishers in that of
+their bytes. In lock-step they are held back until all of their time have surely come, so that equal runs make
+equal bags. What a latched topic says again, and the status of a run that does not run yet, is left out; for
+/flock/status they depend on the wall clock. Padding is zeroed, see :mod:`auv_bringup.cdr_padding`.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict, deque
 from collections.abc import Callable, Sequence
-from operator import itemgetter
 
+from auv_bringup.bag_file import TimedMessage
+from auv_bringup.bag_time import TimeLine
 from auv_bringup.bag_writer import BagWriter, Qos, Topic
 from auv_bringup.cdr_padding import padding_zeroer
 from auv_bringup.message_definitions import MessageType, load_message_type, read_stamp_ns, stamp_offset
-from auv_bringup.recorded_topics import CLOCK_TOPIC, TopicSpec
+from auv_bringup.recorded_topics import CLOCK_TOPIC, STATUS_TOPIC, TopicSpec
+
+HELD_TICKS = 200
+"""Ticks of lock-step that are held back; nothing that is only under way is later than that."""
+_AT_BEGIN = -1
 
 
 class BagRecorder:
@@ -30,8 +38,8 @@ class BagRecorder:
     ----------
     writer
         The bag, empty.
-    offered_qos
-        Returns the QoS that the publishers of a topic offer; asked when its first message comes.
+    lockstep
+        Whether /clock tells the time of the run, or /flock/status, as in real time.
     describe
         Returns what a bag says of a message type, by its name.
     """
@@ -39,28 +47,28 @@ class BagRecorder:
     def __init__(
         self,
         writer: BagWriter,
-        offered_qos: Callable[[str], tuple[Qos, ...]],
+        *,
+        lockstep: bool,
         describe: Callable[[str], MessageType] = load_message_type,
     ) -> None:
         self._writer = writer
-        self._offered_qos = offered_qos
+        self._lockstep = lockstep
         self._describe = describe
-        self._first_ns: int | None = None
-        self._now_ns = 0
-        self._untimed: list[tuple[int, bytes]] = []
-        self._taken: list[tuple[int, int, bytes]] = []
+        self._line = TimeLine()
+        self._held: defaultdict[int, list[tuple[int, bytes, bytes]]] = defaultdict(list)
+        self._newest_ticks: deque[int] = deque(maxlen=HELD_TICKS)
         self.ticks = 0
         """Number of /clock messages taken."""
 
     @property
     def now_ns(self) -> int:
-        """Scenario time reached: that of the newest /clock, or of the newest stamp without one (ns)."""
-        return self._now_ns
+        """The run's time: that of the newest /clock, in real time that of the newest status (ns)."""
+        return self._line.now_ns
 
     def sink(self, spec: TopicSpec) -> Callable[[Sequence[bytes]], None]:
         """Return the function that takes messages of one topic, in the order in which they were published.
 
-        The topic enters the bag with its first message.
+        The topic enters the bag now, so that the order of topics is that of the calls of this method.
 
         Raises
         ------
@@ -72,69 +80,97 @@ class BagRecorder:
         offset = place if spec.stamped else None
         stands = spec.latched and place is None
         zeroed = padding_zeroer(message_type)
-        channel = 0
+        channel = self._writer.add_topic(Topic(spec.name, message_type, (_offered_qos(spec),)))
+        tell = self._teller(spec.name)
+        said = b""
 
         def take(messages: Sequence[bytes]) -> None:
-            nonlocal channel
-            if messages and not channel:
-                qos = self._offered_qos(spec.name) or (_usual_qos(spec),)
-                channel = self._writer.add_topic(Topic(spec.name, message_type, qos))
+            nonlocal said
             for data in map(zeroed, messages):
                 stamp_ns = None if offset is None else read_stamp_ns(data, offset)
-                if stamp_ns is None or (stamp_ns == 0 and spec.latched):
-                    self._take_untimed(channel, data, at_start=stands or stamp_ns == 0)
-                else:
-                    self._take_timed(channel, data, max(stamp_ns, 0))
+                is_again = spec.latched and data == said
+                if is_again or (stamp_ns == 0 and spec.name == STATUS_TOPIC):
+                    continue
+                said = data
+                if stamp_ns is not None and tell is not None:
+                    tell(stamp_ns)
+                key = data if spec.shared else b""
+                time_ns = self._time_ns(stamp_ns, stands=stands or (stamp_ns == 0 and spec.latched))
+                self._held[time_ns].append((channel, key, data))
 
-        def take_clock(messages: Sequence[bytes]) -> None:
-            take(messages)
-            if messages:
-                self.ticks += len(messages)
-                self._now_ns = self._taken[-1][0]
-
-        return take_clock if spec.name == CLOCK_TOPIC else take
+        return take
 
     def flush(self) -> None:
-        """
-        Write what was taken since the last call, in order of time.
+        """Write what is complete, in order: all in real time, and in lock-step all but the newest ticks."""
+        if not self._lockstep:
+            self._write(None)
+        elif len(self._newest_ticks) == HELD_TICKS:
+            self._write(self._newest_ticks[0])
 
-        Messages may be taken topic by topic, many at once; in the bag those of one time stand together.
-        """
-        taken, self._taken = self._taken, []
-        taken.sort(key=itemgetter(0))
-        write = self._writer.write
-        for time_ns, channel, data in taken:
-            write(channel, data, time_ns)
+    def held(self) -> list[TimedMessage]:
+        """Return what is not written yet, in order."""
+        self._settle()
+        return [
+            TimedMessage(time_ns, channel, data)
+            for time_ns in sorted(self._held)
+            for channel, _, data in sorted(self._held[time_ns], key=_place)
+        ]
 
     def finish(self) -> None:
-        """Write all that was taken, also what still waits for a first stamp, and close the bag."""
-        self._release_untimed(0)
-        self.flush()
+        """Write all that was taken and close the bag."""
+        self._write(None)
         self._writer.close()
 
-    def _take_timed(self, channel: int, data: bytes, time_ns: int) -> None:
-        """Take a message with a stamp of its own."""
-        if self._first_ns is None:
-            self._release_untimed(time_ns)
-        self._taken.append((time_ns, channel, data))
-        if time_ns > self._now_ns and self.ticks == 0:
-            self._now_ns = time_ns
+    def _teller(self, topic: str) -> Callable[[int], None] | None:
+        """Return what takes the time from the messages of a topic, if that topic tells it."""
+        if topic == CLOCK_TOPIC and self._lockstep:
+            return self._tell_tick
+        return self._line.tell if topic == STATUS_TOPIC and not self._lockstep else None
 
-    def _take_untimed(self, channel: int, data: bytes, *, at_start: bool) -> None:
-        """Take a message without a time, or keep it until there is one."""
-        if self._first_ns is None:
-            self._untimed.append((channel, data))
-        else:
-            self._taken.append((self._first_ns if at_start else self._now_ns, channel, data))
+    def _tell_tick(self, stamp_ns: int) -> None:
+        self.ticks += 1
+        self._line.tell_tick(stamp_ns)
+        self._newest_ticks.append(self._line.now_ns)
 
-    def _release_untimed(self, first_ns: int) -> None:
-        """Write the messages that came before the first stamp."""
-        self._first_ns = first_ns
-        for channel, data in self._untimed:
-            self._taken.append((first_ns, channel, data))
-        self._untimed.clear()
+    def _time_ns(self, stamp_ns: int | None, *, stands: bool) -> int:
+        """Return the time of a message (ns), or `_AT_BEGIN`."""
+        if stands:
+            return _AT_BEGIN
+        if stamp_ns is not None:
+            return self._line.place(max(stamp_ns, 0))
+        return _AT_BEGIN if self._line.begin_ns is None else self._line.now_ns
+
+    def _write(self, before_ns: int | None) -> None:
+        """Write what is before a time, or everything."""
+        self._settle()
+        write = self._writer.write
+        for time_ns in sorted(self._held):
+            if before_ns is not None and time_ns >= before_ns:
+                return
+            for channel, _, data in sorted(self._held.pop(time_ns), key=_place):
+                write(channel, data, time_ns)
+
+    def _settle(self) -> None:
+        """Give what stands at the begin its time, which is that of the first stamp where nobody tells it."""
+        if _AT_BEGIN in self._held:
+            begin_ns = self._line.begin_ns
+            if begin_ns is None:
+                begin_ns = min((time_ns for time_ns in self._held if time_ns >= 0), default=0)
+            self._held[begin_ns] += self._held.pop(_AT_BEGIN)
 
 
-def _usual_qos(spec: TopicSpec) -> Qos:
-    """Return what a topic's publishers should offer, for one whose publisher has gone already."""
-    return Qos(durability="transient_local" if spec.latched else "volatile")
+def _place(message: tuple[int, bytes, bytes]) -> tuple[int, bytes]:
+    """Sort key of the messages of one time."""
+    channel, key, _ = message
+    return channel, key
+
+
+def _offered_qos(spec: TopicSpec) -> Qos:
+    """
+    Return what a replay of a topic shall offer.
+
+    It is what the run's nodes offer but for the liveliness, which tells the run's own writers from others.
+    """
+    if spec.latched:
+        return Qos(history="keep_last", depth=1, durability="transient_local")
+    return Qos(history="keep_last", depth=1000)

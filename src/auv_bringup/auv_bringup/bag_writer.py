@@ -3,8 +3,8 @@
 A bag ``results/x/bag`` is the folder ``bag`` with ``bag_0.mcap`` (the name that ``ros2 bag reindex`` looks
 for) and ``metadata.yaml`` (version 9). What a killed writer leaves behind can be read:
 
-* chunks are small (64 kB before compression) and go to the file, unbuffered, when they are full, so that
-  at most the chunk in progress is lost;
+* chunks are small (64 kB before compression) and go to the file, unbuffered, when they are full; what
+  waits for a chunk for longer goes behind the last one for the time being (:mod:`auv_bringup.bag_file`);
 * schemas and channels stand in the chunks, before their first message, so that a file without a summary
   can be read from its start;
 * the ``rosbag2`` metadata record is written at the start too, so that a reindexer knows the version;
@@ -12,13 +12,16 @@ for) and ``metadata.yaml`` (version 9). What a killed writer leaves behind can b
 
 Chunks are compressed with zstd: the numbers of a slowly moving flock shrink to about a quarter for some
 0.2 ms of processor time a chunk, and every MCAP reader (rosbag2's, rosbags, Foxglove) reads it.
+
+Equal messages in equal order make equal files, whenever they came.
 """
 
 from __future__ import annotations
 
-import fcntl
 import os
 import threading
+from collections import Counter
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -26,6 +29,7 @@ from typing import Any
 
 from mcap.writer import CompressionType, Writer
 
+from auv_bringup.bag_file import BagFile, TimedMessage, chunk_of
 from auv_bringup.bag_metadata import METADATA_FILE, dump, information_text, metadata_text, topic_text
 from auv_bringup.message_definitions import MessageType
 
@@ -68,37 +72,6 @@ class Topic:
     offered_qos: tuple[Qos, ...] = (Qos(),)
 
 
-class _UnbufferedFile:
-    """
-    A new file whose every write reaches the operating system before it returns.
-
-    A lock (flock) tells others that it is still being written; it ends with this process, however that ends.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self._file = path.open("xb", buffering=0)
-        with suppress(OSError):  # a file system without locks
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        self._position = 0
-
-    def write(self, data: bytes) -> int:
-        view = memoryview(data)
-        while view:
-            written = self._file.write(view)
-            self._position += written
-            view = view[written:]
-        return len(data)
-
-    def tell(self) -> int:
-        return self._position
-
-    def flush(self) -> None:
-        """Do nothing: nothing is held back."""
-
-    def close(self) -> None:
-        self._file.close()
-
-
 class BagWriter:
     """Writes one bag. Not thread-safe.
 
@@ -120,6 +93,7 @@ class BagWriter:
         self._file_name = f"{bag_dir.resolve().name}_0.mcap"
         self._ros_distro = ros_distro
         self._first_ns, self._last_ns = INFINITE_NS, 0
+        self._topics: list[Topic] = []
         self._topic_texts: list[str] = []
         self._counts: list[int] = []
         self._schema_ids: dict[str, int] = {}
@@ -127,6 +101,8 @@ class BagWriter:
         self._mcap = Writer(self._file, chunk_size=chunk_bytes, compression=CompressionType.ZSTD)
         self._mcap.start(profile="ros2", library="shoal")
         self._add_metadata_record()
+        self._chunk: list[TimedMessage] = []
+        self._chunk_at = self._saved_at = self._file.tell()
         self._replacing: threading.Thread | None = None
         self._replace_metadata(metadata_text(self._information()))
 
@@ -142,22 +118,12 @@ class BagWriter:
 
     def add_topic(self, topic: Topic) -> int:
         """Register a topic and return its channel id."""
-        if topic.type.name not in self._schema_ids:
-            self._schema_ids[topic.type.name] = self._mcap.register_schema(
-                topic.type.name, "ros2msg", topic.type.definition.encode()
-            )
         offered_qos = [each.to_dict() for each in topic.offered_qos]
-        channel = self._mcap.register_channel(
-            topic.name,
-            "cdr",
-            self._schema_ids[topic.type.name],
-            {
-                "offered_qos_profiles": dump(offered_qos),
-                "topic_type_hash": topic.type.type_hash,
-            },
-        )
         self._topic_texts.append(topic_text(topic.name, topic.type.name, topic.type.type_hash, offered_qos))
+        self._topics.append(topic)
         self._counts.append(0)
+        channel = _register(self._mcap, topic, self._schema_ids)
+        self._note_chunk()
         return channel
 
     def write(self, channel: int, data: bytes, time_ns: int) -> None:
@@ -174,21 +140,31 @@ class BagWriter:
         """
         self._mcap.add_message(channel, time_ns, data, time_ns, self._counts[channel - 1])
         self._counts[channel - 1] += 1
+        self._chunk.append(TimedMessage(time_ns, channel, data))
+        self._note_chunk()
         if time_ns < self._first_ns:
             self._first_ns = time_ns
         if time_ns > self._last_ns:
             self._last_ns = time_ns
 
-    def checkpoint(self) -> None:
+    def checkpoint(self, held: Sequence[TimedMessage] = ()) -> None:
         """
-        Bring everything taken so far to the file and bring metadata.yaml up to date.
+        Bring what waits for a chunk to the file, for the time being, and metadata.yaml up to date.
 
-        The latter in a thread, since a disk that is busy takes long to replace a file, and a flight would
-        wait.
+        Where chunks were written since the last time, what waits is young, and stays. The metadata is
+        replaced in a thread, since a disk that is busy takes long for it, and a flight would wait.
+
+        Parameters
+        ----------
+        held
+            Messages that will be written later.
         """
-        self._mcap.flush()
+        waiting = [*self._chunk, *held]
+        if waiting and self._saved_at == self._chunk_at:
+            self._file.put_tail(chunk_of(waiting, self._register_all))
+        self._saved_at = self._chunk_at
         if self._replacing is None or not self._replacing.is_alive():
-            text = metadata_text(self._information())
+            text = metadata_text(self._information(held))
             self._replacing = threading.Thread(target=self._try_replace_metadata, args=(text,), daemon=True)
             self._replacing.start()
 
@@ -202,23 +178,33 @@ class BagWriter:
             self._replacing.join()
         self._replace_metadata(metadata_text(self._information()))
 
-    def _create(self) -> _UnbufferedFile:
+    def _note_chunk(self) -> None:
+        """Forget the messages of a chunk that has gone to the file."""
+        if self._file.tell() != self._chunk_at:
+            self._chunk, self._chunk_at = [], self._file.tell()
+
+    def _register_all(self, writer: Writer) -> None:
+        schema_ids: dict[str, int] = {}
+        for topic in self._topics:
+            _register(writer, topic, schema_ids)
+
+    def _create(self) -> BagFile:
         """Make the folder and the MCAP file in it."""
         try:
             self._dir.mkdir(parents=True)
-            return _UnbufferedFile(self._dir / self._file_name)
+            return BagFile(self._dir / self._file_name)
         except FileExistsError:
             raise BagError(f"{self._dir} exists already; a bag is never overwritten") from None
         except OSError as error:
             raise BagError(f"cannot create the bag {self._dir}: {error.strerror}") from None
 
-    def _information(self) -> str:
-        return information_text(
-            self._file_name,
-            zip(self._topic_texts, self._counts, strict=True),
-            (self._first_ns, self._last_ns),
-            self._ros_distro,
-        )
+    def _information(self, held: Sequence[TimedMessage] = ()) -> str:
+        held_counts = Counter(each.channel for each in held)
+        counts = [count + held_counts[channel] for channel, count in enumerate(self._counts, start=1)]
+        times_ns = [each.time_ns for each in held]
+        span_ns = min([self._first_ns, *times_ns]), max([self._last_ns, *times_ns])
+        pairs = zip(self._topic_texts, counts, strict=True)
+        return information_text(self._file_name, pairs, span_ns, self._ros_distro)
 
     def _add_metadata_record(self) -> None:
         """Put what metadata.yaml says into the MCAP file too, where rosbag2 looks for it."""
@@ -233,6 +219,18 @@ class BagWriter:
     def _try_replace_metadata(self, text: str) -> None:
         with suppress(OSError):  # who writes the next chunk finds out
             self._replace_metadata(text)
+
+
+def _register(writer: Writer, topic: Topic, schema_ids: dict[str, int]) -> int:
+    """Register a topic, and its type where that is new, and return its channel's number, counted from 1."""
+    name = topic.type.name
+    if name not in schema_ids:
+        schema_ids[name] = writer.register_schema(name, "ros2msg", topic.type.definition.encode())
+    metadata = {
+        "offered_qos_profiles": dump([each.to_dict() for each in topic.offered_qos]),
+        "topic_type_hash": topic.type.type_hash,
+    }
+    return writer.register_channel(topic.name, "cdr", schema_ids[name], metadata)
 
 
 def _split_duration(duration_ns: int) -> dict[str, int]:

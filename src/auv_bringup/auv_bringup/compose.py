@@ -140,7 +140,7 @@ def node_specs(scenario: Scenario, *, mode: str, bag_dir: Path | None) -> list[N
         specs.append(_vehicle_spec("vehicle", "auv_sim", vehicle.vehicle_id, {**run, **_plain(vehicle)}))
         specs.append(_vehicle_spec("agent", "auv_flocking", agent.vehicle_id, {**run, **_plain(agent)}))
     if bag_dir is not None:
-        specs.append(_recorder_spec(scenario, bag_dir))
+        specs.append(_recorder_spec(scenario, mode, bag_dir))
     return specs
 
 
@@ -183,7 +183,7 @@ def _relay_spec(scenario: Scenario, run: Mapping[str, Any]) -> NodeSpec:
     )
 
 
-def _recorder_spec(scenario: Scenario, bag_dir: Path) -> NodeSpec:
+def _recorder_spec(scenario: Scenario, mode: str, bag_dir: Path) -> NodeSpec:
     return NodeSpec(
         name="/recorder_node",
         module="auv_bringup.nodes.recorder_node",
@@ -196,6 +196,7 @@ def _recorder_spec(scenario: Scenario, bag_dir: Path) -> NodeSpec:
             "bag_dir": str(bag_dir),
             "topics_vehicles": [vehicle.id for vehicle in scenario.vehicles],
             "kinematic": scenario.kinematic,
+            "mode": mode,
         },
     )
 

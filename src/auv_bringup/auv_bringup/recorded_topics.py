@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 CLOCK_TOPIC = "/clock"
+STATUS_TOPIC = "/flock/status"
 LOG_TOPIC = "/rosout"
 """Its writers are of the client library, which offers what strangers do."""
 
@@ -21,13 +22,16 @@ class TopicSpec:
     latched
         Published transient local: what was published before the recorder came is recorded too.
     stamped
-        The stamp in its messages is scenario time; if not, it is the wall clock's.
+        The stamp in its messages is the run's time; if not, it is the wall clock's.
+    shared
+        Several nodes publish it: the order of messages of one time means nothing.
     """
 
     name: str
     type_name: str
     latched: bool = False
     stamped: bool = True
+    shared: bool = False
 
 
 _VEHICLE_TOPICS = (
@@ -47,20 +51,24 @@ _VEHICLE_TOPICS = (
 _WRENCH_TOPIC = TopicSpec("cmd_wrench", "geometry_msgs/msg/WrenchStamped")
 _VELOCITY_TOPIC = TopicSpec("cmd_vel", "geometry_msgs/msg/TwistStamped")
 _GLOBAL_TOPICS = (
-    TopicSpec(CLOCK_TOPIC, "rosgraph_msgs/msg/Clock"),
     TopicSpec("/acoustic/stats", "auv_msgs/msg/AcousticStats"),
     TopicSpec("/acoustic/events", "auv_msgs/msg/AcousticEvents"),
-    TopicSpec("/flock/status", "auv_msgs/msg/FlockStatus", latched=True),
-    TopicSpec("/tf", "tf2_msgs/msg/TFMessage"),
-    TopicSpec("/tf_static", "tf2_msgs/msg/TFMessage", latched=True),
-    TopicSpec("/markers", "visualization_msgs/msg/MarkerArray"),
-    TopicSpec("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"),
-    TopicSpec(LOG_TOPIC, "rcl_interfaces/msg/Log", latched=True, stamped=False),
+    TopicSpec("/tf", "tf2_msgs/msg/TFMessage", shared=True),
+    TopicSpec("/tf_static", "tf2_msgs/msg/TFMessage", latched=True, shared=True),
+    TopicSpec("/markers", "visualization_msgs/msg/MarkerArray", shared=True),
+    TopicSpec("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", shared=True),
 )
+_CLOCK = TopicSpec(CLOCK_TOPIC, "rosgraph_msgs/msg/Clock")
+_STATUS = TopicSpec(STATUS_TOPIC, "auv_msgs/msg/FlockStatus", latched=True)
+_LOG = TopicSpec(LOG_TOPIC, "rcl_interfaces/msg/Log", latched=True, stamped=False)
+SHARED_TOPICS = frozenset(spec.name for spec in _GLOBAL_TOPICS if spec.shared)
 
 
-def topics_of_graph(vehicle_ids: Sequence[str], *, kinematic: bool) -> list[TopicSpec]:
-    """Return the topics of a run, without the recorder's own status.
+def topics_of_graph(vehicle_ids: Sequence[str], *, kinematic: bool, lockstep: bool) -> list[TopicSpec]:
+    """Return the topics of a run that are recorded, what tells the time first.
+
+    Not recorded are the recorder's own status and, in lock-step, log lines, whose stamps and order are the
+    wall clock's.
 
     Parameters
     ----------
@@ -68,12 +76,11 @@ def topics_of_graph(vehicle_ids: Sequence[str], *, kinematic: bool) -> list[Topi
         Names, and namespaces, of the vehicles.
     kinematic
         The vehicles take ``cmd_vel``, not ``cmd_wrench``.
+    lockstep
+        There is a ``/clock``.
     """
     per_vehicle = (*_VEHICLE_TOPICS, _VELOCITY_TOPIC if kinematic else _WRENCH_TOPIC)
-    specs = list(_GLOBAL_TOPICS)
+    specs = [_CLOCK, _STATUS, *_GLOBAL_TOPICS] if lockstep else [_STATUS, *_GLOBAL_TOPICS, _LOG]
     for vehicle_id in vehicle_ids:
-        specs += [
-            TopicSpec(f"/{vehicle_id}/{each.name}", each.type_name, each.latched, each.stamped)
-            for each in per_vehicle
-        ]
+        specs += [replace(each, name=f"/{vehicle_id}/{each.name}") for each in per_vehicle]
     return specs

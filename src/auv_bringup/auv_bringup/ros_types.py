@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from auv_bringup.bag_writer import BagError, Qos
+from auv_bringup.bag_writer import BagError
 from auv_bringup.domains import DomainError, asked_domain
 from auv_bringup.ros_environment import check_ros_environment
 from auv_core.params import ConfigError, shown
@@ -50,23 +50,6 @@ def message_class(type_name: str) -> Any:
     except (LookupError, OSError, ImportError, AttributeError):
         pass
     raise BagError(f"message type {shown(type_name)} is not installed here")
-
-
-def qos_of_profile(profile: QoSProfile) -> Qos:
-    """
-    Return an offered profile in rosbag2's words.
-
-    The liveliness is left out: it marks the writers of a run, and what is played from a bag is none of them.
-    """
-    return Qos(
-        history=profile.history.name.lower(),
-        depth=profile.depth,
-        reliability=profile.reliability.name.lower(),
-        durability=profile.durability.name.lower(),
-        deadline_ns=profile.deadline.nanoseconds,
-        lifespan_ns=profile.lifespan.nanoseconds,
-        avoid_ros_namespace_conventions=bool(profile.avoid_ros_namespace_conventions),
-    )
 
 
 def is_latched(offered_qos: tuple[Mapping[str, Any], ...]) -> bool:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from auv_bringup.cdr_padding import padding_zeroer
 from auv_bringup.recorded_topics import topics_of_graph
 
-TYPES = sorted({spec.type_name for spec in topics_of_graph(["a"], kinematic=False)})
+TYPES = sorted({spec.type_name for spec in topics_of_graph(["a"], kinematic=False, lockstep=True)})
 
 
 def serialised(message):

@@ -12,10 +12,10 @@ from auv_bringup.recorded_topics import TopicSpec
 
 
 def test_a_bag_is_open_before_the_first_message_and_closed_when_told_to(tmp_path):
-    link = BagLink(tmp_path / "bag", ())
+    link = BagLink(Opening(tmp_path / "bag", (), lockstep=True))
     link.wait_until_open()
     assert not Bag(tmp_path).complete
-    link.write(Batch({}, {}, is_checkpoint=True))
+    link.write(Batch({}, is_checkpoint=True))
     link.close()
     assert link.written.closed
     assert Bag(tmp_path).complete
@@ -32,14 +32,14 @@ def test_what_cannot_be_recorded_is_refused_in_the_words_of_its_error(tmp_path, 
     if not topics:
         (tmp_path / "bag").mkdir()
     with pytest.raises(BagError, match=words) as refused:
-        BagLink(tmp_path / "bag", topics).wait_until_open()
+        BagLink(Opening(tmp_path / "bag", tuple(topics), lockstep=True)).wait_until_open()
     assert "\n" not in str(refused.value)
 
 
 def test_the_end_of_the_line_closes_the_bag(tmp_path):
     ours, theirs = Pipe()
-    ours.send(Opening(tmp_path / "bag", ()))
-    ours.send(Batch({}, {}))
+    ours.send(Opening(tmp_path / "bag", (), lockstep=True))
+    ours.send(Batch({}))
     ours.close()
     serve(theirs)
     assert Bag(tmp_path).complete
@@ -47,7 +47,7 @@ def test_the_end_of_the_line_closes_the_bag(tmp_path):
 
 def test_answers_count_what_is_written_and_the_last_says_that_the_bag_is_closed(tmp_path):
     ours, theirs = Pipe()
-    for word in (Opening(tmp_path / "bag", ()), Batch({}, {}), None):
+    for word in (Opening(tmp_path / "bag", (), lockstep=True), Batch({}), None):
         ours.send(word)
     serve(theirs)
     first, second, last = (ours.recv() for _ in range(3))

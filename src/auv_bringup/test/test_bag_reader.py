@@ -207,7 +207,7 @@ SAME = [
 
 
 def test_bags_of_the_same_run_are_the_same(tmp_path):
-    other = [SAME[2], SAME[0], SAME[1], SAME[4], SAME[3], ("/rosout", 7, "q"), ("/flock/status", 1, "z")]
+    other = [SAME[2], SAME[0], SAME[1], SAME[4], SAME[3], ("/rosout", 7, "q"), ("/recorder/status", 1, "z")]
     assert compare_bags(record(tmp_path / "a", SAME), record(tmp_path / "b", other)) == []
 
 

@@ -22,10 +22,10 @@ from rclpy.qos import HistoryPolicy
 from rclpy.subscription import Subscription
 from rclpy.time import Time
 
-from auv_bringup.bag_link import BagLink, Batch
-from auv_bringup.bag_writer import BagError, Qos
+from auv_bringup.bag_link import BagLink, Batch, Opening
+from auv_bringup.bag_writer import BagError
 from auv_bringup.recorded_topics import CLOCK_TOPIC, LOG_TOPIC, TopicSpec, topics_of_graph
-from auv_bringup.ros_types import message_class, qos_of_profile
+from auv_bringup.ros_types import message_class
 from auv_core.node_main import main_loop
 from auv_core.node_params import declare_config, refuse_unknown_parameters
 from auv_core.params import ConfigError, param
@@ -48,6 +48,7 @@ class RecorderConfig:
     bag_dir: str = param("folder of the bag; it must not exist yet")
     topics_vehicles: tuple[str, ...] = param("ids of the vehicles whose topics are recorded")
     kinematic: bool = param("whether the vehicles take cmd_vel instead of cmd_wrench", default=False)
+    mode: str = param("how the run keeps time", default="realtime", choices=("lockstep", "realtime"))
 
 
 class RecorderNode(Node):
@@ -63,8 +64,9 @@ class RecorderNode(Node):
         self._status = self.create_publisher(RecorderStatus, "/recorder/status", LATCHED)
         self._heard_ticks: list[bytes] = []
         self._topics_met: set[str] = set()
-        topics = topics_of_graph(config.topics_vehicles, kinematic=config.kinematic)
-        self._bag = BagLink(Path(config.bag_dir), topics)
+        lockstep = config.mode == "lockstep"
+        topics = topics_of_graph(config.topics_vehicles, kinematic=config.kinematic, lockstep=lockstep)
+        self._bag = BagLink(Opening(Path(config.bag_dir), tuple(topics), lockstep))
         self._by_topic = {spec.name: self._subscription(spec) for spec in topics}
         try:
             self._bag.wait_until_open()
@@ -136,7 +138,7 @@ class RecorderNode(Node):
 
     def _batch(self, is_checkpoint: bool) -> Batch:
         """Take all messages that wait, topic by topic."""
-        batch = Batch({}, {}, is_checkpoint)
+        batch = Batch({}, is_checkpoint)
         for topic, subscription in self._by_topic.items():
             messages = _waiting(subscription)
             if topic == CLOCK_TOPIC:
@@ -144,9 +146,7 @@ class RecorderNode(Node):
                 self._heard_ticks = []
             if messages:
                 batch.messages[topic] = messages
-                if topic not in self._topics_met:
-                    self._topics_met.add(topic)
-                    batch.offered_qos[topic] = self._offered_qos(topic)
+                self._topics_met.add(topic)
         return batch
 
     def _guarded(self, write: Callable[[], None]) -> None:
@@ -159,10 +159,6 @@ class RecorderNode(Node):
             self.get_logger().error(str(error))
             self.exit_code = EXIT_INTERNAL
             self.done = True
-
-    def _offered_qos(self, topic: str) -> tuple[Qos, ...]:
-        """Return what the publishers of a topic offer."""
-        return tuple(qos_of_profile(each.qos_profile) for each in self.get_publishers_info_by_topic(topic))
 
     def _publish_status(self) -> None:
         """Say what the bag holds: what is still on its way there does not count."""
