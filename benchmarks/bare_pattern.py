@@ -53,7 +53,7 @@ def message_bytes(vehicle_id: str, neighbours: int) -> dict[str, bytes]:
         "/tf": convert.motion_transforms(name).filled(0.0, [(0.0,) * 7] * 3),
         "cmd_wrench": convert.command_stencil(name, takes_velocity=False).filled(0.0, *[0] * 6),
         "acoustic/tx": outbox_bytes(convert.body_frame(name), 0, [], 0.0),
-        "acoustic/rx": inbox_bytes(convert.body_frame(name), Inbox(0, False, (), ()), 0.0),
+        "acoustic/rx": inbox_bytes(convert.body_frame(name), Inbox(0, False, (), ()), 0.0, 0),
         "reference": convert.velocity_stencil().filled(0.0, *[0] * 6),
         "flocking_centre": convert.centre_stencil().filled(0.0, *[0] * 7),
         "neighbours": estimates,

@@ -45,7 +45,10 @@ def readers():
     return {
         "state": (convert.state_from_bytes, [state]),
         "command": (lambda data: convert.command_from_bytes(data, takes_velocity=False), [wrench]),
-        "inbox": (read_inbox, [inbox_bytes("auv_1", inbox, 1.0), inbox_bytes("", Inbox(1, False, ()), 0.0)]),
+        "inbox": (
+            lambda data: read_inbox(data, 0),
+            [inbox_bytes("auv_1", inbox, 1.0, 0), inbox_bytes("", Inbox(1, False, ()), 0.0, 0)],
+        ),
         "outbox": (read_outbox, [outbox_bytes("auv_1", 7, [packet, packet], 1.0)]),
         "status": (lambda data: decoded(FlockStatus, data), [serialize_message(status)]),
     }

@@ -4,6 +4,7 @@ import os
 import signal
 import time
 from collections import defaultdict
+from dataclasses import replace
 
 import pytest
 
@@ -15,6 +16,7 @@ from nav_msgs.msg import Path as PathMessage
 from ros_desk import desk, finish, process
 from rosgraph_msgs.msg import Clock
 
+from auv_bringup.bag_writer import Topic
 from auv_bringup.domains import claim_domain
 from auv_msgs.msg import VehicleState
 
@@ -145,3 +147,17 @@ def test_a_replay_leaves_the_domain_of_a_run_to_it(recorded):
         status, _, errors = finish(replay, None)
     assert status == 0
     assert f"ROS domain {claim.domain_id} is in use by another run; this replay takes domain" in errors
+
+
+def test_a_topic_whose_type_has_changed_is_left_out(tmp_path):
+    recorder = synthetic.Recorder(tmp_path / "bag")
+    synthetic.SyntheticRun(1, 3).write(recorder)
+    other = replace(synthetic.message_type("auv_msgs/msg/VehicleState"), type_hash="RIHS01_" + "0" * 64)
+    recorder.writer.write(recorder.writer.add_topic(Topic("/old/state", other)), b"\0\1\0\0", 0)
+    recorder.writer.close()
+    with process(REPLAY, tmp_path, "--delay", 0, "--rate", 10) as replay:
+        status, out, errors = finish(replay, None)
+    assert status == 0
+    assert "messages of 10 topics replayed" in out
+    said = "note: /old/state is left out: auv_msgs/msg/VehicleState is defined otherwise here than in the bag"
+    assert errors.strip() == said

@@ -108,6 +108,7 @@ def test_transforms_have_the_poses_of_all_frames():
     check()
 
 
+@settings(deadline=None)
 @given(attitude=st.tuples(*[st.floats(-1.0, 1.0)] * 4).filter(lambda q: math.hypot(*q) > 0.1), position=vec3)
 def test_a_pose_is_the_same_in_east_north_up(attitude, position):
     """The matrix of the pose, with the axes of both ends exchanged."""
@@ -199,7 +200,12 @@ def receptions():
     packet = st.builds(
         Packet, st.integers(0, 9), st.integers(1, 9), st.just(0), st.integers(1, 9), st.binary()
     )
-    return st.builds(Reception, packet, numbers, numbers, numbers)
+    whole = st.integers(-(10**9), 10**15).map(lambda ns: ns * 1e-9)
+    return st.builds(Reception, packet, whole, whole, numbers)
+
+
+def stamp_ns(stamp):
+    return stamp.sec * 10**9 + stamp.nanosec
 
 
 def again(data, kind):
@@ -224,20 +230,23 @@ def test_inbox_and_outbox_survive_the_way_through_their_messages():
     clean_outbox = padding_zeroer(load_message_type("auv_msgs/msg/AcousticOutbox"))
 
     @settings(deadline=None)
-    @given(inbox=inboxes, frame=st.sampled_from(["", "a/base", "auv_1/base_link_frd"]), t_s=times_s)
-    def check(inbox, frame, t_s):
-        data = inbox_bytes(frame, inbox, t_s)
-        assert read_inbox(data) == inbox
+    @given(
+        inbox=inboxes,
+        frame=st.sampled_from(["", "a/base", "auv_1/base_link_frd"]),
+        t_s=times_s,
+        epoch_ns=st.sampled_from([0, 10**9, 1_790_000_000_123_000_000 // 2]),
+    )
+    def check(inbox, frame, t_s, epoch_ns):
+        data = inbox_bytes(frame, inbox, t_s, epoch_ns)
+        assert read_inbox(data, epoch_ns) == inbox
         assert data == clean_inbox(again(data, AcousticInbox))
         message = read(data, AcousticInbox)
         assert_stamped(message.header, t_s, frame)
         assert (message.tick, message.transmit_ready) == (inbox.tick, inbox.transmit_ready)
         for ours, theirs in zip(inbox.receptions, message.receptions, strict=True):
-            assert (ours.sent_s, ours.arrival_s, ours.snr_db) == (
-                theirs.sent_s,
-                theirs.arrival_s,
-                theirs.snr_db,
-            )
+            assert stamp_ns(theirs.sent) == epoch_ns + round(ours.sent_s * 1e9)
+            assert stamp_ns(theirs.arrival) == epoch_ns + round(ours.arrival_s * 1e9)
+            assert theirs.snr_db == ours.snr_db
             assert (ours.packet.source, ours.packet.payload) == (
                 theirs.packet.source,
                 bytes(theirs.packet.payload),
@@ -263,7 +272,7 @@ def test_the_acoustic_log_holds_every_number():
 
     events = [AcousticEvent(Outcome(k + 1), k, 9, 7 + k, 1.0 + k, 2.0 + k, 3.0 + k, 32) for k in range(3)]
     for count in range(4):
-        data = events_bytes(25, events[:count], 2.5)
+        data = events_bytes(25, events[:count], 2.5, 10**9)
         assert data == padding_zeroer(load_message_type("auv_msgs/msg/AcousticEvents"))(
             again(data, AcousticEvents)
         )
@@ -271,7 +280,9 @@ def test_the_acoustic_log_holds_every_number():
         assert_stamped(message.header, 2.5, "")
         assert message.tick == 25
         for ours, theirs in zip(events[:count], message.events, strict=True):
-            fields = AcousticEvent._fields
+            assert stamp_ns(theirs.start) == 10**9 + round(ours.start_s * 1e9)
+            assert stamp_ns(theirs.end) == 10**9 + round(ours.end_s * 1e9)
+            fields = set(AcousticEvent._fields) - {"start_s", "end_s"}
             assert [getattr(ours, name) for name in fields] == [getattr(theirs, name) for name in fields]
 
 
@@ -281,9 +292,9 @@ def test_bytes_that_are_no_inbox_or_outbox_are_refused(data):
     from auv_core.messages import Inbox, Packet, Reception
 
     reception = Reception(Packet(1, 2, 0, 3, b"payload"), 1.0, 2.0, 3.0)
-    inbox = inbox_bytes("a", Inbox(1, True, (reception,), ()), 1.0)
+    inbox = inbox_bytes("a", Inbox(1, True, (reception,), ()), 1.0, 0)
     outbox = outbox_bytes("a", 1, [reception.packet], 1.0)
-    for read_it, whole in ((read_inbox, inbox), (read_outbox, outbox)):
+    for read_it, whole in ((lambda each: read_inbox(each, 0), inbox), (read_outbox, outbox)):
         for broken in (data, whole[: len(data)], whole[:-1]):
             with pytest.raises(ValueError, match="bytes that are no"):
                 read_it(broken)

@@ -219,6 +219,9 @@ class _RunReader:
     def _tick(self, stamp: Any) -> int:
         return round((_nanoseconds(stamp) - self._epoch_ns) * 1e-9 / self._period_s)
 
+    def _scenario_s(self, stamp: Any) -> float:
+        return (_nanoseconds(stamp) - self._epoch_ns) * 1e-9
+
     def _take_state(self, i: int, state: Any) -> None:
         p, q = state.pose.position, state.pose.orientation
         v, w = state.twist.linear, state.twist.angular
@@ -264,7 +267,10 @@ class _RunReader:
     def _take_received(self, i: int, inbox: Any) -> None:
         for reception in inbox.receptions:
             packet = reception.packet
-            delay_s = reception.arrival_s - reception.sent_s
+            if hasattr(reception, "sent_s"):  # a bag of before the times were stamps
+                delay_s = reception.arrival_s - reception.sent_s
+            else:
+                delay_s = (_nanoseconds(reception.arrival) - _nanoseconds(reception.sent)) * 1e-9
             self._received.append((inbox.tick, packet.source, i + 1, packet.sequence, delay_s))
         for c in inbox.contacts:
             self._contacts.append((inbox.tick, i + 1, c.range_m, c.bearing_rad, c.elevation_rad))
@@ -272,7 +278,11 @@ class _RunReader:
     def _take_events(self, message: Any) -> None:
         for e in message.events:
             keys = (message.tick, e.outcome, e.source, e.destination, e.sequence, e.size_bytes)
-            self._events.append((*keys, e.start_s, e.end_s, e.snr_db))
+            if hasattr(e, "start_s"):  # a bag of before the times were stamps
+                times_s = e.start_s, e.end_s
+            else:
+                times_s = self._scenario_s(e.start), self._scenario_s(e.end)
+            self._events.append((*keys, *times_s, e.snr_db))
 
     def _take_status(self, status: Any) -> None:
         self._lost.update(status.lost_vehicles)

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from auv_bringup.bag import Bag, RecordedMessage
+from auv_bringup.bag import Bag, RecordedMessage, RecordedTopic
 from auv_bringup.bag_mend import mend_bag
 from auv_bringup.bag_writer import BagError
 from auv_bringup.domains import DomainError, claim_domain
 from auv_bringup.failures import answered
+from auv_bringup.message_definitions import DefinitionError, load_message_type
 from auv_bringup.node_start import export_line
 from auv_bringup.one_line_parser import OneLineParser, refusal
 from auv_bringup.progress import Progress
@@ -234,19 +235,27 @@ def _wanted_topics(bag: Bag, names: Sequence[str], *, own_clock: bool) -> list[s
 
 
 def _make_publishers(node: Node, bag: Bag, topics: Sequence[str]) -> dict[str, Any]:
-    """Return a publisher for each topic whose message type is installed."""
+    """Return a publisher for each topic whose message type is installed as it was recorded."""
     publishers = {}
     for name in topics:
         topic = bag.topics[name]
         try:
-            kind = message_class(topic.type_name)
-        except BagError as error:
+            kind = _class_as_recorded(topic)
+        except (BagError, DefinitionError) as error:
             _tell(f"note: {name} is left out: {error}")
             continue
         publishers[name] = node.create_publisher(kind, name, offer_like_recorded(topic.offered_qos))
     if not publishers:
         raise BagError(f"no message type of {bag.folder} is installed here")
     return publishers
+
+
+def _class_as_recorded(topic: RecordedTopic) -> Any:
+    """Return the class of a topic's messages; raise BagError where its definition is not that of the bag."""
+    kind = message_class(topic.type_name)
+    if topic.type_hash and topic.type_hash != load_message_type(topic.type_name).type_hash:
+        raise BagError(f"{topic.type_name} is defined otherwise here than in the bag")
+    return kind
 
 
 def _wait_for_readers(node: Node, publishers: Sequence[Publisher], delay_s: float) -> None:

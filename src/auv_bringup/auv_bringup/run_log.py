@@ -11,6 +11,7 @@ import numpy as np
 from auv_bringup.recording import Recording, law_states
 from auv_bringup.scenario import Scenario
 from auv_core.messages import AcousticEvent, Command, Inbox, Packet, VehicleState, command_numbers
+from auv_core.stamp import nanoseconds, whole_nanoseconds_s
 from auv_flocking.agent import Agent
 from auv_flocking.estimates import AGE, COVARIANCE, POSITION, SONAR_AGE, VELOCITY, Estimates
 from auv_flocking.holding import cause_number
@@ -93,13 +94,15 @@ class RunLog:
             for reception in inbox.receptions:
                 packet = reception.packet
                 rows["received"].append((tick, packet.source, address, packet.sequence))
-                rows["delay_s"].append((reception.arrival_s - reception.sent_s,))
+                delay_ns = nanoseconds(reception.arrival_s) - nanoseconds(reception.sent_s)
+                rows["delay_s"].append((delay_ns * 1e-9,))
             for contact in inbox.contacts:
                 rows["contacts"].append((tick, address))
                 rows["contact_values"].append((contact.range_m, contact.bearing_rad, contact.elevation_rad))
         for e in events:
             rows["events"].append((tick, e.outcome, e.source, e.destination, e.sequence, e.size_bytes))
-            rows["event_values"].append((e.start_s, e.end_s, e.snr_db))
+            times_s = whole_nanoseconds_s(e.start_s), whole_nanoseconds_s(e.end_s)
+            rows["event_values"].append((*times_s, e.snr_db))
 
     def finished(self) -> Recording:
         """Return the recording."""

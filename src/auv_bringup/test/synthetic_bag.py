@@ -142,7 +142,7 @@ class SyntheticRun:
         self.nav = rng.normal(size=(n_ticks + 1, n, 15))
         self.heard = rng.random((n_ticks, n)) < 0.8
 
-    def time_ns(self, tick: int) -> int:
+    def time_ns(self, tick: float) -> int:
         return self.epoch_ns + round(tick * self.period_s * 1e9)
 
     def write(self, recorder: Recorder, *, extras: bool = False) -> None:
@@ -232,8 +232,8 @@ class SyntheticRun:
                 source=i + 1,
                 destination=0,
                 sequence=k,
-                start_s=k * self.period_s,
-                end_s=(k + 0.5) * self.period_s,
+                start=time(self.time_ns(k)),
+                end=time(self.time_ns(k + 0.5)),
                 snr_db=float("nan"),
                 size_bytes=2,
             )
@@ -274,13 +274,13 @@ class SyntheticRun:
     def _receptions(self, k: int, i: int):
         if k == 0 or not self.heard[k, i]:
             return []
-        sender, t_s = (i + 1) % self.n, k * self.period_s
+        sender = (i + 1) % self.n
         return [
             make(
                 "auv_msgs/msg/AcousticReception",
                 packet=self._packet(k - 1, sender),
-                sent_s=t_s - self.period_s,
-                arrival_s=t_s - 0.25 * self.period_s,
+                sent=time(self.time_ns(k - 1)),
+                arrival=time(self.time_ns(k - 0.25)),
                 snr_db=float("nan"),
             )
         ]

@@ -70,7 +70,11 @@ class Filtered(synthetic.SyntheticRun):
             payload=np.frombuffer(payload, np.uint8),
         )
         return synthetic.make(
-            "auv_msgs/msg/AcousticReception", packet=packet, sent_s=0.0, arrival_s=0.1, snr_db=float("nan")
+            "auv_msgs/msg/AcousticReception",
+            packet=packet,
+            sent=synthetic.time(0),
+            arrival=synthetic.time(10**8),
+            snr_db=float("nan"),
         )
 
     @staticmethod

@@ -1,9 +1,12 @@
 """From a bag to the arrays of a run."""
 
+import re
+
 import numpy as np
 import pytest
 import synthetic_bag as synthetic
 from numpy.testing import assert_array_equal
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from auv_bringup.bag_reader import read_recording
 from auv_bringup.bag_writer import BagError
@@ -177,3 +180,42 @@ def test_a_bag_of_other_vehicles_is_refused(tmp_path):
     bag_dir = written(tmp_path, synthetic.SyntheticRun(2, 3))
     with pytest.raises(BagError, match="holds no state of auv_3"):
         read_recording(bag_dir, synthetic.scenario(3))
+
+
+def with_times_in_seconds(text):
+    """Return a definition as it was when messages held scenario times as float64 seconds."""
+    return re.sub(r"builtin_interfaces/Time (sent|arrival|start|end)\b", r"float64 \1_s", text)
+
+
+def test_a_bag_of_before_the_times_were_stamps_reads_the_same(tmp_path, monkeypatch):
+    run = synthetic.SyntheticRun(2, 6)
+    new = synthetic.Recorder(tmp_path / "new")
+    run.write(new)
+    new.writer.close()
+
+    store, make = get_typestore(Stores.ROS2_JAZZY), synthetic.make
+    texts = {path.stem: with_times_in_seconds(path.read_text()) for path in synthetic.AUV_MSGS.glob("*.msg")}
+    types = [get_types_from_msg(text, f"auv_msgs/msg/{name}") for name, text in texts.items()]
+    store.register({name: kind for each in types for name, kind in each.items()})
+
+    def make_old(name, /, **fields):
+        if name in ("auv_msgs/msg/AcousticReception", "auv_msgs/msg/AcousticEvent"):
+            for key in {"sent", "arrival", "start", "end"} & set(fields):
+                stamp = fields.pop(key)
+                fields[f"{key}_s"] = (stamp.sec * 10**9 + stamp.nanosec) * 1e-9
+        return make(name, **fields)
+
+    synthetic.message_type.cache_clear()
+    monkeypatch.setattr(synthetic, "typestore", lambda: store)
+    monkeypatch.setattr(synthetic, "make", make_old)
+    old = synthetic.Recorder(tmp_path / "old")
+    run.write(old)
+    old.writer.close()
+    monkeypatch.undo()
+    synthetic.message_type.cache_clear()
+
+    ours, theirs = (read_recording(tmp_path / name, synthetic.scenario(2)) for name in ("old", "new"))
+    assert len(ours.delay_s) > 0
+    np.testing.assert_allclose(ours.delay_s, theirs.delay_s, atol=1e-12)
+    np.testing.assert_allclose(ours.event_values, theirs.event_values, atol=1e-12)
+    assert b"sent_s" in next((tmp_path / "old").glob("*.mcap")).read_bytes()

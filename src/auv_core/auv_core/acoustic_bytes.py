@@ -13,13 +13,17 @@ from collections.abc import Sequence
 
 from auv_core.cdr import COUNT, MOST_END_PADDING, MalformedError, align, aligned, begun, body_at
 from auv_core.messages import AcousticEvent, Inbox, Packet, Reception, SonarContact
+from auv_core.stamp import nanoseconds
 
 _OUTBOX = struct.Struct("<qI")
 _INBOX = struct.Struct("<q?3xI")
 _QUIET_INBOX = struct.Struct("<q?3xII")
 _PACKET = struct.Struct("<qBB2xII")
 _THREE = struct.Struct("<3d")
-_EVENT = struct.Struct("<BBBxI4x3dI")
+_TIMES = struct.Struct("<iIiI")
+_NUMBER = struct.Struct("<d")
+_EVENT = struct.Struct("<BBBxIiIiI4xdI")
+_SECOND_NS = 1_000_000_000
 # Of eleven limits and twelve classes of delay: behind these numbers links follow each other without padding.
 _DELAY_EDGES = struct.Struct("<I4x11dI")
 _LINK = struct.Struct("<BB2x7I4xQI12I")
@@ -34,14 +38,20 @@ def outbox_bytes(frame_id: str, tick: int, packets: Sequence[Packet], t_s: float
     return bytes(out)
 
 
-def inbox_bytes(frame_id: str, inbox: Inbox, t_s: float) -> bytes:
-    """Return auv_msgs/AcousticInbox: what a modem tells its vehicle at the time `t_s` (s)."""
+def inbox_bytes(frame_id: str, inbox: Inbox, t_s: float, epoch_ns: int) -> bytes:
+    """
+    Return auv_msgs/AcousticInbox: what a modem tells its vehicle at the time `t_s` (s).
+
+    Scenario time 0 has the stamp `epoch_ns` (ns).
+    """
     out = begun(frame_id, t_s)
     out += _INBOX.pack(inbox.tick, inbox.transmit_ready, len(inbox.receptions))
     for reception in inbox.receptions:
         _put_packet(out, reception.packet)
+        align(out, 4)
+        out += _TIMES.pack(*_times(reception.sent_s, reception.arrival_s, epoch_ns))
         align(out, 8)
-        out += _THREE.pack(reception.sent_s, reception.arrival_s, reception.snr_db)
+        out += _NUMBER.pack(reception.snr_db)
     out += COUNT.pack(len(inbox.contacts))
     for contact in inbox.contacts:
         align(out, 8)
@@ -49,14 +59,17 @@ def inbox_bytes(frame_id: str, inbox: Inbox, t_s: float) -> bytes:
     return bytes(out)
 
 
-def events_bytes(tick: int, events: Sequence[AcousticEvent], t_s: float) -> bytes:
-    """Return auv_msgs/AcousticEvents: lines of the acoustic log of the tick at `t_s` (s)."""
+def events_bytes(tick: int, events: Sequence[AcousticEvent], t_s: float, epoch_ns: int) -> bytes:
+    """
+    Return auv_msgs/AcousticEvents: lines of the acoustic log of the tick at `t_s` (s).
+
+    Scenario time 0 has the stamp `epoch_ns` (ns).
+    """
     out = begun("", t_s)
     out += _OUTBOX.pack(tick, len(events))
     for e in events:
-        out += _EVENT.pack(
-            e.outcome, e.source, e.destination, e.sequence, e.start_s, e.end_s, e.snr_db, e.size_bytes
-        )
+        times = _times(e.start_s, e.end_s, epoch_ns)
+        out += _EVENT.pack(e.outcome, e.source, e.destination, e.sequence, *times, e.snr_db, e.size_bytes)
     return bytes(out)
 
 
@@ -92,8 +105,12 @@ def read_outbox(data: bytes) -> tuple[int, list[Packet]]:
     return tick, packets
 
 
-def read_inbox(data: bytes) -> Inbox:
-    """Return the record of a serialised inbox; raise `MalformedError` for bytes that hold none."""
+def read_inbox(data: bytes, epoch_ns: int) -> Inbox:
+    """
+    Return the record of a serialised inbox; raise `MalformedError` for bytes that hold none.
+
+    Scenario time 0 has the stamp `epoch_ns` (ns).
+    """
     at = body_at(data)
     if len(data) - at == _QUIET_INBOX.size:  # in most ticks nothing is received and nothing seen
         tick, is_ready, received, seen = _QUIET_INBOX.unpack_from(data, at)
@@ -101,7 +118,7 @@ def read_inbox(data: bytes) -> Inbox:
             return Inbox(tick, is_ready, ())
     reader = _Reader(data)
     tick, is_ready, count = reader.take(_INBOX)
-    receptions = tuple([Reception(reader.packet(), *reader.take(_THREE, 8)) for _ in range(count)])
+    receptions = tuple([reader.reception(epoch_ns) for _ in range(count)])
     (count,) = reader.take(COUNT, 4)
     contacts = tuple([SonarContact(*reader.take(_THREE, 8)) for _ in range(count)])
     reader.end()
@@ -130,10 +147,26 @@ class _Reader:
             raise MalformedError(f"{len(self._data)} bytes that are no such message: a packet goes on")
         return Packet(tick, source, destination, sequence, self._data[at : self._at])
 
+    def reception(self, epoch_ns: int) -> Reception:
+        packet = self.packet()
+        sent, sent_ns, arrival, arrival_ns = self.take(_TIMES, 4)
+        return Reception(
+            packet,
+            (sent * _SECOND_NS + sent_ns - epoch_ns) * 1e-9,
+            (arrival * _SECOND_NS + arrival_ns - epoch_ns) * 1e-9,
+            *self.take(_NUMBER, 8),
+        )
+
     def end(self) -> None:
         """Refuse a message with more than the padding of a network behind its last field."""
         if len(self._data) - self._at > MOST_END_PADDING:
             raise MalformedError(f"{len(self._data)} bytes where {self._at} are such a message")
+
+
+def _times(first_s: float, second_s: float, epoch_ns: int) -> tuple[int, ...]:
+    """Return two scenario times as stamps: seconds and nanoseconds of each."""
+    first, second = (divmod(epoch_ns + nanoseconds(t_s), _SECOND_NS) for t_s in (first_s, second_s))
+    return (*first, *second)
 
 
 def _put_packet(out: bytearray, packet: Packet) -> None:

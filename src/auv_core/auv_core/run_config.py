@@ -110,6 +110,11 @@ class TickClock:
         self._began_s += off_s
         return off_s
 
+    @property
+    def epoch_ns(self) -> int:
+        """Stamp of scenario time 0 (ns); 0 as long as it is not known."""
+        return round(self.epoch_s * 1e6) * 1000  # an epoch is of whole microseconds
+
     def scenario_s(self, tick: int) -> float:
         """Return the scenario time of a tick (s)."""
         return tick * self._period_s

@@ -12,8 +12,17 @@ STAMP_BYTES = _STAMP.size
 @lru_cache(maxsize=16)
 def stamp_bytes(t_s: float) -> bytes:
     """Return a time (s), to the nanosecond, as a serialised stamp; a tick has many messages of one stamp."""
-    nanoseconds = round(t_s * 1e9)
-    return _STAMP.pack(nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000)
+    return _STAMP.pack(*divmod(nanoseconds(t_s), 1_000_000_000))
+
+
+def nanoseconds(t_s: float) -> int:
+    """Return a time (s) as whole nanoseconds."""
+    return round(t_s * 1e9)
+
+
+def whole_nanoseconds_s(t_s: float) -> float:
+    """Return a time (s) as it comes back from a message."""
+    return nanoseconds(t_s) * 1e-9
 
 
 def read_stamp_s(data: bytes, at: int) -> float:

@@ -164,7 +164,7 @@ class AgentNode(Node):
             self._mail.navs.drop(nav.tick, self._tick, _NOT_THIS_TICK)
 
     def _on_inbox(self, data: bytes) -> None:
-        inbox = read_inbox(data)
+        inbox = read_inbox(data, self._ticks.epoch_ns)
         if not self._ticks.lockstep:
             self._mail.hear_inbox(inbox, self._now_tick(inbox.tick))
         elif inbox.tick == self._tick:

@@ -242,12 +242,13 @@ class AcousticRelayNode(Node):
         if not self.clock.ended:
             self._deliver(tick, t_s)
         if events:
-            self._publish_events(events_bytes(last, events, self._ticks.stamp_s(last)))
+            self._publish_events(events_bytes(last, events, self._ticks.stamp_s(last), self._ticks.epoch_ns))
 
     def _deliver(self, tick: int, t_s: float) -> None:
         """Give every modem its inbox."""
+        epoch_ns = self._ticks.epoch_ns
         for index, inbox in enumerate(self._medium.exchange(tick, self._states)):
-            self._publish_inbox[index](inbox_bytes(self._frames[index], inbox, t_s))
+            self._publish_inbox[index](inbox_bytes(self._frames[index], inbox, t_s, epoch_ns))
             self._reports.note(index, inbox)
         if tick % MARKER_TICKS == 0:
             self._reports.draw(tick, t_s, self._states, self._lost_hulls(t_s))
