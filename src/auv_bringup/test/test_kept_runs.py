@@ -5,7 +5,7 @@ import os
 
 import pytest
 from full_disk import files_of_at_most
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_bringup.kept_json import KeptError, read_kept, write_kept
@@ -34,6 +34,7 @@ def text(tmp_path_factory):
     return path.read_bytes()
 
 
+@settings(deadline=None)
 @given(st.data())
 def test_no_flipped_bit_changes_what_is_read(text, tmp_path_factory, data):
     place = data.draw(st.integers(0, 8 * len(text) - 1))

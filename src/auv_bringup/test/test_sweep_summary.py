@@ -9,7 +9,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from hypothesis import given
+from full_disk import files_of_at_most
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_bringup.results import ResultsError
@@ -106,6 +107,7 @@ def good(tmp_path_factory):
     return write_table(folder, study, rows, {"Python": "3"}).read_bytes(), read_table(folder), folder
 
 
+@settings(deadline=None)
 @given(st.data())
 def test_a_flipped_bit_is_found_or_changes_nothing(good, data):
     whole, expected, folder = good
@@ -230,6 +232,16 @@ def test_a_failed_run_is_told_with_its_command_and_by_the_exit_status(tmp_path, 
     page = (tmp_path / "index.html").read_text()
     assert "--seed 3 --set a.slot_s=2 --set b.kind=null --mode inprocess" in page
     assert "ValueError: it &lt;sank&gt;" in page
+
+
+def test_a_full_disk_ends_the_showing_in_one_line_and_leaves_nothing_half_written(tmp_path, capsys):
+    study, rows = made_up()
+    write_table(tmp_path, study, rows, {"Python": "3"})
+    with files_of_at_most(2000):
+        assert cli.main(["--summarise", str(tmp_path)]) == 3
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line == f"error: cannot write {tmp_path / 'figures/pair_distance_min_m.png'}: File too large"
+    assert sorted(path.name for path in tmp_path.rglob("*.*")) == ["runs.parquet", "summary.csv"]
 
 
 def test_the_page_needs_no_other_file_and_the_table_makes_it_again(tmp_path, capsys):

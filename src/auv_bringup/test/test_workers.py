@@ -4,7 +4,6 @@ import contextlib
 import multiprocessing
 import os
 import random
-import resource
 import signal
 import sys
 import threading
@@ -14,6 +13,7 @@ import psutil
 import pytest
 
 from auv_bringup import worker_watch, workers
+from auv_bringup.one_line_parser import MOST_WORKERS
 
 WAIT_S = 60.0
 LONGER_THAN_A_PIPE_BYTES = 1 << 22
@@ -104,6 +104,39 @@ def test_a_stopped_worker_is_named_and_replaced(tmp_path, hasty_watch):
     assert "has been stopped for" in line
 
 
+def test_after_ctrl_z_and_fg_no_worker_is_blamed():
+    """All stop together; the parent may run again a little before the others."""
+    process = multiprocessing.get_context("fork").Process(target=burn)
+    process.start()
+    watch = worker_watch.Watch(process.pid)
+    try:
+        for _ in range(5):
+            os.kill(process.pid, signal.SIGSTOP)
+            wait_until(lambda: psutil.Process(process.pid).status() == psutil.STATUS_STOPPED)
+            assert [watch.look() for _ in range(3)] == [""] * 3
+            before_s = psutil.Process(process.pid).cpu_times().user
+            os.kill(process.pid, signal.SIGCONT)
+            wait_until(lambda: psutil.Process(process.pid).cpu_times().user > before_s)  # noqa: B023
+            assert watch.look() == ""
+    finally:
+        process.kill()
+        process.join()
+
+
+def burn():
+    while True:
+        pass
+
+
+def wait_until(condition):
+    pause = threading.Event()
+    for _ in range(int(WAIT_S / 0.01)):
+        if condition():
+            return
+        pause.wait(0.01)
+    raise AssertionError("it did not happen in time")
+
+
 def test_a_worker_that_takes_no_processor_time_is_named_and_replaced(tmp_path, hasty_watch, monkeypatch):
     monkeypatch.setattr(worker_watch, "_LOOKS_IDLE", 5)
     results, _, words = collect([once(tmp_path / "done", lambda: time.sleep(WAIT_S))])
@@ -145,14 +178,17 @@ def test_a_process_that_cannot_be_started_is_told_in_one_line(monkeypatch):
         collect([lambda advance: 1])
 
 
-def test_256_workers_fit_into_the_usual_number_of_open_files():
-    before = resource.getrlimit(resource.RLIMIT_NOFILE)
-    resource.setrlimit(resource.RLIMIT_NOFILE, (1024, before[1]))
-    try:
-        results, _, _ = collect([lambda advance: 1] * 256, n_workers=256)
-    finally:
-        resource.setrlimit(resource.RLIMIT_NOFILE, before)
-    assert results == dict.fromkeys(range(256), 1)
+def test_the_most_workers_fit_into_the_usual_number_of_open_files():
+    counts = []
+    n_workers = 8
+    before = psutil.Process().num_fds()
+    workers.spread(
+        [lambda advance: 1] * 50,
+        n_workers,
+        on_result=lambda index, result: counts.append(psutil.Process().num_fds()),
+    )
+    files_per_worker = (max(counts) - before) / n_workers
+    assert MOST_WORKERS * files_per_worker < 1024 - 200
 
 
 def test_no_calls_need_no_worker():
