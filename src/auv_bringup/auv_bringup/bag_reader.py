@@ -49,16 +49,16 @@ def read_recording(bag_dir: Path, scenario: Scenario) -> Recording:
     Returns
     -------
     Recording
-        Of as many ticks as every vehicle has a recorded state for.
+        Of as many ticks as every vehicle has a recorded state for, at most those of the scenario.
 
     Raises
     ------
     BagError
-        If the bag cannot be read or holds no state of some vehicle.
+        If the bag cannot be read, holds no state of some vehicle, or states that are not of one run.
     """
     command_max_age_s = age_limit_s(scenario.command_max_age_s, scenario.period_s)
     ids = [vehicle.id for vehicle in scenario.vehicles]
-    reader = _RunReader(ids, scenario.period_s, command_max_age_s)
+    reader = _RunReader(ids, scenario.period_s, command_max_age_s, scenario.ticks)
     bag = Bag(Path(bag_dir))
     reader.read(bag)
     return reader.recording(bag.path)
@@ -67,8 +67,11 @@ def read_recording(bag_dir: Path, scenario: Scenario) -> Recording:
 class _RunReader:
     """Collects the messages of a run by vehicle and tick."""
 
-    def __init__(self, vehicle_ids: list[str], period_s: float, command_max_age_s: float) -> None:
+    def __init__(
+        self, vehicle_ids: list[str], period_s: float, command_max_age_s: float, most_ticks: int
+    ) -> None:
         self._ids = vehicle_ids
+        self._most_ticks = most_ticks
         self._command_max_age_ticks = command_max_age_s / period_s
         self._period_s = period_s
         n = len(vehicle_ids)
@@ -105,7 +108,7 @@ class _RunReader:
         missing = [name for name, series in zip(self._ids, self._state, strict=True) if not series.values]
         if missing:
             raise BagError(f"{path} holds no state of {', '.join(missing)}")
-        n_ticks = min(max(series.values) for series in self._state)
+        n_ticks = min(self._most_ticks, *(max(series.values) for series in self._state))
         t_s: FloatArray = np.arange(n_ticks + 1, dtype=np.float64) * self._period_s
         recording = Recording.empty(self._ids, t_s)
         for i, name in enumerate(self._ids):
@@ -187,12 +190,32 @@ class _RunReader:
         recording.event_values = np.array([row[6:] for row in events], dtype=np.float64).reshape(-1, 3)
 
     def _find_epoch_ns(self, bag: Bag) -> int:
-        """Return the stamp of tick 0 (ns): 0 in lock-step, wall time in a real-time run."""
-        first = next(bag.messages({f"/{name}/state" for name in self._ids}), None)
-        if first is None:
-            return 0
-        state = bag.decode(first)
-        return _nanoseconds(state.header.stamp) - round(state.tick * self._period_s * 1e9)
+        """
+        Return the stamp of tick 0 (ns): wall time in a real-time run.
+
+        It is that of the first state after tick 0, since older runs in real time stamped tick 0 with 0.
+        """
+        epoch_ns = 0
+        for message in bag.messages({f"/{name}/state" for name in self._ids}):
+            state = bag.decode(message)
+            epoch_ns = _nanoseconds(state.header.stamp) - self._since_epoch_ns(state.tick)
+            if state.tick > 0:
+                break
+        return epoch_ns
+
+    def _check_time(self, i: int, state: Any) -> None:
+        """Refuse a state whose tick and stamp are not of the run's one time line."""
+        stamp_ns = _nanoseconds(state.header.stamp)
+        off_ns = stamp_ns - self._epoch_ns - self._since_epoch_ns(state.tick)
+        is_of_old_run = state.tick == stamp_ns == 0
+        if abs(off_ns) > 0.5e9 * self._period_s and not is_of_old_run:
+            raise BagError(
+                f"the bag is not of one run: /{self._ids[i]}/state of tick {state.tick} is stamped "
+                f"{abs(off_ns) * 1e-9:.3f} s {'late' if off_ns > 0 else 'early'}"
+            )
+
+    def _since_epoch_ns(self, tick: int) -> int:
+        return round(tick * self._period_s * 1e9)
 
     def _handlers(self) -> dict[str, Callable[[Any], None]]:
         """Return what to do with a message, by topic."""
@@ -223,6 +246,7 @@ class _RunReader:
         return (_nanoseconds(stamp) - self._epoch_ns) * 1e-9
 
     def _take_state(self, i: int, state: Any) -> None:
+        self._check_time(i, state)
         p, q = state.pose.position, state.pose.orientation
         v, w = state.twist.linear, state.twist.angular
         self._state[i].values[state.tick] = np.array(

@@ -37,6 +37,8 @@ DEFAULT_CLOCK_HZ = 40.0
 DEFAULT_DELAY_S = 1.0
 CONNECTION_LIMIT_S = 3.0
 ACKNOWLEDGE_LIMIT_S = 2.0
+_LONGEST_GAP_S = 60.0
+"""A silence that no run has: a bag with a stamp that is not of its run, as older ones in real time."""
 _SHOW_S = 0.2
 _LATEST_NS = (2**31 - 1) * 1_000_000_000
 """The latest time that a message can state."""
@@ -273,11 +275,20 @@ def _wait_for_readers(node: Node, publishers: Sequence[Publisher], delay_s: floa
 
 
 class _Pace:
-    """When a moment of the bag is due, by the steady wall clock."""
+    """When a moment of the bag is due, by the steady clock."""
 
     def __init__(self, first_ns: int, rate: float) -> None:
         self._first_ns, self._rate = first_ns, rate
+        self._reached_ns = first_ns
         self._began_s = time.monotonic()
+
+    def leave_out_gap(self, time_ns: int) -> None:
+        """Go on at once where the next message, of this time, comes after a long silence."""
+        gap_ns = time_ns - self._reached_ns
+        if gap_ns > _LONGEST_GAP_S * 1e9:
+            _tell(f"note: the bag has nothing for {gap_ns * 1e-9:.1f} s; the replay goes on at once")
+            self._first_ns += gap_ns
+        self._reached_ns = max(self._reached_ns, time_ns)
 
     def due_s(self, time_ns: int) -> float:
         """Return the wall time (s) of a moment of the bag."""
@@ -317,6 +328,7 @@ def _publish(bag: Bag, plan: _Plan, pace: _Pace, clock: _ClockSource | None) -> 
     with Progress((plan.last_ns - plan.first_ns) * 1e-9, verb="replayed") as progress:
         shown_s = -math.inf
         for message in _messages(bag, plan):
+            pace.leave_out_gap(message.time_ns)
             due_s = pace.due_s(message.time_ns)
             while True:
                 now_s = time.monotonic()

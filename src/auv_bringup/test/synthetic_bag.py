@@ -101,6 +101,7 @@ class FakeScenario:
     vehicles: tuple[FakeVehicle, ...]
     period_s: float = 0.1
     command_max_age_s: float = 0.5
+    ticks: int = 1000
 
 
 def scenario(n: int, period_s: float = 0.1) -> FakeScenario:

@@ -1,5 +1,6 @@
 """From a bag to the arrays of a run."""
 
+import dataclasses
 import re
 
 import numpy as np
@@ -219,3 +220,52 @@ def test_a_bag_of_before_the_times_were_stamps_reads_the_same(tmp_path, monkeypa
     np.testing.assert_allclose(ours.delay_s, theirs.delay_s, atol=1e-12)
     np.testing.assert_allclose(ours.event_values, theirs.event_values, atol=1e-12)
     assert b"sent_s" in next((tmp_path / "old").glob("*.mcap")).read_bytes()
+
+
+class OldRealTimeRun(synthetic.SyntheticRun):
+    """A run in real time as it was recorded once: tick 0 has the stamp 0."""
+
+    def time_ns(self, tick):
+        return super().time_ns(tick) if tick else 0
+
+
+def test_an_old_bag_of_real_time_whose_first_stamps_are_0_is_read(tmp_path):
+    run = OldRealTimeRun(2, 12, epoch_ns=1_700_000_000_123_456_789)
+    recording = read_recording(written(tmp_path, run), synthetic.scenario(2))
+    check_states(recording, run)
+    assert_array_equal(recording.command[1:], run.command[1:])
+
+
+class TwoEpochs(synthetic.SyntheticRun):
+    """A bag into which a state of another time has come."""
+
+    def time_ns(self, tick):
+        return super().time_ns(tick) + (tick == 7) * 3 * 10**9
+
+
+def test_a_state_that_is_not_of_the_runs_time_line_is_named(tmp_path):
+    words = "the bag is not of one run: /auv_1/state of tick 7 is stamped 3.000 s late"
+    with pytest.raises(BagError, match=words):
+        read_recording(written(tmp_path, TwoEpochs(2, 12)), synthetic.scenario(2))
+
+
+def test_a_recording_is_no_longer_than_its_scenario(tmp_path):
+    run = synthetic.SyntheticRun(2, 12)
+    recorder = synthetic.Recorder(tmp_path / "bag")
+    run.write(recorder)
+    zero, far_ns = (0.0,) * 6, 5 * 10**17
+    for i in range(2):
+        state = synthetic.make(
+            "auv_msgs/msg/VehicleState",
+            header=synthetic.header(far_ns, "map_ned"),
+            tick=5_000_000_000,
+            pose=synthetic.pose(zero[:3], (1.0, 0.0, 0.0, 0.0)),
+            twist=synthetic.twist(zero),
+            valid=True,
+            position_sd_m=0.0,
+            heading_sd_rad=0.0,
+        )
+        recorder.write(f"/auv_{i + 1}/state", state, far_ns)
+    recorder.writer.close()
+    scenario = dataclasses.replace(synthetic.scenario(2), ticks=12)
+    assert len(read_recording(tmp_path / "bag", scenario).t_s) == 13
