@@ -6,6 +6,7 @@ import io
 import multiprocessing
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -435,13 +436,10 @@ except Exception as error:
 @pytest.mark.skipif(shutil.which("openssl") is None, reason="makes certificates with openssl")
 def test_a_cluster_with_certificates_flies_and_keeps_another_user_without_them_out(tmp_path, monkeypatch):
     """Certificates and configuration are those of docs/sweeps.md."""
-    key, cert = (str(tmp_path / name) for name in ("key.pem", "cert.pem"))
-    make = "openssl req -x509 -newkey rsa:2048 -nodes -days 365 -subj /CN=my-sweeps"
-    subprocess.run([*make.split(), "-keyout", key, "-out", cert], check=True, capture_output=True)
-    mine = {"cert": cert, "key": key}
-    tls = {"ca-file": cert, "scheduler": mine, "worker": mine, "client": mine}
-    config = {"distributed": {"comm": {"require-encryption": True, "tls": tls}}}
-    (tmp_path / "dask.yaml").write_text(yaml.safe_dump(config))
+    text = (Path(__file__).parents[3] / "docs/sweeps.md").read_text(encoding="utf-8")
+    make, config = re.search(r"(openssl [^\n]+).*```yaml\n(distributed:.*?)```", text, re.DOTALL).groups()
+    subprocess.run(make.split(), check=True, capture_output=True, cwd=tmp_path)
+    (tmp_path / "dask.yaml").write_text(config.replace("/home/me", str(tmp_path)))
     file, here = tmp_path / "scheduler.json", ("--protocol", "tls", "--host", "127.0.0.1", "--no-dashboard")
     monkeypatch.setenv("DASK_CONFIG", str(tmp_path / "dask.yaml"))
     with running("dask_scheduler", "--port", "0", *here, file=file):
