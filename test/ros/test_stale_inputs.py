@@ -1,8 +1,11 @@
 """In real time no node acts on what is old: it rests, says so at once, and goes on with what is fresh."""
 
+import json
 import os
 import signal
+import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -154,3 +157,53 @@ def test_a_relay_silences_the_modem_of_a_vehicle_whose_state_is_old(tmp_path):
         watcher.wait(STATES, OK, "all fresh")
         ear.destroy_node()
         assert finish(relay)[0] in (0, 3)
+
+
+def pid_of(name, folder):
+    """Return the process of a node of the run whose results are in a folder."""
+    for entry in Path("/proc").iterdir():
+        try:
+            words = (
+                (entry / "cmdline").read_bytes().decode(errors="replace") if entry.name.isdecimal() else ""
+            )
+        except OSError:
+            continue
+        if "node_container" in words and name in words and str(folder) in words:
+            return int(entry.name)
+    return None
+
+
+@pytest.mark.slow
+def test_a_flight_goes_on_after_stops_and_its_metrics_count_them(tmp_path):
+    flight = ("flock_acoustic", "--mode", "realtime", "--duration", "25", "--set", "answer_timeout_s=30")
+    pause = threading.Event()
+
+    def until(condition, what):
+        deadline_s = time.monotonic() + 60.0
+        while not condition():
+            assert time.monotonic() < deadline_s, f"not yet: {what}"
+            pause.wait(0.05)
+
+    def until_logged(name, words):
+        (log,) = tmp_path.glob(f"*/logs/{name}.log")
+        until(lambda: words in log.read_text(), f"{name} says {words}")
+
+    with process("auv_bringup.cli", *flight, "--no-figures", "--out", tmp_path) as run:
+        until(lambda: any(p.stat().st_size > 300_000 for p in tmp_path.glob("*/bag/*.mcap")), "it flies")
+        for stopped, told, held, freed in (
+            ("auv_1.vehicle_node", "auv_1.agent_node", "stale navigation", "acts again"),
+            ("auv_2.agent_node", "auv_2.vehicle_node", "stale command", "the actuators act again"),
+        ):
+            pid = pid_of(stopped, tmp_path)
+            os.kill(pid, signal.SIGSTOP)
+            try:
+                until_logged(told, held)
+            finally:
+                os.kill(pid, signal.SIGCONT)
+            until_logged(told, freed)
+        status, out, err = finish(run, None)
+    assert status == 0, out + err
+    (metrics,) = [json.loads(path.read_text()) for path in tmp_path.glob("*/metrics.json")]
+    assert metrics["safe_commands_stale_navigation"] > 0
+    assert metrics["safe_commands_stale_command"] > 0
+    assert not metrics["collision"]

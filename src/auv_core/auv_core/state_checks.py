@@ -30,13 +30,25 @@ def checked_state(
         Largest speed (m/s).
 
     """
+    w, x, y, z = q = state.attitude
+    u, v, heave, roll_radps, pitch_radps, yaw_radps = state.nu
+    north, east, down = state.position
+    square = w * w + x * x + y * y + z * z
+    if (  # almost every state, in a fraction of the time that the reasons take
+        state.is_valid
+        and -_EXACT_NORM <= square - 1.0 <= _EXACT_NORM
+        and -position_max_m <= north <= position_max_m
+        and -position_max_m <= east <= position_max_m
+        and -position_max_m <= down <= position_max_m
+        and u * u + v * v + heave * heave <= speed_max_mps * speed_max_mps
+        and abs(roll_radps) + abs(pitch_radps) + abs(yaw_radps) <= LARGEST
+        and 0.0 <= state.position_sd_m <= LARGEST
+        and 0.0 <= state.heading_sd_rad <= LARGEST
+    ):
+        return state, ""
     words = _why_none(state, position_max_m, speed_max_mps)
     if words:
         return None, words
-    w, x, y, z = q = state.attitude
-    square = w * w + x * x + y * y + z * z
-    if abs(square - 1.0) <= _EXACT_NORM:
-        return state, ""
     if abs(square - 1.0) > _ALMOST_NORM:
         return None, f"attitude of length {math.sqrt(square):.3g}, allowed: 1"
     return state._replace(attitude=_unit(q, math.sqrt(square))), ""

@@ -45,7 +45,10 @@ _AXES = ("north", "east", "down")
 
 def why_not_carried(position: Vec3, carried: Box) -> str:
     """Return which coordinate of a position (m; NED) is outside of what a format carries, or nothing."""
-    for axis, value, least_m, most_m in zip(_AXES, position, *carried, strict=True):
+    (north, east, down), (least, most) = position, carried
+    if least[0] <= north <= most[0] and least[1] <= east <= most[1] and least[2] <= down <= most[2]:
+        return ""
+    for axis, value, least_m, most_m in zip(_AXES, position, least, most, strict=True):
         if not least_m <= value <= most_m:
             return f"{axis} {value:.1f} m, allowed: {least_m:g} to {most_m:g} m"
     return ""

@@ -38,6 +38,8 @@ def _neighbours(agent: Agent, config: AgentConfig, t_s: float) -> Status:
     words = list(refused)
     if len(agent.neighbours) < others:
         words.append(_not_heard(agent, config))
+    if agent.saturated:
+        words.append(f"{agent.saturated} values did not fit a report and were sent as its bound")
     is_quiet = bool(words) or (others > 0 and oldest_s > _OLD_S)
     return Status(
         level=DiagnosticStatus.WARN if is_quiet else DiagnosticStatus.OK,
