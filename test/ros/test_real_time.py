@@ -1,0 +1,161 @@
+"""Claims about real time: one epoch, bags that replay, and the flight of lock-step but for some delay."""
+
+import json
+import os
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+from ros_desk import desk, domain_id
+
+from auv_bringup.bag import Bag
+from auv_bringup.bag_reader import read_recording
+from auv_bringup.experiment import run_in_process
+from auv_bringup.metrics import compute_metrics
+from auv_bringup.scenario import list_scenarios, load_scenario
+
+pytestmark = pytest.mark.ros
+
+PATIENCE_S = 120.0
+SHORT_S = 3.0
+SHORT = ("flock_acoustic", "ch4_region_limited", "ch2_pfpd")
+FULL_LENGTH = ("compare_path_laws", "ch4_region", "swarm")
+LATE_S = 0.5
+"""By how much a command may act later than in lock-step: some ticks, or a packet's next turn."""
+SHIPPED = [name for name, _ in list_scenarios()]
+
+
+def fly(name, out_dir, duration_s=None):
+    """Fly in real time and return the results folder."""
+    command = [sys.executable, "-m", "auv_bringup.cli", name, "--mode", "realtime", "--layout", "single"]
+    command += ["--no-figures", "--out", str(out_dir)]
+    if duration_s is not None:
+        command += ["--duration", str(duration_s)]
+    limit_s = PATIENCE_S + load_scenario(name, duration_s=duration_s).duration_s
+    done = subprocess.run(command, capture_output=True, text=True, timeout=limit_s, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (folder,) = out_dir.iterdir()
+    return folder
+
+
+def check_time_base(folder, scenario):
+    """Hold every message to one epoch, every topic to the order of time, the bag to the length of the run."""
+    bag = Bag(folder)
+    assert bag.complete
+    assert "/clock" not in bag.topics
+    first_ns, last_ns = bag.span_ns()
+    assert abs(time.time() - 1e-9 * last_ns) < 600.0
+    assert scenario.duration_s - 0.5 < 1e-9 * (last_ns - first_ns) < scenario.duration_s + 4.0
+    states = {f"/{vehicle.id}/{name}" for vehicle in scenario.vehicles for name in ("state", "nav")}
+    last_ticks = dict.fromkeys(states, -1)
+    for message in bag.messages(states):
+        state = bag.decode(message)
+        assert state.tick > last_ticks[message.topic]
+        last_ticks[message.topic] = state.tick
+        stamp_ns = state.header.stamp.sec * 10**9 + state.header.stamp.nanosec
+        assert abs(stamp_ns - first_ns - state.tick * scenario.period_s * 1e9) < 1e4
+        assert message.time_ns == stamp_ns
+    assert min(last_ticks.values()) >= scenario.ticks - 2
+
+
+def check_replay(folder, scenario):
+    """Publish the bag quickly, and find it as long as the run."""
+    command = [sys.executable, "-m", "auv_bringup.replay", str(folder), "--rate", "20", "--delay", "0"]
+    limit_s = PATIENCE_S + scenario.duration_s
+    done = subprocess.run(command, capture_output=True, text=True, timeout=limit_s, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "the bag has nothing for" not in done.stderr
+    played_s = float(done.stdout.split(" s of the bag")[0].split()[-1])
+    assert played_s == pytest.approx(scenario.duration_s, abs=4.0)
+
+
+def check_against_lockstep(folder, scenario):
+    """Compare paths and metrics with the run in one process, whose numbers are those of lock-step."""
+    recorded, expected = read_recording(folder, scenario), run_in_process(scenario)
+    assert len(recorded.t_s) >= len(expected.t_s) - 2
+    rows = min(len(recorded.t_s), len(expected.t_s))
+    ours, theirs = recorded.position_ned_m[:rows], expected.position_ned_m[:rows]
+    speed_mps = np.linalg.norm(np.diff(theirs, axis=0), axis=-1).max() / scenario.period_s
+    allowed_m = 0.1 + LATE_S * speed_mps
+    assert np.linalg.norm(ours - theirs, axis=-1).max() < allowed_m
+    metrics = json.loads((folder / "metrics.json").read_text(encoding="utf-8"))
+    wanted = compute_metrics(expected, scenario, mode="inprocess", real_time_factor=1.0)
+    assert metrics["duration_s"] == pytest.approx(wanted["duration_s"], abs=2.5 * scenario.period_s)
+    assert metrics["lost_vehicles"] == wanted["lost_vehicles"]
+    assert metrics["collision"] == wanted["collision"]
+    assert metrics["safe_command_ratio"] == pytest.approx(wanted["safe_command_ratio"], abs=0.02)
+    for name in ("control_effort_n2s", "pair_distance_min_m", "packets_sent"):
+        if wanted.get(name) is not None:
+            assert metrics[name] == pytest.approx(wanted[name], rel=0.25, abs=0.3), name
+
+
+def check(folder, *, in_detail):
+    scenario = load_scenario(str(folder / "scenario.yaml"))
+    check_time_base(folder, scenario)
+    check_replay(folder, scenario)
+    if in_detail:
+        check_against_lockstep(folder, scenario)
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_a_short_flight_has_one_epoch_replays_and_is_that_of_lockstep(name, tmp_path):
+    check(fly(name, tmp_path, SHORT_S), in_detail=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_first_20_s_of_every_scenario_are_those_of_lockstep(name, tmp_path):
+    check(fly(name, tmp_path, 20.0), in_detail=True)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("name", FULL_LENGTH)
+def test_a_flight_of_full_length_is_that_of_lockstep(name, tmp_path):
+    check(fly(name, tmp_path), in_detail=True)
+
+
+def values_to_set():
+    """Return a parameter of every kind that ROS itself declares, with a value that would change it."""
+    yes = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=True)
+    number = ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=1)
+    return [
+        Parameter(name="use_sim_time", value=yes),
+        Parameter(name="start_type_description_service", value=yes),
+        Parameter(name="qos_overrides./parameter_events.publisher.depth", value=number),
+        Parameter(name="mode", value=ParameterValue(type=ParameterType.PARAMETER_STRING, string_value="x")),
+    ]
+
+
+def test_no_parameter_of_a_node_that_flies_can_be_set_and_the_flight_goes_on(tmp_path):
+    command = [sys.executable, "-m", "auv_bringup.cli", "ch2_pfpd", "--mode", "realtime", "--duration", "6"]
+    command += ["--no-figures", "--out", str(tmp_path / "results")]
+    environ = {**os.environ, "ROS_DOMAIN_ID": str(domain_id())}
+    console = tmp_path / "console"
+    with console.open("wb") as stream:
+        run = subprocess.Popen(command, env=environ, stdout=stream, stderr=stream)
+    try:
+        pause, deadline_s = threading.Event(), time.monotonic() + PATIENCE_S
+        while "all nodes are up" not in console.read_text():
+            assert time.monotonic() < deadline_s, console.read_text()
+            assert run.poll() is None, console.read_text()
+            pause.wait(0.02)
+        with desk() as at:
+            for node in ("/clock_node", "/acoustic_relay_node", "/auv_1/vehicle_node", "/auv_1/agent_node"):
+                client = at.node.create_client(SetParameters, f"{node}/set_parameters")
+                at.until(client.service_is_ready, f"{node} is there")
+                answer = client.call_async(SetParameters.Request(parameters=values_to_set()))
+                at.until(answer.done, f"{node} answers")
+                assert [each.successful for each in answer.result().results] == [False] * 4
+                assert "use_sim_time" in answer.result().results[0].reason
+        assert run.wait(PATIENCE_S) == 0, console.read_text()
+    finally:
+        run.kill()
+        run.wait()
+    (folder,) = (tmp_path / "results").iterdir()
+    check_time_base(folder, load_scenario(str(folder / "scenario.yaml")))
