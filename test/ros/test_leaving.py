@@ -3,6 +3,9 @@
 import signal
 
 import pytest
+
+pytest.importorskip("rclpy")
+
 from ros_desk import LIMIT_S, process
 
 pytestmark = pytest.mark.ros

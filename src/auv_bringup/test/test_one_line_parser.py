@@ -5,11 +5,11 @@ import pytest
 from auv_bringup import replay, topic
 
 REFUSED = [
-    (replay, ["x", "--rate", "abc"], "--rate: 'abc' is not allowed; allowed: a finite number above 0"),
-    (replay, ["x", "--rate", "0"], "--rate: '0' is not allowed; allowed: a finite number above 0"),
-    (replay, ["x", "--clock", "inf"], "--clock: 'inf' is not allowed; allowed: a finite number above 0"),
-    (replay, ["x", "--start", "-1"], "--start: '-1' is not allowed; allowed: a finite number of at least 0"),
-    (replay, ["x", "--delay", "a\nb"], "--delay: 'a\\nb' is not allowed; allowed: a finite number"),
+    (replay, ["x", "--rate", "abc"], "--rate: 'abc' is not allowed; allowed: a number from 0.001 to 1e+06"),
+    (replay, ["x", "--rate", "0"], "--rate: '0' is not allowed; allowed: a number from 0.001 to 1e+06"),
+    (replay, ["x", "--clock", "inf"], "--clock: 'inf' is not allowed; allowed: a number from 0.01 to 10000"),
+    (replay, ["x", "--start", "-1"], "--start: '-1' is not allowed; allowed: a number from 0 to 1e+09"),
+    (replay, ["x", "--delay", "a\nb"], "--delay: 'a\\nb' is not allowed; allowed: a number from 0 to 3600"),
     (replay, [], "the following arguments are required: BAG"),
     (replay, ["x", "y\nz"], "unrecognized arguments: y z"),
     (
