@@ -205,8 +205,8 @@ def test_what_ends_the_wait_ends_the_workers():
 
 
 @pytest.mark.slow
-def test_hostile_kills_and_stops_at_random_moments_lose_no_call(capsys):
-    """A hundred workers are killed, a hundred stopped; every call is made in the end."""
+def test_hostile_kills_and_stops_at_random_moments_leave_no_call_unanswered(capsys):
+    """A hundred workers are killed, a hundred stopped; each call is made, or given up after three tries."""
     rng = random.Random(1)
     counts = {signal.SIGKILL: 0, signal.SIGSTOP: 0}
     over = threading.Event()
