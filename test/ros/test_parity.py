@@ -10,7 +10,8 @@ import sys
 import numpy as np
 import pytest
 
-from auv_bringup.bag_reader import compare_bags, read_recording
+from auv_bringup.bag_compare import compare_bags
+from auv_bringup.bag_reader import read_recording
 from auv_bringup.experiment import run_in_process
 from auv_bringup.layout import LAYOUTS
 from auv_bringup.recording import acoustic_log

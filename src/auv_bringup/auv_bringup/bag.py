@@ -5,15 +5,13 @@ Works without ROS and without the build: message types come from the definitions
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import yaml
-from rosbags.serde import SerdeError
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from auv_bringup.bag_metadata import METADATA_FILE
@@ -124,7 +122,7 @@ class Bag:
             if self._typestore is None:
                 self._typestore = _typestore(self.topics.values())
             return self._typestore.deserialize_cdr(message.data, message.type_name)
-        except (SerdeError, TypesysError, struct.error, ValueError, LookupError) as error:
+        except Exception as error:  # the library has no word of its own for bytes that are no message
             reason = " ".join(str(error).split())
             raise BagError(
                 f"{self.folder}: a message of {message.topic} cannot be decoded ({reason})"

@@ -52,7 +52,12 @@ class _Bag:
         self._writer = BagWriter(opening.bag_dir)
         self._recorder = BagRecorder(self._writer, lockstep=opening.lockstep)
         self._sinks = {spec.name: self._recorder.sink(spec) for spec in opening.topics}
-        self.close = self._recorder.finish
+
+    def close(self) -> None:
+        """Close the bag, and say what is not in it."""
+        self._recorder.finish()
+        for topic, count in sorted(self._recorder.left_out.items()):
+            sys.stderr.write(f"{topic}: {count} messages of other bytes than its type has are not recorded\n")
 
     def take(self, batch: Batch) -> None:
         """Write a batch."""

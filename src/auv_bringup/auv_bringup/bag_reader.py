@@ -1,9 +1,10 @@
-"""Turn a recorded bag into the arrays of a run, and say whether two bags are the same run."""
+"""Turn a recorded bag into the arrays of a run."""
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from operator import itemgetter
 from pathlib import Path
@@ -14,10 +15,11 @@ from numpy.typing import NDArray
 
 from auv_bringup.bag import Bag
 from auv_bringup.bag_writer import BagError
-from auv_bringup.recorded_topics import SHARED_TOPICS, STATUS_TOPIC
+from auv_bringup.recorded_topics import STATUS_TOPIC
 from auv_bringup.recording import Recording, law_states
 from auv_bringup.tick_series import TickSeries
 from auv_core.freshness import age_limit_s
+from auv_core.messages import Outcome
 from auv_flocking.holding import STALE_COMMAND, cause_number
 
 if TYPE_CHECKING:
@@ -25,13 +27,16 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-WALL_CLOCK_TOPICS = frozenset({"/rosout", "/recorder/status"})
-"""Topics whose content depends on the wall clock: never part of a comparison."""
+_MORE_TICKS = 1000
+"""So many ticks before and after its own a run in real time can have: it ends when it wakes up."""
+_OUTCOMES = frozenset(Outcome)
 _EVENTS_TOPIC = "/acoustic/events"
 _NEIGHBOUR_WIDTH = 3 + 3 + 36 + 1 + 1  # position, velocity, covariance, age, age of the sonar's last look
 
 
-def read_recording(bag_dir: Path, scenario: Scenario) -> Recording:
+def read_recording(
+    bag_dir: Path, scenario: Scenario, tell: Callable[[str], None] = lambda _: None
+) -> Recording:
     """Read the arrays of a run from its bag.
 
     Ticks that a bag lacks (a real-time run may miss some) hold the values of the tick before; commands no
@@ -44,7 +49,10 @@ def read_recording(bag_dir: Path, scenario: Scenario) -> Recording:
     bag_dir
         Bag folder or results folder.
     scenario
-        The scenario that was run: names and order of the vehicles, control period.
+        The scenario that was run: names and order of the vehicles, control period, length.
+    tell
+        Gets a line about what is left out: messages that cannot be read, or that name ticks or vehicles which
+        the run does not have.
 
     Returns
     -------
@@ -61,7 +69,14 @@ def read_recording(bag_dir: Path, scenario: Scenario) -> Recording:
     reader = _RunReader(ids, scenario.period_s, command_max_age_s, scenario.ticks)
     bag = Bag(Path(bag_dir))
     reader.read(bag)
+    if reader.left_out:
+        counts = ", ".join(f"{count} of {topic}" for topic, count in sorted(reader.left_out.items()))
+        tell(f"messages left out, which are not of this run: {counts}")
     return reader.recording(bag.path)
+
+
+class _ForeignError(ValueError):
+    """A message of something that the run does not have."""
 
 
 class _RunReader:
@@ -70,6 +85,8 @@ class _RunReader:
     def __init__(
         self, vehicle_ids: list[str], period_s: float, command_max_age_s: float, most_ticks: int
     ) -> None:
+        self._last_tick = most_ticks + _MORE_TICKS
+        self.left_out: Counter[str] = Counter()
         self._ids = vehicle_ids
         self._most_ticks = most_ticks
         self._command_max_age_ticks = command_max_age_s / period_s
@@ -95,16 +112,18 @@ class _RunReader:
         self._epoch_ns = self._find_epoch_ns(bag)
         handlers = self._handlers()
         for message in bag.messages(handlers.keys() & bag.topics.keys()):
-            handlers[message.topic](bag.decode(message))
+            try:
+                decoded = bag.decode(message)
+            except BagError:
+                self.left_out[message.topic] += 1
+                continue
+            try:
+                handlers[message.topic](decoded)
+            except _ForeignError:
+                self.left_out[message.topic] += 1
 
     def recording(self, path: Path) -> Recording:
-        """Return the arrays.
-
-        Parameters
-        ----------
-        path
-            Of the bag, for the error message.
-        """
+        """Return the arrays; `path` is that of the bag, for the error message."""
         missing = [name for name, series in zip(self._ids, self._state, strict=True) if not series.values]
         if missing:
             raise BagError(f"{path} holds no state of {', '.join(missing)}")
@@ -197,10 +216,11 @@ class _RunReader:
         """
         epoch_ns = 0
         for message in bag.messages({f"/{name}/state" for name in self._ids}):
-            state = bag.decode(message)
-            epoch_ns = _nanoseconds(state.header.stamp) - self._since_epoch_ns(state.tick)
-            if state.tick > 0:
-                break
+            with suppress(BagError):
+                state = bag.decode(message)
+                epoch_ns = _nanoseconds(state.header.stamp) - self._since_epoch_ns(state.tick)
+                if state.tick > 0:
+                    break
         return epoch_ns
 
     def _check_time(self, i: int, state: Any) -> None:
@@ -240,21 +260,34 @@ class _RunReader:
         return handlers
 
     def _tick(self, stamp: Any) -> int:
-        return round((_nanoseconds(stamp) - self._epoch_ns) * 1e-9 / self._period_s)
+        return self._known(round((_nanoseconds(stamp) - self._epoch_ns) * 1e-9 / self._period_s))
+
+    def _known(self, tick: int) -> int:
+        """Return a tick that the run can have."""
+        if not -_MORE_TICKS <= tick <= self._last_tick:
+            raise _ForeignError
+        return tick
+
+    def _index(self, address: int) -> int:
+        """Return the place of the vehicle with an address."""
+        if not 1 <= address <= len(self._ids):
+            raise _ForeignError
+        return address - 1
 
     def _scenario_s(self, stamp: Any) -> float:
         return (_nanoseconds(stamp) - self._epoch_ns) * 1e-9
 
     def _take_state(self, i: int, state: Any) -> None:
+        tick = self._known(state.tick)
         self._check_time(i, state)
         p, q = state.pose.position, state.pose.orientation
         v, w = state.twist.linear, state.twist.angular
-        self._state[i].values[state.tick] = np.array(
+        self._state[i].values[tick] = np.array(
             [p.x, p.y, p.z, q.w, q.x, q.y, q.z, v.x, v.y, v.z, w.x, w.y, w.z]
         )
 
     def _take_nav(self, i: int, nav: Any) -> None:
-        self._nav[i].values[nav.tick] = np.array([*_xyz(nav.pose.position), nav.position_sd_m])
+        self._nav[i].values[self._known(nav.tick)] = np.array([*_xyz(nav.pose.position), nav.position_sd_m])
 
     def _take_wrench(self, i: int, command: Any) -> None:
         force, torque = command.wrench.force, command.wrench.torque
@@ -268,45 +301,59 @@ class _RunReader:
         self._reference[i].values[self._tick(reference.header.stamp)] = np.array(_xyz(reference.twist.linear))
 
     def _take_centre(self, i: int, centre: Any) -> None:
-        self._centre[i].values[centre.tick] = np.array(_xyz(centre.position) + _xyz(centre.velocity))
+        self._centre[i].values[self._known(centre.tick)] = np.array(
+            _xyz(centre.position) + _xyz(centre.velocity)
+        )
 
     def _take_control_status(self, i: int, status: Any) -> None:
+        tick = self._known(status.tick)
         if len(status.law_state):
-            self._law_state[status.tick, i] = list(status.law_state)
+            self._law_state[tick, i] = list(status.law_state)
         if status.holding:
-            self._holding[status.tick, i] = cause_number(status.holding)
+            self._holding[tick, i] = cause_number(status.holding)
 
     def _take_neighbours(self, i: int, message: Any) -> None:
         table = np.full((len(self._ids), _NEIGHBOUR_WIDTH), np.nan)
         for estimate in message.neighbours:
-            row = table[estimate.address - 1]
+            row = table[self._index(estimate.address)]
             row[0:6] = _xyz(estimate.position) + _xyz(estimate.velocity)
             row[6:42] = estimate.covariance
             row[42:44] = estimate.age_s, estimate.sonar_age_s
-        self._neighbours[i].values[message.tick] = table.reshape(-1)
+        self._neighbours[i].values[self._known(message.tick)] = table.reshape(-1)
 
     def _take_sent(self, _: int, outbox: Any) -> None:
-        self._sent += [(packet.tick, packet.source, packet.sequence) for packet in outbox.packets]
+        self._sent += [
+            (self._known(packet.tick), 1 + self._index(packet.source), packet.sequence)
+            for packet in outbox.packets
+        ]
 
     def _take_received(self, i: int, inbox: Any) -> None:
-        for reception in inbox.receptions:
-            packet = reception.packet
-            if hasattr(reception, "sent_s"):  # a bag of before the times were stamps
-                delay_s = reception.arrival_s - reception.sent_s
-            else:
-                delay_s = (_nanoseconds(reception.arrival) - _nanoseconds(reception.sent)) * 1e-9
-            self._received.append((inbox.tick, packet.source, i + 1, packet.sequence, delay_s))
-        for c in inbox.contacts:
-            self._contacts.append((inbox.tick, i + 1, c.range_m, c.bearing_rad, c.elevation_rad))
+        tick = self._known(inbox.tick)
+        self._received += [
+            (tick, 1 + self._index(each.packet.source), i + 1, each.packet.sequence, _delay_s(each))
+            for each in inbox.receptions
+        ]
+        self._contacts += [(tick, i + 1, c.range_m, c.bearing_rad, c.elevation_rad) for c in inbox.contacts]
 
     def _take_events(self, message: Any) -> None:
-        for e in message.events:
-            keys = (message.tick, e.outcome, e.source, e.destination, e.sequence, e.size_bytes)
-            if hasattr(e, "start_s"):  # a bag of before the times were stamps
-                times_s = e.start_s, e.end_s
-            else:
-                times_s = self._scenario_s(e.start), self._scenario_s(e.end)
-            self._events.append((*keys, *times_s, e.snr_db))
+        tick = self._known(message.tick)
+        self._events += [
+            (tick, *self._event_keys(e), *self._event_times_s(e), e.snr_db) for e in message.events
+        ]
+
+    def _event_times_s(self, e: Any) -> tuple[float, float]:
+        if hasattr(e, "start_s"):  # a bag of before the times were stamps
+            return e.start_s, e.end_s
+        return self._scenario_s(e.start), self._scenario_s(e.end)
+
+    def _event_keys(self, e: Any) -> tuple[int, ...]:
+        """Return what an event is of, and of whom."""
+        self._index(e.source)
+        if e.destination:
+            self._index(e.destination)
+        if e.outcome not in _OUTCOMES:
+            raise _ForeignError
+        return e.outcome, e.source, e.destination, e.sequence, e.size_bytes
 
     def _take_status(self, status: Any) -> None:
         self._lost.update(status.lost_vehicles)
@@ -316,48 +363,13 @@ def _nanoseconds(stamp: Any) -> int:
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
+def _delay_s(reception: Any) -> float:
+    """Return the time from the start of a transmission to the end of its reception (s)."""
+    if hasattr(reception, "sent_s"):  # a bag of before the times were stamps
+        return float(reception.arrival_s - reception.sent_s)
+    return (_nanoseconds(reception.arrival) - _nanoseconds(reception.sent)) * 1e-9
+
+
 def _xyz(vector: Any) -> list[float]:
     """Return the components of a Point or Vector3."""
     return [vector.x, vector.y, vector.z]
-
-
-def compare_bags(first: Path, second: Path) -> list[str]:
-    """Say where two bags differ, one line each; an empty list means that they are the same run.
-
-    Every topic must hold the same message bytes in the same order. Where a topic has several publishers,
-    messages of one tick are put in order of their bytes first (each names its source), since which of them
-    reaches the recorder first is chance. Topics that tell the wall clock are left out.
-    """
-    content_a, content_b = _content(Bag(first)), _content(Bag(second))
-    differences = []
-    for topic in sorted(content_a.keys() | content_b.keys()):
-        messages_a, messages_b = content_a.get(topic, []), content_b.get(topic, [])
-        if len(messages_a) != len(messages_b):
-            differences.append(f"{topic}: {len(messages_a)} messages against {len(messages_b)}")
-        pairs = enumerate(zip(messages_a, messages_b, strict=False))
-        unequal = next(((k, a, b) for k, (a, b) in pairs if a[1] != b[1]), None)
-        if unequal is not None:
-            differences.append(_describe_difference(topic, *unequal))
-    return differences
-
-
-def _content(bag: Bag) -> dict[str, list[tuple[int, bytes]]]:
-    """Return time and bytes of each message by topic, in comparable order."""
-    topics = bag.topics.keys() - WALL_CLOCK_TOPICS
-    content: dict[str, list[tuple[int, bytes]]] = defaultdict(list)
-    for message in bag.messages(topics):
-        content[message.topic].append((message.time_ns, message.data))
-    for topic in content.keys() & SHARED_TOPICS:
-        content[topic].sort()
-    return content
-
-
-def _describe_difference(topic: str, index: int, a: tuple[int, bytes], b: tuple[int, bytes]) -> str:
-    """Say where two messages begin to differ."""
-    (time_ns, data_a), (_, data_b) = a, b
-    pairs = enumerate(zip(data_a, data_b, strict=False))
-    byte = next((k for k, (x, y) in pairs if x != y), min(len(data_a), len(data_b)))
-    return (
-        f"{topic}: message {index} at {time_ns * 1e-9:.3f} s differs from byte {byte} on "
-        f"({len(data_a)} bytes against {len(data_b)})"
-    )

@@ -16,7 +16,7 @@ equal bags. What a latched topic says again, and the status of a run that does n
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Sequence
 
 from auv_bringup.bag_file import TimedMessage
@@ -59,6 +59,8 @@ class BagRecorder:
         self._newest_ticks: deque[int] = deque(maxlen=HELD_TICKS)
         self.ticks = 0
         """Number of /clock messages taken."""
+        self.left_out: Counter[str] = Counter()
+        """Messages that are none of their topic's type, by topic."""
 
     @property
     def now_ns(self) -> int:
@@ -86,7 +88,11 @@ class BagRecorder:
 
         def take(messages: Sequence[bytes]) -> None:
             nonlocal said
-            for data in map(zeroed, messages):
+            for message in messages:
+                data = zeroed(message)
+                if data is None:
+                    self.left_out[spec.name] += 1
+                    continue
                 stamp_ns = None if offset is None else read_stamp_ns(data, offset)
                 is_again = spec.latched and data == said
                 if is_again or (stamp_ns == 0 and spec.name == STATUS_TOPIC):

@@ -89,23 +89,23 @@ def _reader(places: Sequence[slice], size: int) -> Callable[[bytes], tuple[bytes
     return struct.Struct(f"{layout}{size - position}x").unpack
 
 
-def padding_zeroer(message_type: MessageType) -> Callable[[bytes], bytes]:
+def padding_zeroer(message_type: MessageType) -> Callable[[bytes], bytes | None]:
     """
     Return the function that zeroes the padding of messages of one type and cuts what pads their end.
 
     A network pads messages to multiples of four bytes, delivery inside a process does not. The function never
-    changes anything else: bytes that do not fit the definition come back as they are.
+    changes anything else; for bytes that do not fit the definition it returns None.
     """
     steps = _steps(message_type)
     shapes: dict[int, _Shape] = {}
 
-    def zeroed(data: bytes) -> bytes:
+    def zeroed(data: bytes) -> bytes | None:
         size = len(data)
         shape = shapes.get(size)
         if shape is None or shape.read_lengths(data) != shape.lengths:
             shape = _shape_of(data, steps)
             if shape is None:
-                return data
+                return None
             shapes[size] = shape
         if shape.read_padding(data) != shape.no_padding:
             data = shape.cleared(data)
@@ -164,6 +164,8 @@ class _Walk:
             )
         for _ in range(length):
             position = self._walk(position, steps)
+            if position > len(self._data):  # a length may be any number
+                raise IndexError(position)
         return position
 
     def _aligned(self, position: int, size: int) -> int:

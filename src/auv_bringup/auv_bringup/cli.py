@@ -334,7 +334,7 @@ def _report_flight(plan: Plan, folder: Path, options: argparse.Namespace, flight
         return status
     print("reading the bag ...", file=sys.stderr, flush=True)
     try:
-        recording = results.load_recording(folder, plan.scenario)
+        recording = results.load_recording(folder, plan.scenario, _warn)
     except results.ResultsError as error:
         if status == DONE:
             raise RuntimeError(str(error)) from None
@@ -346,6 +346,10 @@ def _report_flight(plan: Plan, folder: Path, options: argparse.Namespace, flight
             LOST, f"the bag holds {recorded_s:g} of {plan.scenario.duration_s:g} s: the recorder fell behind"
         )
     return COLLISION if status == DONE and metrics["collision"] else status
+
+
+def _warn(line: str) -> None:
+    print(f"warning: {line}", file=sys.stderr, flush=True)
 
 
 def _report_again(folder: Path, options: argparse.Namespace) -> int:
@@ -365,7 +369,7 @@ def _report_again(folder: Path, options: argparse.Namespace) -> int:
     factor = float(factor) if isinstance(factor, int | float) else math.nan
     if not (folder / results.RECORDING_FILE).is_file():
         _mend(folder)
-    recording = results.load_recording(folder, scenario)
+    recording = results.load_recording(folder, scenario, _warn)
     _show_results(folder, scenario, recording, str(known.get("mode", "lockstep")), factor, options)
     return DONE
 

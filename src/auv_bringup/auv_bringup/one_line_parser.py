@@ -6,6 +6,7 @@ import argparse
 import sys
 from typing import NoReturn
 
+from auv_bringup.printable import printable
 from auv_core.params import shown
 
 BAD_ARGUMENTS = 2
@@ -41,6 +42,6 @@ def whole_number(text: str, most: int) -> int:
 
 def fail(status: int, line: str) -> int:
     """Print a complaint of one line on standard error; return `status`, the exit status that it gives."""
-    sys.stderr.write(f"error: {line}\n")
+    sys.stderr.write(f"error: {printable(line)}\n")
     sys.stderr.flush()
     return status

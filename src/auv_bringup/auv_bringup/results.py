@@ -187,9 +187,20 @@ def read_json(path: Path) -> dict[str, Any]:
     return data if isinstance(data, dict) else {}
 
 
-def load_recording(results_dir: Path, scenario: Scenario) -> Recording:
+def load_recording(
+    results_dir: Path, scenario: Scenario, tell: Callable[[str], None] = lambda _: None
+) -> Recording:
     """
     Return what a run recorded: `recording.npz` of a run in one process, else its bag.
+
+    Parameters
+    ----------
+    results_dir : Path
+        The run's folder.
+    scenario : Scenario
+        What was flown.
+    tell : callable
+        Gets a line about what a bag holds that is not of the run.
 
     Raises
     ------
@@ -204,7 +215,7 @@ def load_recording(results_dir: Path, scenario: Scenario) -> Recording:
     try:
         if (results_dir / RECORDING_FILE).is_file():
             return Recording.load(results_dir / RECORDING_FILE)
-        return read_recording(results_dir / BAG, scenario)
+        return read_recording(results_dir / BAG, scenario, tell)
     except (BagError, RecordingError) as error:
         raise ResultsError(f"{results_dir}: nothing to report on: {error}") from None
 

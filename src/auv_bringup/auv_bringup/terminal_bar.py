@@ -8,6 +8,8 @@ from typing import Self, TextIO
 
 from tqdm import tqdm
 
+from auv_bringup.printable import printable
+
 
 class TerminalBar:
     """A bar on standard error, drawn by its subclass where the stream is a terminal; a context manager."""
@@ -18,6 +20,7 @@ class TerminalBar:
 
     def message(self, line: str) -> None:
         """Print a line above the bar."""
+        line = printable(line)
         if self._bar is not None:
             self._bar.write(line, file=self._stream)
         else:

@@ -18,6 +18,7 @@ import yaml
 from auv_bringup.bag_writer import BagError
 from auv_bringup.failures import DONE, answered
 from auv_bringup.one_line_parser import OneLineParser, refusal
+from auv_bringup.printable import printable
 from auv_bringup.ros_types import message_class, prepare_environment
 
 if TYPE_CHECKING:
@@ -114,7 +115,7 @@ def _node() -> Iterator[Node]:
 def _list(node: Node, options: argparse.Namespace) -> int:
     """Print the topics that there are, once no new ones appear."""
     for name, types in sorted(_settled_topics(node, options.wait).items()):
-        print(f"{name} [{', '.join(types)}]" if options.show_types else name)
+        print(printable(f"{name} [{', '.join(types)}]" if options.show_types else name))
     return DONE
 
 
@@ -128,7 +129,7 @@ def _info(node: Node, options: argparse.Namespace) -> int:
         print(f"{word} count: {len(infos)}{gap}")
         if options.verbose:
             for info in infos:
-                print(f"{info}\n")
+                print(printable(f"{info}\n"))
     return DONE
 
 

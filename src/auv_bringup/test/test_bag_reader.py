@@ -12,7 +12,7 @@ from mcap.records import Chunk
 from mcap.writer import Writer
 
 from auv_bringup.bag import Bag
-from auv_bringup.bag_reader import compare_bags
+from auv_bringup.bag_compare import compare_bags
 from auv_bringup.bag_writer import BagError, BagWriter, Topic
 
 RELAXED = settings(

@@ -190,6 +190,15 @@ def test_a_stamp_that_is_not_of_the_run_does_not_stretch_the_bag(tmp_path, stamp
         assert last_ns - first_ns <= 40e9
 
 
+def test_bytes_that_are_no_message_do_not_enter_the_bag(desk):
+    desk.clock(0)
+    for topic in (CLOCK_TOPIC, "/auv_1/path"):
+        desk.sinks[topic]([b"", bytes(30), b"\0\1\0\0" + b"\xff" * 40])
+    desk.clock(100)
+    assert desk.recorder.ticks == 2
+    assert desk.recorder.left_out == {CLOCK_TOPIC: 3, "/auv_1/path": 3}
+
+
 def test_the_order_of_arrival_leaves_no_trace_in_a_lockstep_bag(tmp_path):
     def record(name, seed):
         desk, rng = Desk(tmp_path / name / "bag", lockstep=True), np.random.default_rng(seed)

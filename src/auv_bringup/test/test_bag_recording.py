@@ -10,7 +10,7 @@ from numpy.testing import assert_array_equal
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from auv_bringup.bag_reader import read_recording
-from auv_bringup.bag_writer import BagError
+from auv_bringup.bag_writer import BagError, Topic
 from auv_bringup.metrics_safety import safe_command_metrics
 
 
@@ -269,3 +269,36 @@ def test_a_recording_is_no_longer_than_its_scenario(tmp_path):
     recorder.writer.close()
     scenario = dataclasses.replace(synthetic.scenario(2), ticks=12)
     assert len(read_recording(tmp_path / "bag", scenario).t_s) == 13
+
+
+class Haunted(synthetic.SyntheticRun):
+    """A run into whose bag a stranger got, with ticks and vehicles that it does not have, and other bytes."""
+
+    def write(self, recorder, **options):
+        super().write(recorder, **options)
+        rng, t_ns = np.random.default_rng(3), self.time_ns(3)
+        for address in (0, 200):
+            message = synthetic.random_message("auv_msgs/msg/NeighbourEstimates", rng)
+            estimate = synthetic.random_message("auv_msgs/msg/NeighbourEstimate", rng)
+            message.tick, message.neighbours, estimate.address = 3, [estimate], address
+            recorder.write("/auv_1/neighbours", message, t_ns)
+        for i in range(self.n):
+            state = synthetic.random_message("auv_msgs/msg/VehicleState", rng)
+            state.tick = 5_000_000_000
+            recorder.write(f"/auv_{i + 1}/state", state, t_ns)
+        channel = recorder.writer.add_topic(
+            Topic("/auv_1/acoustic/tx", synthetic.message_type("auv_msgs/msg/AcousticOutbox"))
+        )
+        recorder.writer.write(channel, bytes(range(90)), t_ns)
+
+
+def test_what_is_not_of_the_run_is_left_out_and_counted(tmp_path):
+    run, said = Haunted(2, 12), []
+    recording = read_recording(written(tmp_path, run), synthetic.scenario(2), said.append)
+    assert recording.n_ticks == 12
+    check_states(recording, run)
+    (line,) = said
+    assert line == (
+        "messages left out, which are not of this run: 1 of /auv_1/acoustic/tx, 2 of /auv_1/neighbours, "
+        "1 of /auv_1/state, 1 of /auv_2/state"
+    )

@@ -85,8 +85,15 @@ def test_garbage_in_the_padding_goes_and_the_content_stays(length, count, filler
 
 
 @given(st.binary(max_size=200))
-def test_bytes_that_are_no_such_message_come_back_unchanged_or_nearly_as_long(data):
-    assert 0 <= len(data) - len(padding_zeroer(TYPE)(data)) < 4
+def test_bytes_that_are_no_such_message_are_none(data):
+    found = padding_zeroer(TYPE)(data)
+    assert found is None or 0 <= len(data) - len(found) < 4
+
+
+def test_a_list_of_any_length_is_not_walked_beyond_the_message():
+    pairs = f"shoal_test/Pair[] pairs\n{SEPARATOR}MSG: shoal_test/Pair\nuint8 small\nfloat64 large\n"
+    zeroed = padding_zeroer(MessageType("shoal_test/msg/Pairs", pairs, "RIHS01_0"))
+    assert zeroed(bytes([0, 1, 0, 0]) + b"\xff" * 4 + bytes(60)) is None  # four thousand million pairs
 
 
 @given(st.lists(st.tuples(st.integers(1, 9), st.integers(0, 2), st.integers(0, 3)), max_size=9))

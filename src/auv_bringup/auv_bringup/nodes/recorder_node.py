@@ -38,6 +38,9 @@ EXIT_INTERNAL = 1
 TICKS_PER_BATCH = 20
 CHECKPOINT_PERIOD_S = 1.0
 QUIET_BEFORE_CLOSE_S = 0.3
+_OWN_LOGGERS = ("acoustic_relay_node", "clock_node", "recorder_node")
+_LOGGER_AT = 20
+"""Place of the logger's name in a log line: behind stamp, level, and the length of the name."""
 DRAIN_LIMIT_S = 20.0
 
 
@@ -61,6 +64,7 @@ class RecorderNode(Node):
         config = declare_config(self, RecorderConfig)
         refuse_unknown_parameters([self])
         self._vehicle_ids = config.topics_vehicles
+        self._own_loggers = (*_OWN_LOGGERS, *(f"{name}." for name in config.topics_vehicles))
         self._status = self.create_publisher(RecorderStatus, "/recorder/status", LATCHED)
         self._heard_ticks: list[bytes] = []
         self._topics_met: set[str] = set()
@@ -141,6 +145,8 @@ class RecorderNode(Node):
         batch = Batch({}, is_checkpoint)
         for topic, subscription in self._by_topic.items():
             messages = _waiting(subscription)
+            if topic == LOG_TOPIC:
+                messages = [each for each in messages if _logger_of(each).startswith(self._own_loggers)]
             if topic == CLOCK_TOPIC:
                 messages = self._heard_ticks + messages
                 self._heard_ticks = []
@@ -176,6 +182,11 @@ def _waiting(subscription: Subscription) -> list[bytes]:
     with handle:
         take = partial(handle.take_message, subscription.msg_type, True)
         return [data for data, _ in iter(take, None)]
+
+
+def _logger_of(line: bytes) -> str:
+    """Return the name of the logger in a serialised rcl_interfaces/Log."""
+    return line[_LOGGER_AT:].partition(b"\0")[0].decode(errors="replace")
 
 
 def make_nodes(**options: Any) -> Sequence[Node]:
