@@ -66,6 +66,12 @@ def test_every_import_at_run_time_is_a_dependency(package):
     assert needed - depended(package, "depend", "exec_depend") == set()
 
 
+def test_every_package_whose_messages_ours_hold_is_a_dependency():
+    texts = [path.read_text(encoding="utf-8") for path in (ROOT / "src" / "auv_msgs" / "msg").glob("*.msg")]
+    held = {package for text in texts for package in re.findall(r"^(\w+)/\w+", text, re.MULTILINE)}
+    assert held == depended("auv_msgs", "depend")
+
+
 @pytest.mark.parametrize("package", PYTHON_PACKAGES)
 def test_no_library_is_a_dependency_without_an_import(package):
     declared = {key for key in depended(package, "depend", "exec_depend") if key.startswith("python3-")}
