@@ -15,6 +15,7 @@ import struct
 import zlib
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
@@ -35,7 +36,7 @@ from mcap.records import (
 from auv_bringup.bag import find_files, offered_qos
 from auv_bringup.bag_metadata import METADATA_FILE, information_text, metadata_text, topic_text
 from auv_bringup.mcap_scan import MAGIC, RECORD_HEAD, McapScan, records_of
-from auv_bringup.whole_files import write_text
+from auv_bringup.whole_files import WriteError, write_text
 
 _CHUNK_HEAD = struct.Struct("<QQQII")
 _COUNT = struct.Struct("<H")
@@ -73,9 +74,7 @@ def _mend_file(path: Path, *, is_alone: bool) -> str:
     try:
         with path.open("r+b") as file:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            information = _write_end(file.fileno(), path.name, scan)
-        if is_alone:
-            write_text(path.parent / METADATA_FILE, metadata_text(information))
+            _write_end(file.fileno(), scan, path.parent / METADATA_FILE if is_alone else None)
     except BlockingIOError:
         return f"{path} is still being written; what is in it so far is read"
     except OSError as error:
@@ -94,12 +93,12 @@ class _Contents:
     attachments: int = 0
 
 
-def _write_end(descriptor: int, file_name: str, scan: McapScan) -> str:
-    """Write the end of a file; return what metadata.yaml is to say of it."""
+def _write_end(descriptor: int, scan: McapScan, metadata: Path | None) -> None:
+    """Write the end of a file, and the metadata of its bag where they are given."""
     with mmap.mmap(descriptor, 0, access=mmap.ACCESS_READ) as data:
         contents = _contents(data)
     times_ns, counts = _count_messages(scan)
-    information = information_text(file_name, _topics(scan, counts), times_ns)
+    information = information_text(scan.path.name, _topics(scan, counts), times_ns)
     last = _bytes_of([Metadata("rosbag2", {"serialized_metadata": information})])
     contents.metadata.append(MetadataIndex(length=len(last), name="rosbag2", offset=contents.stop))
     statistics = Statistics(
@@ -121,8 +120,18 @@ def _write_end(descriptor: int, file_name: str, scan: McapScan) -> str:
         (Opcode.METADATA_INDEX, contents.metadata),
     ]
     last += _bytes_of([DataEnd(0)])
-    _replace_tail(descriptor, contents.stop, last + _summary(contents.stop + len(last), groups))
-    return information
+    try:
+        _replace_tail(descriptor, contents.stop, last + _summary(contents.stop + len(last), groups))
+        _write_metadata(metadata, information)
+    except OSError:  # the disk is full, but has room for what was cut away; readers can do without a summary
+        _replace_tail(descriptor, contents.stop, _SHORTEST_END)
+        with suppress(WriteError):
+            _write_metadata(metadata, information)
+
+
+def _write_metadata(path: Path | None, information: str) -> None:
+    if path is not None:
+        write_text(path, metadata_text(information))
 
 
 def _contents(data: mmap.mmap) -> _Contents:
@@ -213,6 +222,10 @@ def _bytes_of(members: Iterable[McapRecord]) -> bytes:
     for member in members:
         member.write(builder)
     return bytes(builder.end())
+
+
+_SHORTEST_END = _bytes_of([DataEnd(0), Footer(0, 0, 0)]) + MAGIC
+"""The end of a file without a summary: readers go through the file instead."""
 
 
 def _replace_tail(descriptor: int, start: int, tail: bytes) -> None:

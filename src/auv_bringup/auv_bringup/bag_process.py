@@ -20,6 +20,7 @@ from auv_bringup.bag_link import Batch, Opening, Written
 from auv_bringup.bag_recorder import BagRecorder
 from auv_bringup.bag_writer import BagError, BagWriter
 from auv_bringup.message_definitions import DefinitionError
+from auv_bringup.whole_files import WriteError
 
 
 def serve(line: Connection) -> None:
@@ -28,7 +29,7 @@ def serve(line: Connection) -> None:
     try:
         for written in _record(line, opening):
             _answer(line, written)
-    except (BagError, DefinitionError) as error:
+    except (BagError, DefinitionError, WriteError) as error:
         _answer(line, BagError(str(error)))
     except OSError as error:
         _answer(line, BagError(f"cannot write the bag {opening.bag_dir}: {error.strerror}"))

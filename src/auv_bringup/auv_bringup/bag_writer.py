@@ -18,7 +18,6 @@ Equal messages in equal order make equal files, whenever they came.
 
 from __future__ import annotations
 
-import os
 import threading
 from collections import Counter
 from collections.abc import Sequence
@@ -32,6 +31,7 @@ from mcap.writer import CompressionType, Writer
 from auv_bringup.bag_file import BagFile, TimedMessage, chunk_of
 from auv_bringup.bag_metadata import METADATA_FILE, dump, information_text, metadata_text, topic_text
 from auv_bringup.message_definitions import MessageType
+from auv_bringup.whole_files import write_text
 
 CHUNK_BYTES = 64 * 1024
 INFINITE_NS = 2**63 - 1
@@ -104,7 +104,7 @@ class BagWriter:
         self._chunk: list[TimedMessage] = []
         self._chunk_at = self._saved_at = self._file.tell()
         self._replacing: threading.Thread | None = None
-        self._replace_metadata(metadata_text(self._information()))
+        write_text(self._dir / METADATA_FILE, metadata_text(self._information()))
 
     @property
     def message_count(self) -> int:
@@ -176,7 +176,7 @@ class BagWriter:
         self._file.close()
         if self._replacing is not None:
             self._replacing.join()
-        self._replace_metadata(metadata_text(self._information()))
+        write_text(self._dir / METADATA_FILE, metadata_text(self._information()))
 
     def _note_chunk(self) -> None:
         """Forget the messages of a chunk that has gone to the file."""
@@ -210,15 +210,9 @@ class BagWriter:
         """Put what metadata.yaml says into the MCAP file too, where rosbag2 looks for it."""
         self._mcap.add_metadata("rosbag2", {"serialized_metadata": self._information()})
 
-    def _replace_metadata(self, text: str) -> None:
-        """Replace metadata.yaml in one step."""
-        temporary = self._dir / f".{METADATA_FILE}.{os.getpid()}"
-        temporary.write_text(text, encoding="utf-8")
-        temporary.replace(self._dir / METADATA_FILE)
-
     def _try_replace_metadata(self, text: str) -> None:
         with suppress(OSError):  # who writes the next chunk finds out
-            self._replace_metadata(text)
+            write_text(self._dir / METADATA_FILE, text)
 
 
 def _register(writer: Writer, topic: Topic, schema_ids: dict[str, int]) -> int:

@@ -278,8 +278,8 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
             progress=progress,
         )
     claim.release()
-    _remember_flight(folder, flight, domain_id)
     _mend(folder)
+    _remember_flight(folder, flight, domain_id)
     if flight.exit_status == INTERRUPTED:
         print(f"flown for {flight.simulated_s:.1f} s of {plan.scenario.duration_s:g} s")
         return _interrupted(folder)

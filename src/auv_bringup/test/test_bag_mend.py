@@ -107,12 +107,27 @@ def test_a_bag_that_is_still_written_is_left_alone(tmp_path):
 def test_a_mending_that_the_disk_does_not_take_is_said_and_done_later(whole, tmp_path):
     path = cut(whole, tmp_path / "bag", (whole / "bag_0.mcap").stat().st_size // 2)
     before = contents(path)
-    with files_of_at_most(path.stat().st_size):
+    with files_of_at_most(1000):
         (line,) = [each for each in mend_bag(tmp_path) if "mended" in each]
     assert "it cannot be mended (File too large), but read" in line
     assert contents(path) == before
     assert "is mended" in mend_bag(tmp_path)[0]
     assert read_by_others(tmp_path / "bag") == (before, before)
+
+
+def test_on_a_full_disk_a_file_gets_an_end_without_a_summary(whole, tmp_path):
+    path = cut(whole, tmp_path / "bag", (whole / "bag_0.mcap").stat().st_size // 2)
+    (tmp_path / "bag" / "metadata.yaml").write_text((whole / "metadata.yaml").read_text())
+    before = contents(path)
+    with files_of_at_most(path.stat().st_size + 60):  # less than any file system has to spare
+        assert "is mended" in mend_bag(tmp_path)[0]
+    assert Bag(tmp_path).complete
+    assert contents(path) == before
+    with Reader(tmp_path / "bag") as reader:
+        assert len(list(reader.messages())) == len(before)
+    with path.open("rb") as file:
+        assert len(list(make_reader(file).iter_messages())) == len(before)
+    assert {each.name for each in (tmp_path / "bag").iterdir()} == {"bag_0.mcap", "metadata.yaml"}
 
 
 def spoil_storage(text):
