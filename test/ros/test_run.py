@@ -1,12 +1,15 @@
 """The run command with its real nodes: flights that end well, and flights that somebody ends."""
 
 import contextlib
+import fcntl
 import json
 import os
+import pty
 import select
 import signal
 import subprocess
 import sys
+import termios
 import threading
 import time
 from pathlib import Path
@@ -277,3 +280,120 @@ def test_a_second_run_beside_takes_another_domain(start):
     assert f"export ROS_DOMAIN_ID={asked} " not in output
     first.process.send_signal(signal.SIGINT)
     assert first.wait()[0] == 130
+
+
+@pytest.mark.parametrize("layout", ["node", "single"])
+def test_a_closed_terminal_ends_the_run_in_order_and_leaves_its_status(scenario_file, layout):
+    out = scenario_file.parent / "results"
+    words = [
+        sys.executable,
+        "-m",
+        "auv_bringup.cli",
+        str(scenario_file),
+        "--layout",
+        layout,
+        "--out",
+        str(out),
+    ]
+    terminal, slave = pty.openpty()
+    process = subprocess.Popen(
+        words,
+        stdin=slave,
+        stdout=slave,
+        stderr=slave,
+        start_new_session=True,
+        preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+    )
+    os.close(slave)
+    said = b""
+    try:
+        while b"nodes are up" not in said:
+            assert select.select([terminal], [], [], PATIENCE_S)[0], said
+            said += os.read(terminal, 4096)
+        os.close(terminal)  # the kernel sends SIGHUP, and every write fails from now on
+        assert process.wait(PATIENCE_S) == 130
+    finally:
+        process.kill()
+        process.wait()
+    (folder,) = out.iterdir()
+    known = json.loads((folder / "provenance.json").read_text())
+    assert known["exit_status"] == 130
+    assert known["stopped_because"].startswith("interrupted at")
+    assert Bag(folder).complete
+
+
+def test_results_that_are_moved_in_flight_are_one_line_at_its_end(start):
+    run = start().wait_until_up()
+    run.out.rename(run.out.with_name("elsewhere"))
+    run.process.send_signal(signal.SIGINT)
+    status, _, errors = run.wait()
+    assert status == 3
+    assert "provenance.json: its folder is gone: it was moved or removed" in errors.splitlines()[-1]
+    assert "Traceback" not in errors
+    assert not run.out.exists()
+
+
+def test_a_stopped_writer_of_the_bag_is_named_and_does_not_hold_the_end(start):
+    run = start("--layout", "single").wait_until_up()
+    stopped_at_s = time.monotonic()
+    os.kill(run.node("bag_process"), signal.SIGSTOP)
+    run.wait_for_word("auv_bringup.bag_process, started by /node_container, is stopped by a signal")
+    assert time.monotonic() - stopped_at_s < 5.0
+    status, _, errors = run.wait()
+    assert time.monotonic() - stopped_at_s < 20.0  # 38 s before
+    assert status == 3
+    assert "bag_0.mcap was killed before it finished; the file is mended" in errors
+    assert Bag(run.folder).complete
+    assert recorded_s(run) > 0.0
+
+
+def shared_memory_of(pids):
+    """Return device and inode of every file of Fast DDS that processes have in their memory."""
+    found = set()
+    for pid in pids:
+        for line in Path(f"/proc/{pid}/maps").read_text().splitlines():
+            if "/dev/shm/fast" in line and not line.endswith("(deleted)"):
+                found.add(line.split()[4])
+    return found
+
+
+def in_shared_memory():
+    return {str(path.stat().st_ino) for path in Path("/dev/shm").iterdir() if path.name.startswith("fast")}
+
+
+@pytest.mark.slow
+def test_a_run_with_a_killed_node_leaves_nothing_in_shared_memory(start):
+    run = start().wait_until_up()
+    files = shared_memory_of(run.watches)
+    assert files & in_shared_memory()
+    os.kill(run.node("auv_1.vehicle_node"), signal.SIGKILL)
+    run.wait()
+    assert files & in_shared_memory() == set()
+
+
+def test_the_next_run_clears_what_a_killed_launcher_leaves_in_shared_memory(start):
+    run = start("--layout", "single").wait_until_up()
+    files = shared_memory_of(run.watches)
+    run.process.kill()
+    run.wait()
+    assert files & in_shared_memory()
+    assert start("--layout", "single", "--duration", "1", "--no-bag").wait()[0] == 0
+    assert files & in_shared_memory() == set()
+
+
+def test_a_flight_under_nohup_goes_on(start):
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        run = start("--layout", "single").wait_until_up()
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    run.process.send_signal(signal.SIGHUP)
+    size = run.recorded_bytes
+    pause, deadline_s = threading.Event(), time.monotonic() + PATIENCE_S
+    while run.recorded_bytes < size + 100_000:
+        assert run.process.poll() is None, run.errors.read_text()
+        assert time.monotonic() < deadline_s
+        pause.wait(0.05)
+    assert "ending the run" not in run.errors.read_text()
+    run.process.send_signal(signal.SIGINT)
+    assert run.wait()[0] == 130
