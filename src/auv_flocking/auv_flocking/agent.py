@@ -82,6 +82,10 @@ class AgentConfig:
 
     def __post_init__(self) -> None:
         check_parts(self.controller, self.flocking, self.separation, self.consensus, self.reference)
+        if len(self.fleet_ids) not in (0, self.fleet_size):
+            raise ValueError(
+                f"fleet_ids: {len(self.fleet_ids)} names are not allowed; allowed: {self.fleet_size}, or none"
+            )
         if len(self.obstacles_ned_m) != 3 * len(self.obstacle_safety_distances_m):
             raise ValueError(
                 f"obstacles_ned_m: {len(self.obstacles_ned_m)} numbers are not allowed; "

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_core.messages import Inbox, Packet, Reception, SonarContact, VehicleState, command_numbers
-from auv_core.params import load
+from auv_core.params import ConfigError, load
 from auv_flocking.agent import Agent, AgentConfig
 from auv_flocking.holding import (
     BAD_NAVIGATION,
@@ -213,6 +213,11 @@ def test_no_input_makes_a_command_that_is_not_finite_and_old_ones_make_the_safe_
             assert one.holding.startswith(STALE_NAVIGATION)
         elif not state.is_valid:
             assert one.holding.startswith(BAD_NAVIGATION)
+
+
+def test_names_for_another_number_of_vehicles_are_refused():
+    with pytest.raises(ConfigError, match=r"fleet_ids: 2 names are not allowed; allowed: 3, or none"):
+        agent(fleet_size=3)
 
 
 def test_every_cause_has_its_number():
