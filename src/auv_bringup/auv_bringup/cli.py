@@ -258,6 +258,7 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
     from auv_bringup.node_start import export_line, reach_notes
     from auv_bringup.processes import Interrupts
     from auv_bringup.progress import Progress
+    from auv_bringup.run_memory import memory_warning
 
     domain_id = claim.domain_id
     if claim.is_moved:
@@ -265,6 +266,8 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
     print(f"to look in from another shell:  {export_line(domain_id, options.discovery)}", flush=True)
     for line in reach_notes(os.environ, options.discovery):
         print(line, flush=True)
+    if not options.no_bag and (line := memory_warning(plan.scenario)):
+        print(f"warning: {line}", file=sys.stderr, flush=True)
     with Interrupts() as interrupts, Progress(plan.scenario.duration_s) as progress:
         flight = fly(
             plan.scenario,

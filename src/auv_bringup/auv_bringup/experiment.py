@@ -10,6 +10,7 @@ from auv_bringup.compose import agent_configs, vehicle_configs
 from auv_bringup.continuous import run_continuous
 from auv_bringup.recording import Recording
 from auv_bringup.run_log import RunLog
+from auv_bringup.run_memory import check_memory
 from auv_bringup.scenario import Scenario
 from auv_core.compiled import use_compiler
 from auv_core.messages import Command, Packet
@@ -33,7 +34,13 @@ def run_in_process(scenario: Scenario, *, on_progress: Progress | None = None) -
     on_progress : callable, optional
         Called now and then with the scenario time reached (s).
 
+    Raises
+    ------
+    ConfigError
+        When the run does not fit into the memory that is free.
+
     """
+    check_memory(scenario)
     use_compiler()
     with _rare_collections():
         if scenario.sampling == "continuous":

@@ -82,7 +82,8 @@ def make_plan(
         With one line for the user.
 
     """
-    from auv_bringup.scenario import load_scenario  # late: it brings everything that flies
+    from auv_bringup.run_memory import check_memory  # late: they bring everything that flies
+    from auv_bringup.scenario import load_scenario
 
     if duration_s is not None and not math.isfinite(duration_s):
         raise ConfigError(f"--duration {duration_s!r} is not allowed; allowed: a finite number of seconds")
@@ -99,6 +100,7 @@ def make_plan(
         vehicles=len(scenario.vehicles),
         discovery=discovery,
     )
+    check_memory(scenario, has_nodes=mode in ROS_MODES)
     return Plan(scenario, mode, layout, tuple(overrides), duration_s, is_switched)
 
 

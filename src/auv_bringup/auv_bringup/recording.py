@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import psutil
 from numpy.typing import NDArray
 
+from auv_bringup.free_memory import free_bytes, gigabytes
 from auv_bringup.whole_files import whole_file
 from auv_core.messages import AcousticEvent, Outcome
 
@@ -30,6 +30,7 @@ IntArray = NDArray[np.int64]
 FORMAT_VERSION = 3
 _VERSION_KEY = "format_version"
 _TOLERANCE_S = 1e-9
+_NUMBER_BYTES = 8
 NEIGHBOURS = (
     "neighbour_position_ned_m",
     "neighbour_velocity_ned_mps",
@@ -267,6 +268,19 @@ def law_states(
     return table
 
 
+def bytes_per_tick(n_vehicles: int, *, has_neighbours: bool) -> int:
+    """Return what a recording without packets grows by in a tick (bytes)."""
+    before, after = _shapes(1, n_vehicles), _shapes(2, n_vehicles)
+    names = [name for name in after if has_neighbours or name not in NEIGHBOURS]
+    return _NUMBER_BYTES * sum(_count(after[name]) - _count(before[name]) for name in names)
+
+
+def bytes_of_rows(*, sent: float, heard: float) -> float:
+    """Return the size of so many packets sent, and of what became of so many at their receivers (bytes)."""
+    event = 6 + 3
+    return _NUMBER_BYTES * (sent * (3 + event) + heard * (4 + 1 + event))
+
+
 def _shapes(n_states: int, n: int) -> dict[str, tuple[int | None, ...]]:
     """Return the expected shape of every array; None where any number of rows will do."""
     k = n_states - 1
@@ -303,6 +317,10 @@ def _dtype(name: str) -> type[np.int64] | type[np.float64]:
     return np.int64 if name in ("sent", "received", "contacts", "events", "holding") else np.float64
 
 
+def _count(shape: tuple[int | None, ...]) -> int:
+    return math.prod(size or 0 for size in shape)
+
+
 def _fits(shape: tuple[int, ...], expected: tuple[int | None, ...]) -> bool:
     pairs = zip(shape, expected, strict=False)
     return len(shape) == len(expected) and all(want is None or size == want for size, want in pairs)
@@ -312,11 +330,9 @@ def _check_size(path: Path) -> None:
     """Raise RecordingError for a file that unpacks to more than the memory of this machine can take."""
     with zipfile.ZipFile(path) as archive:
         unpacked = sum(_stated_bytes(archive, member) for member in archive.infolist())
-    available = psutil.virtual_memory().available
-    if unpacked > available:
-        raise RecordingError(
-            f"it unpacks to {unpacked / 1e9:.1f} GB, and this machine has {available / 1e9:.1f} GB free"
-        )
+    free = free_bytes()
+    if unpacked > free:
+        raise RecordingError(f"it unpacks to {gigabytes(unpacked)}, and {gigabytes(free)} of memory are free")
 
 
 def _stated_bytes(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from auv_bringup.recording import Recording, law_states
+from auv_bringup.recording import FloatArray, Recording
 from auv_bringup.scenario import Scenario
 from auv_core.messages import AcousticEvent, Command, Inbox, Packet, VehicleState, command_numbers
 from auv_core.stamp import nanoseconds, whole_nanoseconds_s
@@ -44,8 +44,9 @@ class RunLog:
     def __init__(self, scenario: Scenario) -> None:
         ids = [vehicle.id for vehicle in scenario.vehicles]
         self._recording = Recording.empty(ids, scenario.tick_times())
-        self._law_states: dict[tuple[int, int], Sequence[float]] = {}
-        self._rows: dict[str, list[Sequence[float]]] = {name: [] for name in _ROWS}
+        self._law_rows = [array("d") for _ in ids]
+        self._law_sizes = [0] * len(ids)
+        self._rows = {name: array(getattr(self._recording, name).dtype.char) for name in _ROWS}
         self._numbers = array("d")
         self._known: list[tuple[int, int, Estimates]] = []
         self._written = 0
@@ -68,7 +69,8 @@ class RunLog:
             note((*state.position, *state.attitude, *state.nu, *nav.position, nav.position_sd_m, *command))
             note((*agent.reference.velocity, cause_number(agent.holding), *centre, *rate))
             if agent.law_state:
-                self._law_states[tick, index] = agent.law_state
+                self._law_rows[index].extend((tick, *agent.law_state))
+                self._law_sizes[index] = len(agent.law_state)
             if agent.neighbours.addresses:
                 self._known.append((tick, index, agent.neighbours))
 
@@ -89,30 +91,40 @@ class RunLog:
         """Note what went into the water and what came out of it."""
         rows = self._rows
         for packets in handed_over.values():
-            rows["sent"].extend((packet.tick, packet.source, packet.sequence) for packet in packets)
+            for packet in packets:
+                rows["sent"].extend((packet.tick, packet.source, packet.sequence))
         for address, inbox in enumerate(inboxes, start=1):
             for reception in inbox.receptions:
                 packet = reception.packet
-                rows["received"].append((tick, packet.source, address, packet.sequence))
+                rows["received"].extend((tick, packet.source, address, packet.sequence))
                 delay_ns = nanoseconds(reception.arrival_s) - nanoseconds(reception.sent_s)
-                rows["delay_s"].append((delay_ns * 1e-9,))
+                rows["delay_s"].append(delay_ns * 1e-9)
             for contact in inbox.contacts:
-                rows["contacts"].append((tick, address))
-                rows["contact_values"].append((contact.range_m, contact.bearing_rad, contact.elevation_rad))
+                rows["contacts"].extend((tick, address))
+                rows["contact_values"].extend((contact.range_m, contact.bearing_rad, contact.elevation_rad))
         for e in events:
-            rows["events"].append((tick, e.outcome, e.source, e.destination, e.sequence, e.size_bytes))
+            rows["events"].extend((tick, e.outcome, e.source, e.destination, e.sequence, e.size_bytes))
             times_s = whole_nanoseconds_s(e.start_s), whole_nanoseconds_s(e.end_s)
-            rows["event_values"].append((*times_s, e.snr_db))
+            rows["event_values"].extend((*times_s, e.snr_db))
 
     def finished(self) -> Recording:
         """Return the recording."""
         r = self._recording
         self._write(r.n_ticks)
-        r.law_state = law_states(self._law_states, r.n_ticks, r.n_vehicles)
+        r.law_state = self._law_table()
         for name, rows in self._rows.items():
             empty = getattr(r, name)
-            setattr(r, name, np.array(rows, dtype=empty.dtype).reshape(-1, *empty.shape[1:]))
+            setattr(r, name, np.frombuffer(rows, dtype=empty.dtype).reshape(-1, *empty.shape[1:]))
         return r
+
+    def _law_table(self) -> FloatArray:
+        """Return what the laws remembered, in the form of `Recording.law_state`."""
+        r = self._recording
+        table = np.full((r.n_ticks, r.n_vehicles, max(self._law_sizes)), np.nan)
+        for index, (numbers, size) in enumerate(zip(self._law_rows, self._law_sizes, strict=True)):
+            rows = np.frombuffer(numbers).reshape(-1, 1 + size)
+            table[rows[:, 0].astype(np.int64), index, :size] = rows[:, 1:]
+        return table
 
     def _write(self, tick: int) -> None:
         """Write the block that ends before `tick` into the arrays."""

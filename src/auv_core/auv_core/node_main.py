@@ -231,11 +231,11 @@ class Rendezvous:
         matched = audience.publisher.get_subscription_count()
         if matched < len(audience.nodes):
             return False  # without a look at the graph, which costs much in a large fleet
-        if self._absent(audience):
+        readers = self._readers(audience)
+        if not audience.nodes <= set(readers):
             self._alone_since_s = math.inf
             return False
         self._alone_since_s = min(self._alone_since_s, time.monotonic())
-        readers = self._readers(audience)
         if time.monotonic() - self._alone_since_s > _STRANGERS_S:
             readers = [name for name in readers if name in audience.nodes]
         return matched >= len(readers)

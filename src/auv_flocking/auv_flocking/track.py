@@ -32,7 +32,7 @@ from auv_flocking.sonar_contact import Sighting
 Matrix = NDArray[np.float64]
 
 HISTORY_S = 20.0
-_LONGEST = 128
+MOST_MEASUREMENTS = 128
 
 
 class HeardReport(NamedTuple):
@@ -167,7 +167,7 @@ class Track:
         oldest_s = measurements[-1].time_s - HISTORY_S
         n = 0
         while n < len(measurements) - 1 and (
-            measurements[n].time_s < oldest_s or len(measurements) - n > _LONGEST
+            measurements[n].time_s < oldest_s or len(measurements) - n > MOST_MEASUREMENTS
         ):
             n += 1
         if n:

@@ -1,0 +1,53 @@
+"""How much memory this process may still take."""
+
+from __future__ import annotations
+
+import math
+import resource
+from pathlib import Path
+
+import psutil
+
+_CGROUPS = Path("/sys/fs/cgroup")
+_CGROUP_FILES = (("memory.max", "memory.current"), ("memory.limit_in_bytes", "memory.usage_in_bytes"))
+
+
+def free_bytes() -> float:
+    """Return how much memory this process may still take, by machine, control group and limits (bytes)."""
+    free = float(psutil.virtual_memory().available)
+    for group in _control_groups():
+        for limit, usage in _CGROUP_FILES:
+            if (group / limit).is_file():
+                free = min(free, _number(group / limit) - _number(group / usage))
+    limit_bytes, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if limit_bytes != resource.RLIM_INFINITY:
+        free = min(free, limit_bytes - psutil.Process().memory_info().vms)
+    return max(free, 0.0)
+
+
+def _control_groups() -> list[Path]:
+    """Return the folders of this process's control groups of memory, and those above them."""
+    try:
+        lines = Path("/proc/self/cgroup").read_text().splitlines()
+    except OSError:
+        return []
+    folders = []
+    for line in lines:
+        _, controllers, path = line.split(":", 2)
+        if controllers in ("", "memory"):
+            group = _CGROUPS / controllers / path.lstrip("/")
+            folders += [group, *group.parents]
+    return [folder for folder in folders if folder.is_relative_to(_CGROUPS)]
+
+
+def _number(path: Path) -> float:
+    """Return the number in a file of a control group; what is not one, such as `max`, is no limit."""
+    try:
+        return float(path.read_text())
+    except (OSError, ValueError):
+        return math.inf if "usage" not in path.name and "current" not in path.name else 0.0
+
+
+def gigabytes(size_bytes: float) -> str:
+    """Return a size in words."""
+    return f"{size_bytes / 1e9:.3g} GB"
