@@ -67,6 +67,7 @@ LAZY_ROS_FILES = {
 WALL_CLOCK_FILES = {"auv_core/node_main.py", "auv_core/run_watch.py", "auv_core/steady_timer.py"} | {
     f"auv_bringup/{name}.py"
     for name in (
+        "bag_link",
         "cli",
         "flight",
         "launcher",

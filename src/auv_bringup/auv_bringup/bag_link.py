@@ -12,17 +12,22 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import threading
+import time
 from contextlib import suppress
 from multiprocessing.connection import Pipe
 from pathlib import Path
 from typing import NamedTuple
 
 from auv_bringup.bag_writer import BagError
+from auv_bringup.process_states import is_stopped
 from auv_bringup.processes import Exit
 from auv_bringup.recorded_topics import TopicSpec
 
 BAG_PROCESS_MODULE = "auv_bringup.bag_process"
 _ANSWER_LIMIT_S = 30.0
+_STOPPED_LIMIT_S = 3.0
+_LOOK_S = 0.5
 
 
 class Opening(NamedTuple):
@@ -84,6 +89,8 @@ class BagLink:
                 start_new_session=True,
             )
         self.written = Written()
+        self._was_stopped = False
+        threading.Thread(target=self._end_if_stopped, daemon=True).start()
         self._send(opening)
 
     def wait_until_open(self) -> None:
@@ -124,6 +131,17 @@ class BagLink:
             self._hear()
         self._process.wait(_ANSWER_LIMIT_S)
 
+    def _end_if_stopped(self) -> None:
+        """Kill the process if a signal has stopped it: whoever waits for it would wait for ever."""
+        looks = 0
+        while self._process.poll() is None:
+            time.sleep(_LOOK_S)
+            looks = looks + 1 if is_stopped(self._process.pid) else 0
+            if looks * _LOOK_S >= _STOPPED_LIMIT_S:
+                self._was_stopped = True
+                self._process.kill()
+                return
+
     def _send(self, word: Opening | Batch | None) -> None:
         with suppress(ConnectionError):  # it has ended: its last answer says why, or there is none
             self._line.send(word)
@@ -131,6 +149,7 @@ class BagLink:
     def _hear(self) -> None:
         """Wait for one answer."""
         if not self._line.poll(_ANSWER_LIMIT_S):
+            self._process.kill()
             raise BagError(
                 f"cannot write the bag {self._bag_dir}: no answer of its process in {_ANSWER_LIMIT_S:g} s"
             )
@@ -138,6 +157,8 @@ class BagLink:
             answer = self._line.recv()
         except (EOFError, OSError):
             how = Exit(BAG_PROCESS_MODULE, self._process.wait(_ANSWER_LIMIT_S)).words
+            if self._was_stopped:
+                how = f"a signal had stopped it for {_STOPPED_LIMIT_S:g} s"
             raise BagError(f"cannot write the bag {self._bag_dir}: its process has ended ({how})") from None
         if isinstance(answer, BagError):
             self._process.wait(_ANSWER_LIMIT_S)

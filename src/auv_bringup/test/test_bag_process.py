@@ -1,5 +1,8 @@
 """The process that writes a bag, told what to do without ROS."""
 
+import os
+import signal
+import time
 from multiprocessing.connection import Pipe
 
 import pytest
@@ -53,3 +56,21 @@ def test_answers_count_what_is_written_and_the_last_says_that_the_bag_is_closed(
     first, second, last = (ours.recv() for _ in range(3))
     assert first == second == Written(bytes=first.bytes)
     assert last == Written(bytes=(tmp_path / "bag" / "bag_0.mcap").stat().st_size, closed=True)
+
+
+@pytest.mark.parametrize("size", [0, 2_000_000])
+def test_a_stopped_process_is_ended_whether_it_is_sent_more_or_waited_for(tmp_path, size):
+    topic = TopicSpec("/flock/status", "auv_msgs/msg/FlockStatus")
+    link = BagLink(Opening(tmp_path / "bag", (topic,), lockstep=True))
+    link.wait_until_open()
+
+    def write_and_close():
+        link.write(Batch({topic.name: [bytes(size)]}))
+        link.close()
+
+    os.kill(link._process.pid, signal.SIGSTOP)
+    start_s = time.monotonic()
+    with pytest.raises(BagError, match="a signal had stopped it for 3 s"):
+        write_and_close()
+    assert time.monotonic() - start_s < 6.0
+    assert link._process.poll() == -signal.SIGKILL

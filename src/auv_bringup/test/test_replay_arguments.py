@@ -1,5 +1,7 @@
 """What ./scripts/replay refuses before it starts."""
 
+import tempfile
+
 import pytest
 
 from auv_bringup import replay
@@ -37,6 +39,7 @@ def test_an_internal_error_has_another_status_than_a_difference(
     def broken(_):
         raise ZeroDivisionError
 
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setattr(replay, "mend_bag", broken)
     assert replay.main([str(tmp_path)]) == replay.EXIT_INTERNAL != replay.EXIT_DIFFERENT
     assert "ZeroDivisionError" in capsys.readouterr().err
