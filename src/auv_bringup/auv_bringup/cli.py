@@ -59,8 +59,8 @@ numbers; only the processes differ:
   vehicle     a process per vehicle, with its simulator and its agent; one more for
               relay and clock, one for the recorder
   single      one process for all nodes: the fastest, and for many vehicles; a node
-              that fails ends the run, so not with on_vehicle_loss: continue; with more
-              than 64 nodes they have no services of parameters
+              that fails ends the run, so not with on_vehicle_loss: continue; up to
+              128 vehicles, and above 31 their nodes have no services of parameters
 
 results:
   DIR/<scenario>-<seed>-<mode>, with -<hash of the overrides> when --set or --duration

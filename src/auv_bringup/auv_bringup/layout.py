@@ -21,6 +21,8 @@ LAYOUTS = ("node", "vehicle", "single")
 DEFAULT_LAYOUT = "node"
 MOST_PROCESSES = 32
 """With ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST, Fast DDS asks the ports of so many participants, not more."""
+MOST_IN_ONE_PROCESS = 128
+"""The middleware's work for nodes of one process grows with the square of their number: 254 take minutes."""
 CONTAINER = "/node_container"
 """Name of the process that holds all nodes."""
 
@@ -97,10 +99,17 @@ def check_layout(
     if mode == "inprocess":
         return _no_layout(layout)
     layout = layout or DEFAULT_LAYOUT
-    fitting = [each for each in LAYOUTS if _processes(each, vehicles) <= MOST_PROCESSES]
     if layout not in LAYOUTS:
         raise ConfigError(f"layout {layout!r} is not allowed; allowed: {', '.join(LAYOUTS)}")
-    if discovery == "localhost" and layout not in fitting:
+    if layout == "single" and vehicles > MOST_IN_ONE_PROCESS:
+        raise ConfigError(
+            f"layout 'single' is not allowed for {vehicles} vehicles, whose nodes do not find each other in "
+            f"one process in time; allowed: at most {MOST_IN_ONE_PROCESS} vehicles, or mode inprocess"
+        )
+    if discovery == "localhost" and _processes(layout, vehicles) > MOST_PROCESSES:
+        fitting = [each for each in LAYOUTS if _processes(each, vehicles) <= MOST_PROCESSES]
+        if vehicles > MOST_IN_ONE_PROCESS:
+            fitting = ["mode inprocess"]
         raise ConfigError(
             f"layout {layout!r} is not allowed for {vehicles} vehicles, since discovery on one machine finds "
             f"{MOST_PROCESSES} processes and these are {_processes(layout, vehicles)}; "

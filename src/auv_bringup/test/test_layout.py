@@ -69,5 +69,16 @@ def test_more_processes_than_find_each_other_are_refused_in_one_line(layout, mos
         check(most + 1)
 
 
-def test_many_vehicles_may_share_one_process():
-    assert check_layout("single", mode="lockstep", on_vehicle_loss="stop", vehicles=254) == "single"
+def test_many_vehicles_may_share_one_process_but_not_any_number():
+    def check(layout, vehicles):
+        return check_layout(layout, mode="lockstep", on_vehicle_loss="stop", vehicles=vehicles)
+
+    assert check("single", 128) == "single"
+    with pytest.raises(
+        ConfigError, match=r"for 129 vehicles.*; allowed: at most 128 vehicles, or mode inprocess"
+    ):
+        check("single", 129)
+    with pytest.raises(
+        ConfigError, match=r"for 129 vehicles.*; allowed: mode inprocess, or discovery subnet"
+    ):
+        check("vehicle", 129)
