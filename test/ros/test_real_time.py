@@ -25,8 +25,8 @@ PATIENCE_S = 120.0
 SHORT_S = 3.0
 SHORT = ("flock_acoustic", "ch4_region_limited", "ch2_pfpd")
 FULL_LENGTH = ("compare_path_laws", "ch4_region", "swarm")
-LATE_S = 0.5
-"""By how much a command may act later than in lock-step: some ticks, or a packet's next turn."""
+LATE_S, NEAR_M = 0.1, 0.31
+"""How far from lock-step on a busy machine: a tick's delay of a command, and a hull's radius."""
 SHIPPED = [name for name, _ in list_scenarios()]
 
 
@@ -81,7 +81,7 @@ def check_against_lockstep(folder, scenario):
     rows = min(len(recorded.t_s), len(expected.t_s))
     ours, theirs = recorded.position_ned_m[:rows], expected.position_ned_m[:rows]
     speed_mps = np.linalg.norm(np.diff(theirs, axis=0), axis=-1).max() / scenario.period_s
-    allowed_m = 0.1 + LATE_S * speed_mps
+    allowed_m = NEAR_M + LATE_S * speed_mps
     assert np.linalg.norm(ours - theirs, axis=-1).max() < allowed_m
     metrics = json.loads((folder / "metrics.json").read_text(encoding="utf-8"))
     wanted = compute_metrics(expected, scenario, mode="inprocess", real_time_factor=1.0)
@@ -89,9 +89,11 @@ def check_against_lockstep(folder, scenario):
     assert metrics["lost_vehicles"] == wanted["lost_vehicles"]
     assert metrics["collision"] == wanted["collision"]
     assert metrics["safe_command_ratio"] == pytest.approx(wanted["safe_command_ratio"], abs=0.02)
-    for name in ("control_effort_n2s", "pair_distance_min_m", "packets_sent"):
+    for name in ("control_effort_n2s", "packets_sent"):
         if wanted.get(name) is not None:
-            assert metrics[name] == pytest.approx(wanted[name], rel=0.25, abs=0.3), name
+            assert metrics[name] == pytest.approx(wanted[name], rel=0.2), name
+    if wanted["pair_distance_min_m"] is not None:
+        assert metrics["pair_distance_min_m"] == pytest.approx(wanted["pair_distance_min_m"], abs=allowed_m)
 
 
 def check(folder, *, in_detail):

@@ -13,6 +13,8 @@ START_LEAD_S = 0.5
 """How long before scenario time 0 a real-time run is announced (s), so that all nodes begin at tick 0."""
 STEP_LIMIT_S = 0.5
 """A wall clock that moves by more against the steady one has been stepped (s)."""
+VEHICLE_PHASE, RELAY_PHASE, AGENT_PHASE = 0.02, 0.2, 0.45
+"""When nodes act within a tick of real time, as shares of it: in the order of lock-step."""
 JOIN_LIMIT_S = 5.0
 """A wall clock that differs by more from that of the run is not the run's (s)."""
 
@@ -130,6 +132,10 @@ class TickClock:
     def tick_now(self) -> int:
         """Return the tick that the steady clock is in; negative before the epoch."""
         return int(self._scenario_now_s() // self._period_s)
+
+    def until_phase_s(self, phase: float) -> float:
+        """Return the time until a tick, this one or the next, has got to a share of its period (s)."""
+        return (phase - self._scenario_now_s() / self._period_s) % 1.0 * self._period_s
 
     def _start(self, epoch_s: float) -> None:
         self.epoch_s = epoch_s

@@ -32,15 +32,19 @@ class SteadyTimer:
         Time between two calls (s).
     callback : callable
         Called without arguments, in the thread of the executor.
+    first_in_s : float, optional
+        Time until the first call (s); a period without it.
 
     """
 
-    def __init__(self, node: Any, period_s: float, callback: Callable[[], None]) -> None:
+    def __init__(
+        self, node: Any, period_s: float, callback: Callable[[], None], first_in_s: float | None = None
+    ) -> None:
         self._node = node
         self._period_s = period_s
         self._callback = callback
         self._is_handed_over = False
-        self.due_s = time.monotonic() + period_s
+        self.due_s = time.monotonic() + (period_s if first_in_s is None else first_in_s)
         _ticker.add(self)
 
     def cancel(self) -> None:

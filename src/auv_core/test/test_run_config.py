@@ -5,7 +5,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_core.params import ConfigError, load
-from auv_core.run_config import JOIN_LIMIT_S, LOCKSTEP_EPOCH_S, START_LEAD_S, RunConfig, TickClock, WallWatch
+from auv_core.run_config import (
+    AGENT_PHASE,
+    JOIN_LIMIT_S,
+    LOCKSTEP_EPOCH_S,
+    RELAY_PHASE,
+    START_LEAD_S,
+    VEHICLE_PHASE,
+    RunConfig,
+    TickClock,
+    WallWatch,
+)
 
 
 class Clocks:
@@ -90,6 +100,22 @@ def test_who_joins_after_a_step_follows_the_clock_of_the_run(step_s):
     clocks.pass_time(0.05)
     assert abs(step_s) > JOIN_LIMIT_S
     assert late.tick_now() == first.tick_now() == 80
+
+
+@pytest.mark.parametrize("phase", [VEHICLE_PHASE, RELAY_PHASE, AGENT_PHASE])
+def test_a_phase_of_a_tick_is_that_far_behind_its_stamp(phase):
+    clocks = Clocks()
+    clock = _clock("realtime", clocks)
+    clock.begin()
+    for dt_s in (0.0, 0.013, 0.77, 5.004):
+        clocks.pass_time(dt_s)
+        wait_s = clock.until_phase_s(phase)
+        assert 0.0 <= wait_s < 0.1
+        before = clock.tick_now()
+        clocks.pass_time(wait_s + 1e-6)
+        assert clock.tick_now() in (before, before + 1)
+        in_tick_s = clocks.wall_s - clock.stamp_s(clock.tick_now())
+        assert in_tick_s == pytest.approx(0.1 * phase, abs=2e-6)
 
 
 def test_an_epoch_once_set_stays():

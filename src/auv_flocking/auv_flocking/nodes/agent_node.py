@@ -36,7 +36,7 @@ from auv_core.node_main import (
 )
 from auv_core.node_params import declare_config
 from auv_core.qos import EVERY_TICK, LATCHED, own_qos
-from auv_core.run_config import RunConfig
+from auv_core.run_config import AGENT_PHASE, RunConfig
 from auv_core.run_watch import Standstill
 from auv_core.steady_timer import SteadyTimer
 from auv_flocking.agent import Agent, AgentConfig
@@ -135,7 +135,8 @@ class AgentNode(Node):
     def _begin(self) -> None:
         self._publish_path()
         self._mail.start(max(self._ticks.tick_now(), 0))
-        self._timer = SteadyTimer(self, self._config.period_s, self._run_free)
+        first_in_s = self._ticks.until_phase_s(AGENT_PHASE)
+        self._timer = SteadyTimer(self, self._config.period_s, self._run_free, first_in_s)
 
     def on_run_end(self) -> None:
         """Give no more commands."""

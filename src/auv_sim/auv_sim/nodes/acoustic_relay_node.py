@@ -30,7 +30,7 @@ from auv_core.node_main import Audience, Rendezvous, main_loop, publishes_bytes,
 from auv_core.node_params import declare_config
 from auv_core.params import param
 from auv_core.qos import EVERY_TICK, own_qos
-from auv_core.run_config import RunConfig
+from auv_core.run_config import RELAY_PHASE, RunConfig
 from auv_core.run_watch import Standstill, listed
 from auv_core.steady_timer import SteadyTimer
 from auv_msgs.msg import AcousticEvents, AcousticInbox, AcousticOutbox
@@ -147,7 +147,8 @@ class AcousticRelayNode(Node):
             return
         self._ticks.begin()
         self.clock.announce()
-        SteadyTimer(self, self._period_s, self._run_free)
+        first_in_s = self._ticks.until_phase_s(RELAY_PHASE)
+        SteadyTimer(self, self._period_s, self._run_free, first_in_s)
 
     def waits_for(self) -> str:
         """Return for what the node waits, in words, or nothing."""

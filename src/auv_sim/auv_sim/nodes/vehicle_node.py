@@ -29,7 +29,7 @@ from auv_core.node_main import (
 )
 from auv_core.node_params import declare_config
 from auv_core.qos import EVERY_TICK, own_qos
-from auv_core.run_config import RunConfig
+from auv_core.run_config import VEHICLE_PHASE, RunConfig
 from auv_core.run_watch import Standstill
 from auv_core.steady_timer import SteadyTimer
 from auv_core.stencil import header_stamp_s
@@ -90,7 +90,8 @@ class VehicleNode(Node):
 
     def _begin(self) -> None:
         self._watch.newest.start(max(self._clock_ticks.tick_now(), 0))
-        self._timer = SteadyTimer(self, self._config.period_s, self._run_free)
+        first_in_s = self._clock_ticks.until_phase_s(VEHICLE_PHASE)
+        self._timer = SteadyTimer(self, self._config.period_s, self._run_free, first_in_s)
 
     def on_run_end(self) -> None:
         """Move no more."""
