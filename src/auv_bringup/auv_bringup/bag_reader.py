@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
+from itertools import islice
 from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,6 +30,7 @@ FloatArray = NDArray[np.float64]
 
 _MORE_TICKS = 1000
 """So many ticks before and after its own a run in real time can have: it ends when it wakes up."""
+_EPOCH_STATES = 200
 _OUTCOMES = frozenset(Outcome)
 _EVENTS_TOPIC = "/acoustic/events"
 _NEIGHBOUR_WIDTH = 3 + 3 + 36 + 1 + 1  # position, velocity, covariance, age, age of the sonar's last look
@@ -62,7 +64,7 @@ def read_recording(
     Raises
     ------
     BagError
-        If the bag cannot be read, holds no state of some vehicle, or states that are not of one run.
+        If the bag cannot be read or holds no state of some vehicle.
     """
     command_max_age_s = age_limit_s(scenario.command_max_age_s, scenario.period_s)
     ids = [vehicle.id for vehicle in scenario.vehicles]
@@ -71,7 +73,8 @@ def read_recording(
     reader.read(bag)
     if reader.left_out:
         counts = ", ".join(f"{count} of {topic}" for topic, count in sorted(reader.left_out.items()))
-        tell(f"messages left out, which are not of this run: {counts}")
+        off_time = f"; {reader.off_time}" if reader.off_time else ""
+        tell(f"messages left out, which are not of this run: {counts}{off_time}")
     return reader.recording(bag.path)
 
 
@@ -87,6 +90,7 @@ class _RunReader:
     ) -> None:
         self._last_tick = most_ticks + _MORE_TICKS
         self.left_out: Counter[str] = Counter()
+        self.off_time = ""
         self._ids = vehicle_ids
         self._most_ticks = most_ticks
         self._command_max_age_ticks = command_max_age_s / period_s
@@ -119,8 +123,9 @@ class _RunReader:
                 continue
             try:
                 handlers[message.topic](decoded)
-            except _ForeignError:
+            except _ForeignError as error:
                 self.left_out[message.topic] += 1
+                self.off_time = self.off_time or str(error)
 
     def recording(self, path: Path) -> Recording:
         """Return the arrays; `path` is that of the bag, for the error message."""
@@ -212,25 +217,25 @@ class _RunReader:
         """
         Return the stamp of tick 0 (ns): wall time in a real-time run.
 
-        It is that of the first state after tick 0, since older runs in real time stamped tick 0 with 0.
+        It is what most of the first states say, since one may be a stranger's, and older runs in real time
+        stamped tick 0 with 0.
         """
-        epoch_ns = 0
-        for message in bag.messages({f"/{name}/state" for name in self._ids}):
+        epochs_ns: defaultdict[int, list[int]] = defaultdict(list)
+        for message in islice(bag.messages({f"/{name}/state" for name in self._ids}), _EPOCH_STATES):
             with suppress(BagError):
                 state = bag.decode(message)
                 epoch_ns = _nanoseconds(state.header.stamp) - self._since_epoch_ns(state.tick)
-                if state.tick > 0:
-                    break
-        return epoch_ns
+                epochs_ns[round(epoch_ns * 1e-6)].append(epoch_ns)
+        return max(epochs_ns.values(), key=len)[-1] if epochs_ns else 0
 
     def _check_time(self, i: int, state: Any) -> None:
-        """Refuse a state whose tick and stamp are not of the run's one time line."""
+        """Leave out a state whose tick and stamp are not of the run's one time line."""
         stamp_ns = _nanoseconds(state.header.stamp)
         off_ns = stamp_ns - self._epoch_ns - self._since_epoch_ns(state.tick)
         is_of_old_run = state.tick == stamp_ns == 0
         if abs(off_ns) > 0.5e9 * self._period_s and not is_of_old_run:
-            raise BagError(
-                f"the bag is not of one run: /{self._ids[i]}/state of tick {state.tick} is stamped "
+            raise _ForeignError(
+                f"/{self._ids[i]}/state of tick {state.tick} is stamped "
                 f"{abs(off_ns) * 1e-9:.3f} s {'late' if off_ns > 0 else 'early'}"
             )
 

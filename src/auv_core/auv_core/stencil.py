@@ -70,5 +70,6 @@ def read_numbers(data: bytes, layout: struct.Struct) -> tuple[Any, ...]:
 
 
 def header_stamp_s(data: bytes) -> float:
-    """Return the stamp (s) of a serialised message that begins with a header."""
+    """Return the stamp (s) of a serialised message; raise `MalformedError` for one without a header."""
+    body_at(data)
     return read_stamp_s(data, STAMP_AT)

@@ -123,7 +123,8 @@ class VehicleNode(Node):
             return
         if tick != self._vehicle.state.tick:
             self.get_logger().warning(
-                f"a command for tick {tick}, but this is tick {self._vehicle.state.tick}: not used"
+                f"a command for tick {tick}, but this is tick {self._vehicle.state.tick}: not used",
+                throttle_duration_sec=1.0,
             )
             return
         self._watch.hear(command, tick, tick)
