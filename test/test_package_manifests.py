@@ -32,6 +32,7 @@ OWN_KEYS = {
     "pyarrow": "python3-pyarrow-pip",
     "setproctitle": "python3-setproctitle",
     "skfuzzy": "python3-scikit-fuzzy-pip",
+    "zstandard": "python3-zstandard",
 }
 KEYS = OFFICIAL_KEYS | OWN_KEYS
 # Put in by hand, for one plugin: ./scripts/setup --with bellhop

@@ -17,6 +17,7 @@ from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
 
+import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Header, Schema
@@ -29,6 +30,7 @@ RECORD_HEAD = struct.Struct("<BQ")
 _MESSAGE_HEAD = struct.Struct("<HIQQ")
 _TIME_SPAN = struct.Struct("<QQ")
 _NEVER_NS = 2**64
+MOST_CHUNK_BYTES = 1_000_000_000
 
 
 class ScannedMessage(NamedTuple):
@@ -226,11 +228,23 @@ def _has_messages(body: bytes) -> bool:
 def _unpack(body: bytes) -> bytes:
     """Return the records of a chunk, decompressed and checked."""
     chunk = Chunk.read(_stream(body))
+    _check_size(chunk)
     stream, size = get_chunk_data_stream(chunk, validate_crc=True)
     data = stream.read(size)
     if len(data) != chunk.uncompressed_size:
         raise ValueError(f"a chunk of {len(data)} bytes should have {chunk.uncompressed_size}")
     return data
+
+
+def _check_size(chunk: Chunk) -> None:
+    """Raise ValueError for a chunk that unpacks to more than a recorder writes, by its word or by zstd's."""
+    size = chunk.uncompressed_size
+    if chunk.compression == "zstd":
+        stated = zstandard.get_frame_parameters(chunk.data).content_size
+        if stated != zstandard.CONTENTSIZE_UNKNOWN:  # else no more is unpacked than the chunk says
+            size = max(size, stated)
+    if size > MOST_CHUNK_BYTES:
+        raise ValueError(f"a chunk unpacks to {size} bytes; allowed: at most {MOST_CHUNK_BYTES}")
 
 
 def _stream(body: bytes) -> ReadDataStream:

@@ -5,12 +5,14 @@ from dataclasses import dataclass
 import pytest
 import synthetic_bag as synthetic
 import yaml
+import zstandard
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mcap.data_stream import RecordBuilder
 from mcap.records import Chunk
 from mcap.writer import Writer
 
+from auv_bringup import mcap_scan
 from auv_bringup.bag import Bag
 from auv_bringup.bag_compare import compare_bags
 from auv_bringup.bag_writer import BagError, BagWriter, Topic
@@ -131,12 +133,35 @@ def test_an_unchunked_file_is_read_too(tmp_path):
     ]
 
 
+@pytest.mark.parametrize("stated_bytes", [100, 3_000_000])
+def test_a_chunk_that_unpacks_to_too_much_is_refused_before_it_is(tmp_path, monkeypatch, stated_bytes):
+    monkeypatch.setattr(mcap_scan, "MOST_CHUNK_BYTES", 1_000_000)
+    write_payloads(tmp_path / "bag", [("/a", 5)], 10).close()
+    chunk = Chunk(
+        compression="zstd",
+        data=zstandard.compress(bytes(3_000_000)),
+        message_end_time=5,
+        message_start_time=5,
+        uncompressed_crc=0,
+        uncompressed_size=stated_bytes,
+    )
+    insert(tmp_path / "bag" / "bag_0.mcap", chunk)
+    with pytest.raises(BagError, match="unpacks to 3000000 bytes; allowed: at most 1000000"):
+        list(Bag(tmp_path).messages())
+
+
+def insert(path, chunk):
+    """Put a chunk in front of all others."""
+    content = path.read_bytes()
+    builder = RecordBuilder()
+    chunk.write(builder)
+    place = 17 + int.from_bytes(content[9:17], "little")  # behind the header
+    path.write_bytes(content[:place] + builder.end() + content[place:])
+
+
 def test_a_chunk_without_messages_has_no_time(tmp_path):
     bag_dir = tmp_path / "bag"
     write_payloads(bag_dir, [("/a", 5_000), ("/b", 7_000), ("/a", 6_000)], 10).close()
-    path = bag_dir / "bag_0.mcap"
-    content = path.read_bytes()
-    header_bytes = int.from_bytes(content[9:17], "little")
     chunk = Chunk(
         compression="",
         data=b"",
@@ -145,10 +170,7 @@ def test_a_chunk_without_messages_has_no_time(tmp_path):
         uncompressed_crc=0,
         uncompressed_size=0,
     )
-    builder = RecordBuilder()
-    chunk.write(builder)
-    place = 17 + header_bytes
-    path.write_bytes(content[:place] + builder.end() + content[place:])
+    insert(bag_dir / "bag_0.mcap", chunk)
     bag = Bag(bag_dir)
     assert bag.span_ns() == (5_000, 7_000)
     assert [t_ns for _, t_ns, _ in read_back(bag)] == [5_000, 6_000, 7_000]
