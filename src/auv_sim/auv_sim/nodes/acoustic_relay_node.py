@@ -33,6 +33,7 @@ from auv_core.qos import EVERY_TICK, own_qos
 from auv_core.run_config import RELAY_PHASE, RunConfig
 from auv_core.run_watch import Standstill, listed
 from auv_core.steady_timer import SteadyTimer
+from auv_core.strangers import StrangerWatch
 from auv_msgs.msg import AcousticEvents, AcousticInbox, AcousticOutbox
 from auv_msgs.msg import VehicleState as VehicleStateMsg
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
@@ -43,6 +44,8 @@ from auv_sim.state_watch import StateWatch
 from auv_sim.vehicle import Vehicle, VehicleConfig
 
 _STATS_TICKS = 10
+_COMMON_NODES = {"/acoustic_relay_node", "/clock_node", "/recorder_node"}
+_STRANGERS_S = 1.0
 _ROLES = ("agent_node", "vehicle_node")
 
 
@@ -102,6 +105,9 @@ class AcousticRelayNode(Node):
         )
         self.clock.on_room = self._try_advance
         self._connect(own_qos(admits_strangers=run.admits_strangers))
+        self._admits_strangers = run.admits_strangers
+        own = {f"/{name}/{role}" for name in self._ids for role in _ROLES} | _COMMON_NODES
+        self._strangers = StrangerWatch(self, own, self._ids, admits_strangers=run.admits_strangers)
         self._meeting = Rendezvous(self, self._audiences(run), self._start)
 
     def _connect(self, heard: QoSProfile) -> None:
@@ -149,12 +155,23 @@ class AcousticRelayNode(Node):
         self.clock.announce()
         first_in_s = self._ticks.until_phase_s(RELAY_PHASE)
         SteadyTimer(self, self._period_s, self._run_free, first_in_s)
+        SteadyTimer(self, _STRANGERS_S, self._look_for_strangers)
 
     def waits_for(self) -> str:
         """Return for what the node waits, in words, or nothing."""
         if not self._meeting.ready:
             return self._meeting.waits_for()
         return listed(self._awaited()) if self._standstill.at(self._barrier.tick) else ""
+
+    def _look_for_strangers(self) -> None:
+        """Name who else publishes on topics of the run; in lock-step the launcher does: bags are equal."""
+        if not self._ticks.started or self.clock.ended:
+            return
+        for stranger in self._strangers.look():
+            self.get_logger().warning(stranger.words)
+        t_s = self._ticks.stamp_s(max(self._barrier.tick, 0))
+        found = self._strangers.found.values()
+        self._reports.tell_strangers(found, t_s, are_admitted=self._admits_strangers)
 
     def _take_state(self, index: int, data: bytes) -> None:
         """Take an answer in lock-step."""

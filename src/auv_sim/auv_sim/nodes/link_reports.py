@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
@@ -16,6 +16,7 @@ from auv_core.markers import LINK, MARKER_TICKS, LineList, lines
 from auv_core.messages import Inbox, VehicleState
 from auv_core.node_main import publishes_bytes
 from auv_core.qos import EVERY_TICK
+from auv_core.strangers import Stranger
 from auv_msgs.msg import AcousticStats
 from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
 from auv_sim.state_watch import StateWatch
@@ -61,6 +62,20 @@ class LinkReports:
             message=f"modems silent: {stale}" if stale else "all fresh",
             hardware_id="acoustic medium",
             values=[("states_left_out", str(watch.left_out)), ("last_left_out", watch.left_out_words)],
+        )
+        self._publish_diagnostics(diagnostics_bytes([status], t_s))
+
+    def tell_strangers(self, strangers: Collection[Stranger], t_s: float, *, are_admitted: bool) -> None:
+        """Publish who else publishes on topics of the run, at the time `t_s` (s)."""
+        level = DiagnosticStatus.WARN if strangers and not are_admitted else DiagnosticStatus.OK
+        if not are_admitted and any(stranger.is_heard for stranger in strangers):
+            level = DiagnosticStatus.ERROR
+        status = Status(
+            level=level,
+            name="acoustic_relay_node: strangers",
+            message="; ".join(stranger.words for stranger in strangers) or "nobody else publishes",
+            hardware_id="acoustic medium",
+            values=[(stranger.topic, f"{stranger.node} {stranger.gid}") for stranger in strangers],
         )
         self._publish_diagnostics(diagnostics_bytes([status], t_s))
 

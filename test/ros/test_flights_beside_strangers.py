@@ -1,0 +1,113 @@
+"""Whole flights beside strangers: they end as if nobody were there, and say who was."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+import yaml
+from geometry_msgs.msg import WrenchStamped
+from ros_desk import desk, domain_id, process
+from rosgraph_msgs.msg import Clock
+
+from auv_bringup.bag_compare import compare_bags
+from auv_bringup.scenario import SCENARIOS_DIR
+from auv_msgs.msg import FlockStatus, VehicleState
+
+pytestmark = pytest.mark.ros
+
+PATIENCE_S = 120.0
+FORGED = {
+    "/auv_1/cmd_wrench": WrenchStamped(),
+    "/auv_1/nav": VehicleState(tick=10**9, valid=True),
+    "/flock/status": FlockStatus(state=FlockStatus.FINISHED, tick=10**6, time_s=2.6),
+    "/clock": Clock(),
+}
+
+
+@pytest.fixture
+def scenario_file(tmp_path):
+    """Two vehicles of the main job."""
+    raw = yaml.safe_load((SCENARIOS_DIR / "flock_acoustic.yaml").read_text())
+    raw.update(name="pair", vehicles=raw["vehicles"][:2])
+    path = tmp_path / "pair.yaml"
+    path.write_text(yaml.safe_dump(raw))
+    return path
+
+
+def fly(scenario_file, name, *arguments):
+    """Start a run whose results go to a folder."""
+    command = [
+        "auv_bringup.cli",
+        scenario_file,
+        "--no-figures",
+        "--out",
+        scenario_file.parent / name,
+        *arguments,
+    ]
+    return subprocess.Popen(
+        [sys.executable, "-m", *map(str, command)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env={**os.environ, "ROS_DOMAIN_ID": str(domain_id())},
+    )
+
+
+def finished(run):
+    """Wait for the end of a run; return its status and what it said."""
+    try:
+        said, _ = run.communicate(timeout=PATIENCE_S)
+    finally:
+        run.kill()
+    return run.returncode, said
+
+
+def results_of(scenario_file, name):
+    (folder,) = (scenario_file.parent / name).iterdir()
+    return folder, json.loads((folder / "provenance.json").read_text())
+
+
+def forge_during(at, run):
+    """Publish forged messages until a run is over."""
+    publishers = [(at.stranger(type(message), topic), message) for topic, message in FORGED.items()]
+    while run.poll() is None:
+        for publisher, message in publishers:
+            publisher.publish(message)
+        at.executor.spin_once(timeout_sec=0.001)
+
+
+@pytest.mark.parametrize("mode", ["lockstep", "realtime"])
+def test_a_flight_under_forged_messages_is_the_flight_without_them(scenario_file, mode):
+    arguments = ("--mode", mode, "--layout", "single", "--duration", "60" if mode == "lockstep" else "6")
+    with desk() as at:
+        run = fly(scenario_file, "beside", *arguments)
+        forge_during(at, run)
+    status, said = finished(run)
+    assert status == 0, said
+    folder, provenance = results_of(scenario_file, "beside")
+    assert provenance["simulated_s"] == pytest.approx(float(arguments[-1]), abs=0.5)
+    assert "warning: /desk publishes /auv_1/nav: not heard" in said
+    assert "/desk publishes /flock/status: not heard" in provenance["strangers"]
+    assert "/desk publishes" in (folder / "report.html").read_text()
+    if mode == "lockstep":
+        assert finished(fly(scenario_file, "alone", *arguments))[0] == 0
+        assert compare_bags(folder / "bag", results_of(scenario_file, "alone")[0] / "bag") == []
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("layout", ["node", "vehicle", "single"])
+def test_a_reader_that_stalls_holds_no_flight(scenario_file, layout):
+    run = fly(scenario_file, "beside", "--layout", layout, "--duration", "900")
+    with process("auv_bringup.topic", "--wait", 60, "hz", "/auv_1/state") as echo:
+        assert echo.stdout.readline().startswith("average rate")
+        os.kill(echo.pid, signal.SIGSTOP)
+        status, said = finished(run)
+    assert status == 0, said
+    assert results_of(scenario_file, "beside")[1]["simulated_s"] == pytest.approx(900.0)
