@@ -140,6 +140,7 @@ def _use_motion_law(law, params, inputs):
 def _follow_reference(module, params, _inputs):
     path = module.Reference(params)
     assert path.period_s is None or path.period_s > 0.0
+    reach = path.reach(650.0).grown(1e-6)
     outputs, step_s = [], 1e-4
     for t_s in (0.0, 1.0, 123.4, 650.0):
         behind, now, ahead = path.at(t_s - step_s), path.at(t_s), path.at(t_s + step_s)
@@ -148,6 +149,7 @@ def _follow_reference(module, params, _inputs):
             np.testing.assert_allclose(getattr(now, rate), slope, atol=1e-5)
         turned_rad = math.remainder(ahead.heading_rad - behind.heading_rad, 2.0 * math.pi)
         assert now.heading_rate_radps == pytest.approx(turned_rad / (2.0 * step_s), abs=1e-6)
+        assert reach.holds(now.position)
         outputs.append(now)
     return outputs
 
@@ -156,6 +158,8 @@ def _use_flocking(module, params, inputs):
     outputs = []
     for is_leader in (True, False):
         law = module.Flocking(params, SEPARATION, is_leader)
+        assert params.formation_spacing_m > 0.0
+        assert params.largest_correction_mps > 0.0
         belief = NOTHING_HEARD
         for tick in range(10):
             view = inputs.view()
@@ -204,6 +208,8 @@ def _use_format(module, params, inputs):
     outputs = []
     for shared in ((), (Field("sum", -8.0, 8.0, 0.125, wraps=True), Field("weight", 0.0, 1.0, 0.125))):
         form = module.Format(params, shared)
+        assert form.carries.position.holds((0.0, 0.0, 0.0))
+        assert min(form.carries.velocity_mps, form.carries.centre_distance_m) > 0.0
         numbers = (0.5, 0.25)[: len(shared)]
         for tick in range(1, 20):
             velocities = [inputs.point(1.0) for _ in range(3)]

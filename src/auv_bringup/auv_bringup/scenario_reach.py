@@ -125,7 +125,9 @@ def _check_report_velocities(scenario: Scenario) -> None:
             model = find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params)
             asked_mps = fastest_mps + scenario.agent.flocking.params.largest_correction_mps
             driven_mps = model.top_speed_mps + math.hypot(*scenario.environment.current_ned_mps)
-            fastest_mps = min(asked_mps, driven_mps)
+            bounded_mps = min(asked_mps, driven_mps)
+            if math.isfinite(bounded_mps):  # else the law's error alone decides, and only the path is known
+                fastest_mps = bounded_mps
         if most_mps < fastest_mps < _NO_LIMIT_MPS:
             raise ValueError(
                 f"{_path_key(scenario, index)}: lets vehicles[{index}] move at {fastest_mps:.3g} m/s, "

@@ -92,6 +92,11 @@ def test_points_at_4_mps_are_refused_with_compact_reports():
     load_scenario("ch5_one_leader", overrides=points)
 
 
+def test_a_law_without_a_limit_is_judged_by_its_path():
+    """What its errors ask of a hull without a top speed is not known before it flies."""
+    load_scenario("ch5_one_leader", overrides=["sampling=sampled", "agent.report={kind: compact}"])
+
+
 def test_starts_too_far_apart_for_the_centre_in_a_report_are_refused():
     message = _refusal("vehicles.0.position_ned_m=[0, 100, 10]", "vehicles.1.position_ned_m=[0, 0, 10]")
     assert message.startswith(

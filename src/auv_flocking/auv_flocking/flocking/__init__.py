@@ -14,10 +14,10 @@ To add one, write one file with ``Params`` and ``Flocking(params, separation, is
 
 `flock_velocity` and `velocity` change nothing, so that the sampled agent and the continuous-time runner use
 the same law.  ``Params`` has ``formation_spacing_m``, the largest distance that the law keeps between
-neighbours (m), and ``largest_correction_mps``, the most that it adds to the velocity of the path (m/s), so
-that a scenario whose reports or actuators cannot follow is refused.  Where `velocity` looks at the flock's
-velocity or at estimates, ``Params`` says so with a property ``uses_flock_velocity``: packets carry them, so
-such a law is refused in continuous time.  The file's name is its ``kind``.
+neighbours (m), and ``largest_correction_mps``, the most that it adds to the velocity of the path (m/s; inf
+for no limit), so that a scenario whose reports or actuators cannot follow is refused.  Where `velocity` looks
+at the flock's velocity or at estimates, ``Params`` says so with a property ``uses_flock_velocity``: packets
+carry them, so such a law is refused in continuous time.  The file's name is its ``kind``.
 """
 
 from __future__ import annotations

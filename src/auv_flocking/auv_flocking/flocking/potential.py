@@ -36,6 +36,8 @@ from auv_core.params import param
 from auv_flocking.estimates import NeighbourEstimate
 from auv_flocking.flocking import FlockVelocity, View
 
+UNLIMITED_MPS = 1e9
+
 
 @dataclass(frozen=True)
 class Params:
@@ -53,7 +55,7 @@ class Params:
         "who is given which velocity ahead", default="leader", choices=("leader", "flock")
     )
     correction_limit_mps: float = param(
-        "longest position feedback, and longest steering of a leader (m/s)", default=1e9, above=0.0
+        "longest position feedback, and longest steering of a leader (m/s)", default=UNLIMITED_MPS, above=0.0
     )
 
     @property
@@ -63,8 +65,8 @@ class Params:
 
     @property
     def largest_correction_mps(self) -> float:
-        """Most that is added to the velocity of the path, by feedback and by steering (m/s)."""
-        return 2.0 * self.correction_limit_mps
+        """Most that feedback and steering add to the velocity of the path (m/s; inf: no limit)."""
+        return 2.0 * self.correction_limit_mps if self.correction_limit_mps < UNLIMITED_MPS else math.inf
 
     @property
     def uses_flock_velocity(self) -> bool:

@@ -37,7 +37,7 @@ class Format:
     velocity_resolution_mps = 0.0
     carries = Bounds(
         Box((-_LARGEST, -_LARGEST, -_LARGEST), (_LARGEST, _LARGEST, _LARGEST)),
-        velocity_mps=math.inf,  # 1e9 m/s, which nothing reaches, also where a law knows no limit
+        velocity_mps=_LARGEST,
         centre_distance_m=_LARGEST,
     )
 
