@@ -51,6 +51,11 @@ class RecorderConfig:
     bag_dir: str = param("folder of the bag; it must not exist yet")
     topics_vehicles: tuple[str, ...] = param("ids of the vehicles whose topics are recorded")
     kinematic: bool = param("whether the vehicles take cmd_vel instead of cmd_wrench", default=False)
+    publishers: str = param(
+        "whom it hears: own, the nodes of this project only; any, also a modem's driver or a navigation",
+        default="own",
+        choices=("own", "any"),
+    )
     mode: str = param("how the run keeps time", default="realtime", choices=("lockstep", "realtime"))
 
 
@@ -63,6 +68,7 @@ class RecorderNode(Node):
         self.exit_code = 0
         config = declare_config(self, RecorderConfig)
         refuse_unknown_parameters([self])
+        self._admits_strangers = config.publishers == "any"
         self._vehicle_ids = config.topics_vehicles
         self._own_loggers = (*_OWN_LOGGERS, *(f"{name}." for name in config.topics_vehicles))
         self._status = self.create_publisher(RecorderStatus, "/recorder/status", LATCHED)
@@ -105,9 +111,8 @@ class RecorderNode(Node):
     def _subscription(self, spec: TopicSpec) -> Subscription:
         """Subscribe to a topic, raw; of all topics the executor serves the clock's only."""
         kind = message_class(spec.type_name)
-        qos = own_qos(
-            latched=spec.latched, history=HistoryPolicy.KEEP_ALL, admits_strangers=spec.name == LOG_TOPIC
-        )
+        admits = self._admits_strangers or spec.name == LOG_TOPIC
+        qos = own_qos(latched=spec.latched, history=HistoryPolicy.KEEP_ALL, admits_strangers=admits)
         return self.create_subscription(kind, spec.name, self._hear_clock, qos, raw=True)
 
     def _hear_clock(self, data: bytes) -> None:
