@@ -94,10 +94,10 @@ def test_ctrl_c_ends_it_cleanly(recorded):
     assert errors == "error: interrupted\n"
 
 
-def test_a_bag_with_a_gap_of_years_can_be_ended_at_once(tmp_path):
+def test_a_replay_that_waits_for_hours_can_be_ended_at_once(tmp_path):
     recorder = synthetic.Recorder(tmp_path / "bag")
     path = synthetic.make("nav_msgs/msg/Path", header=synthetic.header(0, "map_ned"), poses=[])
-    for time_ns in (0, 57 * 365 * 86_400 * 10**9):
+    for time_ns in (0, 50 * 10**9):  # 14 hours at this rate
         recorder.write("/auv_1/path", path, time_ns)
     recorder.writer.close()
     with desk() as at:
