@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 import signal
 import sys
-import threading
 import time
 import traceback
 from collections.abc import Callable, Iterable, Sequence
@@ -35,7 +34,7 @@ from auv_core.hearing import Hearing
 from auv_core.node_params import refuse_unknown_parameters
 from auv_core.params import ConfigError
 from auv_core.qos import LATCHED
-from auv_core.run_config import RunConfig, TickClock
+from auv_core.run_config import RunConfig, TickClock, WallWatch
 from auv_core.run_watch import RunEnd, listed, say_waits
 from auv_core.steady_timer import SteadyTimer
 from auv_core.strangers import full_name
@@ -43,6 +42,7 @@ from auv_msgs.msg import FlockStatus
 
 _WAKE_S = 0.25
 _HAND_OVER_S = 5.0
+_HAND_OVER_UNSEEN_S = 0.5
 _LOOK_S = 0.02
 _STRANGERS_S = 3.0
 """Longest wait for readers that are not the run's own, once its own are there."""
@@ -76,6 +76,7 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
         signal.signal(number, lambda received, _frame: stopping.append(received))
     given = sys.argv if arguments is None else arguments
     rclpy.init(args=list(given), signal_handler_options=SignalHandlerOptions.NO)
+    wall = WallWatch(time.monotonic, time.time)
     nodes: Sequence[Node] = ()
     status = 0
     try:
@@ -97,7 +98,7 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     try:
         for node in nodes:
             getattr(node, "on_stop", _nothing)()
-        _hand_over(nodes)
+        _hand_over(nodes, is_clock_stepped=bool(wall.warning()))
         return status or max((getattr(node, "exit_code", 0) for node in nodes), default=0)
     finally:
         for node in nodes:
@@ -270,18 +271,16 @@ def _can_match(offer: TopicEndpointInfo, reader: TopicEndpointInfo) -> bool:
     return compatible and offer.topic_type == reader.topic_type
 
 
-def _hand_over(nodes: Sequence[Node]) -> None:
+def _hand_over(nodes: Sequence[Node], *, is_clock_stepped: bool) -> None:
     """
     Wait, not for long, until every reader has what was published to it.
 
-    The middleware waits until a time of the system clock, which may be stepped; a join keeps the limit.
+    The middleware waits until a time of the system clock. Where that was stepped, its waits may be endless,
+    and Python stands still for as long: a short time must do.
     """
-    waiter = threading.Thread(target=_wait_for_readers, args=(nodes,), daemon=True)
-    waiter.start()
-    waiter.join(_HAND_OVER_S)
-
-
-def _wait_for_readers(nodes: Sequence[Node]) -> None:
+    if is_clock_stepped:
+        time.sleep(_HAND_OVER_UNSEEN_S)
+        return
     deadline = time.monotonic() + _HAND_OVER_S
     for node in nodes:
         for publisher in node.publishers:
