@@ -16,13 +16,12 @@ from numpy.typing import ArrayLike
 
 from auv_bringup.bag import Bag
 from auv_bringup.bag_writer import BagError
-from auv_core.messages import SonarContact, VehicleState
+from auv_core.messages import Packet, SonarContact, VehicleState
 from auv_flocking.estimates import NeighbourEstimate
 from auv_flocking.input_limits import InputJudge, InputLimits
 from auv_flocking.neighbour_filter import with_rounding
 from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
-from auv_flocking.packet_judge import why_refused
-from auv_flocking.report import ReportError
+from auv_flocking.packet_judge import PacketJudge
 
 TOLERANCE = 1e-9
 
@@ -94,10 +93,8 @@ def re_estimate(
     for index in range(len(vehicle_ids)):
         repeat = _Repeat(
             NeighbourTable(with_rounding(config, report_format)),
+            PacketJudge(report_format, index + 1, len(vehicle_ids), limits),
             InputJudge(limits, period_s),
-            report_format,
-            index + 1,
-            len(vehicle_ids),
         )
         _compare_agent(bag, vehicle_ids[index], repeat, period_s, result)
     return result
@@ -108,22 +105,14 @@ class _Repeat:
     """What one agent estimates with."""
 
     table: NeighbourTable
-    judge: InputJudge
-    report_format: Any
-    address: int
-    fleet_size: int
+    packets: PacketJudge
+    navs: InputJudge
 
     def estimates(self, t_s: float, inbox: Any, nav: VehicleState) -> Sequence[NeighbourEstimate]:
         """Return the estimates of one tick, as `auv_flocking.agent.Agent.step` makes them."""
-        for reception in inbox.receptions:
-            try:
-                report = self.report_format.decode(reception.packet.payload.tobytes(), t_s)
-            except ReportError:
-                continue  # as the agent does: not a report, not used
-            is_own_word = report.address == reception.packet.source
-            if is_own_word and not why_refused(report, self.address, self.fleet_size, t_s):
-                self.table.receive(report)
-        usable, _ = self.judge.navigation(t_s, nav)
+        for report in self.packets.reports(t_s, [_packet(each.packet) for each in inbox.receptions]):
+            self.table.receive(report)
+        usable, _ = self.navs.navigation(t_s, nav)
         if inbox.contacts and usable is not None:
             contacts = [SonarContact(c.range_m, c.bearing_rad, c.elevation_rad) for c in inbox.contacts]
             self.table.observe(t_s, usable, contacts)
@@ -143,6 +132,11 @@ def _compare_agent(bag: Bag, vehicle_id: str, repeat: _Repeat, period_s: float, 
         estimates = repeat.estimates(tick * period_s, inboxes[tick], _navigation(navs[tick]))
         if tick in recorded:
             _compare_tick(recorded[tick].neighbours, estimates, result)
+
+
+def _packet(m: Any) -> Packet:
+    """Return the record of a decoded packet message."""
+    return Packet(m.tick, m.source, m.destination, m.sequence, m.payload.tobytes())
 
 
 def _navigation(message: Any) -> VehicleState:

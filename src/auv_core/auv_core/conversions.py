@@ -27,6 +27,7 @@ from auv_core.messages import (
 )
 from auv_core.odom_frame import OdomFrame
 from auv_core.row_stencil import RowStencil
+from auv_core.state_checks import LARGEST, is_command
 from auv_core.stencil import Stencil, read_numbers
 from auv_core.transform_stencil import Pose, TransformStencil
 from auv_msgs.msg import (
@@ -213,10 +214,10 @@ def velocity_stencil() -> Stencil:
 
 
 def command_from_bytes(data: bytes, *, takes_velocity: bool) -> Command:
-    """Return the record of a serialised command; raise ValueError when a number in it is not finite."""
+    """Return the record of a serialised command; raise ValueError when a number in it can be none."""
     x, y, z, k, m, n = values = read_numbers(data, _SIX)
-    if not all(map(math.isfinite, values)):
-        raise ValueError(f"a command with a number that is not finite: {values}")
+    if not is_command(values):
+        raise ValueError(f"a command with a number that is not finite, or beyond {LARGEST:g}: {values}")
     return VelocityCommand((x, y, z), n) if takes_velocity else Wrench((x, y, z, k, m, n))
 
 

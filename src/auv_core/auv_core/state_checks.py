@@ -1,17 +1,23 @@
-"""Whether a state can be one: marked as valid, finite, within the range of a hull, with an attitude."""
+"""Whether numbers can be a state (valid, finite, in the range of a hull, with an attitude) or a command."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from auv_core.geometry import Quat
 from auv_core.messages import VehicleState
 
 LARGEST = 1e9
-"""No number of a state is larger, whatever its unit."""
+"""No number of a state or of a command is larger, whatever its unit."""
 
 _EXACT_NORM = 1e-6
 _ALMOST_NORM = 0.02
+
+
+def is_command(numbers: Sequence[float]) -> bool:
+    """Return whether these numbers can be those of a command: finite, and of this world."""
+    return math.isfinite(sum(numbers)) and min(numbers) >= -LARGEST and max(numbers) <= LARGEST
 
 
 def checked_state(

@@ -9,7 +9,6 @@ report to the modem when it asks for one.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +26,7 @@ from auv_core.messages import (
 )
 from auv_core.params import Section, param
 from auv_core.plugins import find_plugin
+from auv_core.state_checks import is_command
 from auv_flocking.estimates import Estimates
 from auv_flocking.flock_task import FlockTask, Obstacles
 from auv_flocking.flocking import FlockVelocity
@@ -178,7 +178,7 @@ class Agent:
         self.flocks = isinstance(self.task, FlockTask)
         self._table = NeighbourTable(with_rounding(config.neighbours, self._format))
         self._judge = InputJudge(config.inputs, config.period_s)
-        self._packet_judge = PacketJudge(self._format, config.address, config.fleet_size)
+        self._packet_judge = PacketJudge(self._format, config.address, config.fleet_size, config.inputs)
         self._sequence = 0
         self.unsent = 0
         self.holding = ""
@@ -278,7 +278,7 @@ class Agent:
 
         """
         if inbox.receptions:
-            for report in self._packet_judge.reports(t_s, inbox):
+            for report in self._packet_judge.reports(t_s, [each.packet for each in inbox.receptions]):
                 self._table.receive(report)
         usable, self.holding = self._judge.navigation(t_s, nav)
         if inbox.contacts and usable is not None:
@@ -301,7 +301,7 @@ class Agent:
         except ArithmeticError:
             self.holding = NO_FINITE_COMMAND
             return self._safe_command()
-        if math.isfinite(sum(command_numbers(command))):
+        if is_command(command_numbers(command)):
             return command
         self.holding = NO_FINITE_COMMAND
         return self._safe_command()

@@ -24,14 +24,22 @@ class InputLimits:
         above=0.0,
     )
     position_max_m: float = param(
-        "largest coordinate of the own position (m; NED)", default=1e6, above=0.0, maximum=LARGEST
+        "largest coordinate of a position, the own or a neighbour's (m; NED)",
+        default=1e6,
+        above=0.0,
+        maximum=LARGEST,
     )
     speed_max_mps: float | None = param(
-        "largest own speed (m/s); left out, ten times what the fastest vehicle's actuators hold",
+        "largest speed, the own or a neighbour's (m/s); left out, ten times that of the fastest vehicle",
         default=None,
         above=0.0,
         maximum=LARGEST,
     )
+
+    @property
+    def largest_speed_mps(self) -> float:
+        """The largest speed (m/s), however it was given."""
+        return LARGEST if self.speed_max_mps is None else self.speed_max_mps
 
 
 class InputJudge:
@@ -40,7 +48,7 @@ class InputJudge:
     def __init__(self, limits: InputLimits, period_s: float) -> None:
         self._period_s = period_s
         self._position_max_m = limits.position_max_m
-        self._speed_max_mps = LARGEST if limits.speed_max_mps is None else limits.speed_max_mps
+        self._speed_max_mps = limits.largest_speed_mps
         self._nav_max_age_s = age_limit_s(limits.nav_max_age_s, period_s)
         self._inbox_max_age_s = age_limit_s(limits.inbox_max_age_s, period_s)
 

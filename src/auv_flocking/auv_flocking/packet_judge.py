@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from auv_core.messages import Inbox, Packet
+from auv_core.messages import Packet
+from auv_flocking.input_limits import InputLimits
 from auv_flocking.report import Report, ReportError
 
 _CLOCK_SLACK_S = 1.0
@@ -21,7 +23,7 @@ class Refusal:
     packets: int
 
 
-def why_refused(report: Report, own_address: int, fleet_size: int, t_s: float) -> str:
+def why_refused(report: Report, own_address: int, fleet_size: int, limits: InputLimits, t_s: float) -> str:
     """Return why a report is not one of another vehicle of the fleet in this run, or nothing."""
     if report.address == own_address:
         return "it speaks as this vehicle"
@@ -31,6 +33,12 @@ def why_refused(report: Report, own_address: int, fleet_size: int, t_s: float) -
         return f"time tag {report.time_s - t_s:.1f} s in the future, allowed: {_CLOCK_SLACK_S:g} s"
     if report.time_s < 0.0:
         return f"time tag {-report.time_s:.1f} s before the start of the run"
+    farthest_m = max(map(abs, (*report.position, *report.centre)))
+    if farthest_m > limits.position_max_m:
+        return f"a place {farthest_m:.3g} m from the origin, allowed: {limits.position_max_m:g} m"
+    speed_mps, speed_max_mps = math.hypot(*report.velocity), limits.largest_speed_mps
+    if speed_mps > speed_max_mps:
+        return f"speed {speed_mps:.3g} m/s, allowed: {speed_max_mps:.3g} m/s"
     return ""
 
 
@@ -42,20 +50,21 @@ class PacketJudge:
     was refused, until one is good again.
     """
 
-    def __init__(self, report_format: Any, own_address: int, fleet_size: int) -> None:
+    def __init__(self, report_format: Any, own_address: int, fleet_size: int, limits: InputLimits) -> None:
         self._format = report_format
         self._own_address = own_address
         self._fleet_size = fleet_size
+        self._limits = limits
         self.rejected = 0
         self.refusals: dict[int, Refusal] = {}
 
-    def reports(self, t_s: float, inbox: Inbox) -> list[Report]:
-        """Return the good reports among what was received until `t_s` (s), in the order of arrival."""
+    def reports(self, t_s: float, packets: Iterable[Packet]) -> list[Report]:
+        """Return the good reports among the packets received until `t_s` (s), in the order of arrival."""
         good = []
-        for reception in inbox.receptions:
-            report, words = self._read(t_s, reception.packet)
+        for packet in packets:
+            report, words = self._read(t_s, packet)
             if report is None:
-                self._refuse(reception.packet.source, words, t_s)
+                self._refuse(packet.source, words, t_s)
             else:
                 self.refusals.pop(report.address, None)
                 good.append(report)
@@ -68,7 +77,7 @@ class PacketJudge:
             return None, str(error)
         if report.address != packet.source:
             return None, f"it speaks as address {report.address}"
-        words = why_refused(report, self._own_address, self._fleet_size, t_s)
+        words = why_refused(report, self._own_address, self._fleet_size, self._limits, t_s)
         return (None, words) if words else (report, "")
 
     def _refuse(self, source: int, words: str, t_s: float) -> None:

@@ -63,9 +63,10 @@ def test_no_measurement_makes_a_command_that_is_not_finite(position, nu, parts):
         assert all(math.isfinite(number) for number in command_numbers(command))
 
 
-def test_a_law_that_gives_no_finite_wrench_is_named_and_its_memory_kept(monkeypatch):
+@pytest.mark.parametrize("number", [math.nan, -math.inf, 1e300, -2e9])
+def test_a_law_that_gives_no_finite_wrench_is_named_and_its_memory_kept(number, monkeypatch):
     vehicle = agent(PATH)
-    monkeypatch.setattr(vehicle.task.law, "evaluate", lambda state, view: ((math.nan,) * 6, ()))
+    monkeypatch.setattr(vehicle.task.law, "evaluate", lambda state, view: ((0.0, number, *[0.0] * 4), ()))
     command, packets = vehicle.step(0.0, nav(), inbox())
     assert (command, vehicle.holding, len(packets)) == (SAFE_WRENCH, NO_FINITE_COMMAND, 1)
 
