@@ -56,7 +56,7 @@ INTERRUPTED_STATUS = 130
 RECORDER_GRACE_S = 30.0
 """The recorder drains for at most 20 s before it closes the bag."""
 _LOOK_S = 0.1
-_STOPPED_LOOK_S = 0.25
+_STOPPED_LOOK_S = 0.5
 _MOST_AWAKE_S = 0.5
 """Longer pauses mean that the launcher itself was suspended; the nodes are not to blame for them."""
 
@@ -240,7 +240,7 @@ def _watch(
         supervisor.time_passed(min(now_s - last_s, _MOST_AWAKE_S))
         last_s = now_s
         if now_s - looked_s > _STOPPED_LOOK_S:
-            supervisor.processes_stopped(children.stopped(), min(now_s - looked_s, _MOST_AWAKE_S))
+            supervisor.processes_stopped(children.stopped(), min(now_s - looked_s, 2.0 * _STOPPED_LOOK_S))
             looked_s = now_s
         for words in [wall.warning(), *listener.new_strangers()]:
             if words:

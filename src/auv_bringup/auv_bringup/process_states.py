@@ -14,20 +14,16 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 def is_stopped(pid: int) -> bool:
     """Return whether a process is stopped by a signal (SIGSTOP, Ctrl-Z); one that is gone is not."""
-    try:
-        stat = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return False
-    return stat.rpartition(")")[2].split()[0] == "T"
+    return _read(f"/proc/{pid}/stat").rpartition(b")")[2][1:2] == b"T"
 
 
 def children_of(pid: int) -> list[int]:
-    """Return the ids of the processes that a process has started, without theirs; [] if it is gone."""
-    found: list[int] = []
-    for children in Path(f"/proc/{pid}/task").glob("*/children"):
-        with suppress(OSError):
-            found += [int(word) for word in children.read_text(encoding="ascii").split()]
-    return found
+    """
+    Return the ids of the processes that the first thread of a process has started, without theirs.
+
+    To go over all threads would take five times as long, and this is asked for every node twice a second.
+    """
+    return [int(word) for word in _read(f"/proc/{pid}/task/{pid}/children").split()]
 
 
 def family_of(pid: int) -> Iterator[int]:
@@ -59,8 +55,18 @@ def orphans() -> list[int]:
     """
     own_session = os.getsid(0)
     found = []
-    for pid in children_of(os.getpid()):
-        with suppress(ProcessLookupError):
-            if os.getsid(pid) != own_session:
-                found.append(pid)
+    for thread in Path("/proc/self/task").iterdir():
+        for word in _read(f"{thread}/children").split():
+            with suppress(ProcessLookupError):
+                if os.getsid(int(word)) != own_session:
+                    found.append(int(word))
     return found
+
+
+def _read(path: str) -> bytes:
+    """Return a file of /proc, b'' if its process is gone."""
+    try:
+        with open(path, "rb") as file:  # noqa: PTH123 - half the time of a Path
+            return file.read()
+    except OSError:
+        return b""

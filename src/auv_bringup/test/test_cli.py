@@ -194,6 +194,21 @@ def test_a_report_is_made_again_from_the_recording(tmp_path, capsys):
     assert (folder / "report.html").is_file()
 
 
+def test_a_report_of_a_damaged_recording_is_bad_input(tmp_path, capsys):
+    assert run(tmp_path, "--mode", "inprocess", "--duration", "1", "--no-figures") == 0
+    (name,) = folders(tmp_path)
+    path = tmp_path / "results" / name / "recording.npz"
+    content = bytearray(path.read_bytes())
+    middle = len(content) // 2
+    content[middle : middle + 4096] = bytes(4096)
+    path.write_bytes(content)
+    capsys.readouterr()
+    assert cli.main(["--report", str(path.parent)]) == 2
+    errors = capsys.readouterr().err
+    assert errors.count("\n") == 1
+    assert f"{path} is damaged or not a recording" in errors
+
+
 def test_a_report_of_nothing_is_bad_input(tmp_path, capsys):
     assert cli.main(["--report", str(tmp_path)]) == 2
     assert capsys.readouterr().err.startswith("error: --report")
