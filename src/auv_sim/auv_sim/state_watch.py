@@ -15,6 +15,8 @@ class StateWatch:
 
     Attributes
     ----------
+    packets_unsent : int
+        Number of packets that were not sent, since nobody knew from where.
     left_out : int
         Number of states that were not used.
     left_out_words : str
@@ -26,6 +28,7 @@ class StateWatch:
         self._ids = vehicle_ids
         limit_s = age_limit_s(max_age_s, period_s)
         self._newest: list[Newest[VehicleState]] = [Newest(limit_s, period_s) for _ in vehicle_ids]
+        self.packets_unsent = 0
         self.left_out = 0
         self.left_out_words = ""
 
@@ -38,6 +41,12 @@ class StateWatch:
         self.left_out += 1
         self.left_out_words = f"{self._ids[index]}: {words or newest.dropped_words}"
         return False
+
+    def may_send(self, index: int, now_tick: int, packets: int) -> bool:
+        """Return whether a vehicle's packets go into the water, and count those that do not."""
+        is_stale = bool(self.why_stale(index, now_tick))
+        self.packets_unsent += packets * is_stale
+        return not is_stale
 
     def why_stale(self, index: int, now_tick: int) -> str:
         """Return why the newest state of a vehicle is of no use now, or nothing."""

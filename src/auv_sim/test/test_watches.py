@@ -90,3 +90,6 @@ def test_a_relay_leaves_out_states_that_are_none_and_says_whose(bad, words):
     assert (watch.left_out, watch.left_out_words) == (1, words)
     assert watch.why_stale(1, 7) == ""
     assert watch.why_stale(1, 8) == "state of auv_2 0.6 s old, allowed: 0.5 s"
+    assert watch.may_send(1, 7, 1)
+    assert not watch.may_send(1, 8, 1)
+    assert watch.packets_unsent == 1

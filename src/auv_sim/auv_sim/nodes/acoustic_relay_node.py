@@ -215,7 +215,7 @@ class AcousticRelayNode(Node):
         """Take packets in real time."""
         _, packets = read_outbox(data)
         self._heard_at_s["agent_node", index] = time.monotonic()
-        if self._all_known and not self._watch.why_stale(index, self._ticks.tick_now()):
+        if self._all_known and self._watch.may_send(index, self._ticks.tick_now(), len(packets)):
             self._states = self._fleet()
             self._transmit(index, packets)
 
@@ -237,7 +237,7 @@ class AcousticRelayNode(Node):
         """Say whose modem is silent in real time, since nobody knows where it is."""
         present = [index for index in range(len(self._ids)) if index not in self._adrift]
         stale = {index: words for index in present if (words := self._watch.why_stale(index, tick))}
-        words = "; ".join(stale.values())
+        words = listed(list(stale.values()))
         is_new = self._alarm.note(tuple(stale), words, self._ticks.scenario_s(tick))
         if is_new or tick % _STATS_TICKS == 0:
             self._reports.tell_states(words, self._watch, self._ticks.stamp_s(tick))

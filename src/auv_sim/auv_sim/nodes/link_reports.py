@@ -61,7 +61,11 @@ class LinkReports:
             name="acoustic_relay_node: states",
             message=f"modems silent: {stale}" if stale else "all fresh",
             hardware_id="acoustic medium",
-            values=[("states_left_out", str(watch.left_out)), ("last_left_out", watch.left_out_words)],
+            values=[
+                ("packets_unsent", str(watch.packets_unsent)),
+                ("states_left_out", str(watch.left_out)),
+                ("last_left_out", watch.left_out_words),
+            ],
         )
         self._publish_diagnostics(diagnostics_bytes([status], t_s))
 
