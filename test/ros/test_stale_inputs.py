@@ -132,6 +132,20 @@ def test_a_navigation_of_a_far_tick_does_not_blind_the_agent(tmp_path):
         assert finish(agent)[0] == 0
 
 
+def test_a_vehicle_node_that_starts_anew_is_flown_on_with(tmp_path):
+    epoch_s = time.time()
+    with desk() as at, process(*node(tmp_path, "agent", epoch_s)) as agent:
+        watcher = Watcher(at)
+        with process(*node(tmp_path, "vehicle", epoch_s)) as vehicle:
+            watcher.wait(LAW, OK, "acts")
+            finish(vehicle)
+            watcher.wait(LAW, ERROR, "stale navigation")
+        with process(*node(tmp_path, "vehicle", epoch_s)) as vehicle:  # its ticks begin at 0 again
+            watcher.wait(LAW, OK, "acts")
+            assert finish(vehicle)[0] == 0
+        assert finish(agent)[0] == 0
+
+
 def test_a_relay_silences_the_modem_of_a_vehicle_whose_state_is_old(tmp_path):
     import rclpy
 
