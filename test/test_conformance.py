@@ -90,6 +90,7 @@ def _fly_model(module, params, inputs):
             outputs.append(model.kinetic_energy(state[7:]))
             assert outputs[-1] > 0.0
     assert model.top_speed_mps > 0.0
+    assert 0.0 < model.speed_held_mps(1.0) <= model.speed_held_mps(math.inf) == model.top_speed_mps
     return outputs
 
 

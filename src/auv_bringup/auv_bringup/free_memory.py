@@ -8,6 +8,8 @@ from pathlib import Path
 
 import psutil
 
+_RESERVED_BYTES = 200e6
+"""Addresses that libraries reserve beyond the memory that they use; they count against `ulimit -v`."""
 _CGROUPS = Path("/sys/fs/cgroup")
 _CGROUP_FILES = (("memory.max", "memory.current"), ("memory.limit_in_bytes", "memory.usage_in_bytes"))
 
@@ -21,7 +23,7 @@ def free_bytes() -> float:
                 free = min(free, _number(group / limit) - _number(group / usage))
     limit_bytes, _ = resource.getrlimit(resource.RLIMIT_AS)
     if limit_bytes != resource.RLIM_INFINITY:
-        free = min(free, limit_bytes - psutil.Process().memory_info().vms)
+        free = min(free, limit_bytes - psutil.Process().memory_info().vms - _RESERVED_BYTES)
     return max(free, 0.0)
 
 

@@ -53,18 +53,18 @@ def _check_speeds(scenario: Scenario) -> None:
     current = scenario.environment.current_ned_mps
     for index, vehicle in enumerate(scenario.vehicles):
         model = find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params)
-        held = (
-            f"at most {model.top_speed_mps:.3g} m/s, which the actuators of vehicles[{index}] "
-            "hold against the drag"
-        )
-        if math.hypot(*current) > model.top_speed_mps:
+        max_force_n = getattr(scenario.agent.controller.params, "max_force_n", None)
+        held_mps = model.speed_held_mps(math.inf if max_force_n is None else max_force_n)
+        who = "actuators" if held_mps == model.top_speed_mps else "controller and actuators"
+        held = f"at most {held_mps:.3g} m/s, which the {who} of vehicles[{index}] hold against the drag"
+        if math.hypot(*current) > held_mps:
             raise ValueError(
                 f"environment.current_ned_mps: runs at {math.hypot(*current):.3g} m/s, which is not allowed; "
                 f"allowed: {held}"
             )
         path = scenario.reference_of(index)
         speed_mps = 0.0 if path is None else _fastest_mps(path, scenario.duration_s, current)
-        if speed_mps > model.top_speed_mps:
+        if speed_mps > held_mps:
             raise ValueError(
                 f"{_path_key(scenario, index)}: runs at {speed_mps:.3g} m/s through the water, "
                 f"which is not allowed; allowed: {held}"

@@ -145,6 +145,12 @@ def test_a_current_that_the_actuators_cannot_hold_is_refused():
     assert "environment.current_ned_mps" in _refusal(*region, name="ch4_region")
 
 
+def test_a_current_beyond_the_force_that_the_controller_asks_for_is_refused():
+    message = _refusal("agent.controller.params.max_force_n=1", "environment.current_ned_mps=[0.2, 0, 0]")
+    assert message.startswith("scenario.environment.current_ned_mps: runs at 0.2 m/s"), message
+    assert "which the controller and actuators of vehicles[0] hold against the drag" in message
+
+
 def test_a_path_is_as_fast_as_it_runs_through_the_water():
     """1 m/s over ground is 2 m/s through a current of 1 m/s wherever the circle runs against it."""
     fast = "reference.params.rate_radps=0.1"

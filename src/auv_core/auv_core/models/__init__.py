@@ -5,7 +5,8 @@ To add a model with new equations, write one file here with
 
 1. ``Params``: a frozen dataclass made of `auv_core.params.param` fields, with at least ``hull_radius_m``;
 2. ``Model(params)`` with ``command`` (``'wrench'`` or ``'velocity'``), ``initial_state(position,
-   heading_rad)``, ``limited_command(command)`` (what the actuators make of a command), ``top_speed_mps`` and
+   heading_rad)``, ``limited_command(command)`` (what the actuators make of a command), ``top_speed_mps``,
+   ``speed_held_mps(max_force_n)`` and
    ``step(state, command, current, dt_s, steps)`` (so many steps of dt_s with the command as the actuators
    give it, held), on the 13 floats of a state: NED position (m), attitude quaternion body to NED (w, x, y,
    z), nu (m/s, rad/s; body FRD);

@@ -68,9 +68,13 @@ class Model:
         """
         Speed that the weakest of the three forces can hold against the drag (m/s), infinite without limits.
         """
+        return self.speed_held_mps(math.inf)
+
+    def speed_held_mps(self, max_force_n: float) -> float:
+        """Return the same for a controller that asks for at most so much along each axis (N)."""
         p = self.params
         return min(
-            steady_speed_mps(linear, quadratic, self._max_force_n)
+            steady_speed_mps(linear, quadratic, min(self._max_force_n, max_force_n))
             for linear, quadratic in zip(p.linear_damping[:3], p.quadratic_damping[:3], strict=True)
         )
 

@@ -36,6 +36,10 @@ class Model:
         """Infinite: a single integrator has no actuators."""
         return math.inf
 
+    def speed_held_mps(self, max_force_n: float) -> float:
+        """Return infinity: no force is needed."""
+        return math.inf
+
     def initial_state(self, position: Vec3, heading_rad: float) -> State:
         """Return the state at rest."""
         return (*position, *quaternion_from_heading(heading_rad), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
