@@ -283,13 +283,13 @@ def test_a_large_fleet_is_given_more_time_for_start_and_ticks():
     for supervisor in (small, large):
         supervisor.time_passed(supervision.SILENCE_S + 1.0)
     assert (small.is_over, large.is_over) == (True, False)
-    large.time_passed(layout.tick_patience_s(128))
+    large.time_passed(layout.patience_s(128))
     assert large.is_over
     waiting = Supervisor(specs, on_vehicle_loss="stop")
     waiting.time_passed(supervision.NO_STATUS_S + 1.0)
     assert not waiting.is_over
     relay = specs[0].nodes[0].params
-    assert relay["answer_timeout_s"] == fleet.answer_timeout_s + layout.tick_patience_s(128)
+    assert relay["answer_timeout_s"] == fleet.answer_timeout_s + layout.patience_s(128)
     assert relay["start_timeout_s"] > supervision.NO_STATUS_S
 
 
