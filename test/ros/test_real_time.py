@@ -9,6 +9,9 @@ import time
 
 import numpy as np
 import pytest
+
+pytest.importorskip("rclpy")
+
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from ros_desk import desk, domain_id
