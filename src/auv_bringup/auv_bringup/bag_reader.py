@@ -30,7 +30,7 @@ FloatArray = NDArray[np.float64]
 
 _MORE_TICKS = 1000
 """So many ticks before and after its own a run in real time can have: it ends when it wakes up."""
-_EPOCH_STATES = 200
+_EPOCH_STATES = 1000
 _OUTCOMES = frozenset(Outcome)
 _EVENTS_TOPIC = "/acoustic/events"
 _NEIGHBOUR_WIDTH = 3 + 3 + 36 + 1 + 1  # position, velocity, covariance, age, age of the sonar's last look
@@ -217,16 +217,17 @@ class _RunReader:
         """
         Return the stamp of tick 0 (ns): wall time in a real-time run.
 
-        It is what most of the first states say, since one may be a stranger's, and older runs in real time
-        stamped tick 0 with 0.
+        It is what the first states say of most vehicles and ticks, since some may be a stranger's, and older
+        runs in real time stamped tick 0 with 0.
         """
-        epochs_ns: defaultdict[int, list[int]] = defaultdict(list)
+        epochs_ns: defaultdict[int, dict[tuple[str, int], int]] = defaultdict(dict)
         for message in islice(bag.messages({f"/{name}/state" for name in self._ids}), _EPOCH_STATES):
             with suppress(BagError):
                 state = bag.decode(message)
                 epoch_ns = _nanoseconds(state.header.stamp) - self._since_epoch_ns(state.tick)
-                epochs_ns[round(epoch_ns * 1e-6)].append(epoch_ns)
-        return max(epochs_ns.values(), key=len)[-1] if epochs_ns else 0
+                epochs_ns[round(epoch_ns * 1e-6)][message.topic, state.tick] = epoch_ns
+        likeliest = max(epochs_ns.values(), key=len, default={})
+        return next(reversed(likeliest.values()), 0)
 
     def _check_time(self, i: int, state: Any) -> None:
         """Leave out a state whose tick and stamp are not of the run's one time line."""
