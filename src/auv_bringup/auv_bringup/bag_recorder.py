@@ -28,6 +28,8 @@ from auv_bringup.recorded_topics import CLOCK_TOPIC, STATUS_TOPIC, TopicSpec
 
 HELD_TICKS = 200
 """Ticks of lock-step that are held back; nothing that is only under way is later than that."""
+HELD_BYTES, LEAST_HELD_TICKS = 64_000_000, 20
+"""Beyond so many bytes only so many ticks are held back: those of large fleets, whose ticks take long."""
 _AT_BEGIN = -1
 
 
@@ -56,6 +58,7 @@ class BagRecorder:
         self._describe = describe
         self._line = TimeLine()
         self._held: defaultdict[int, list[tuple[int, bytes, bytes]]] = defaultdict(list)
+        self._held_bytes = 0
         self._newest_ticks: deque[int] = deque(maxlen=HELD_TICKS)
         self.ticks = 0
         """Number of /clock messages taken."""
@@ -103,6 +106,7 @@ class BagRecorder:
                 key = data if spec.shared else b""
                 time_ns = self._time_ns(stamp_ns, stands=stands or (stamp_ns == 0 and spec.latched))
                 self._held[time_ns].append((channel, key, data))
+                self._held_bytes += len(data)
 
         return take
 
@@ -110,8 +114,11 @@ class BagRecorder:
         """Write what is complete, in order: all in real time, and in lock-step all but the newest ticks."""
         if not self._lockstep:
             self._write(None)
-        elif len(self._newest_ticks) == HELD_TICKS:
+            return
+        if len(self._newest_ticks) == HELD_TICKS:
             self._write(self._newest_ticks[0])
+        if self._held_bytes > HELD_BYTES and len(self._newest_ticks) > LEAST_HELD_TICKS:
+            self._write(self._newest_ticks[-LEAST_HELD_TICKS])
 
     def held(self) -> list[TimedMessage]:
         """Return what is not written yet, in order."""
@@ -155,6 +162,7 @@ class BagRecorder:
                 return
             for channel, _, data in sorted(self._held.pop(time_ns), key=_place):
                 write(channel, data, time_ns)
+                self._held_bytes -= len(data)
 
     def _settle(self) -> None:
         """Give what stands at the begin its time, which is that of the first stamp where nobody tells it."""

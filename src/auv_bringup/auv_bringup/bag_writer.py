@@ -103,6 +103,7 @@ class BagWriter:
         self._add_metadata_record()
         self._chunk: list[TimedMessage] = []
         self._chunk_at = self._saved_at = self._file.tell()
+        self._saved_count = 0
         self._replacing: threading.Thread | None = None
         write_text(self._dir / METADATA_FILE, metadata_text(self._information()))
 
@@ -160,8 +161,9 @@ class BagWriter:
             Messages that will be written later.
         """
         waiting = [*self._chunk, *held]
-        if waiting and self._saved_at == self._chunk_at:
+        if self._saved_at == self._chunk_at and len(waiting) > self._saved_count:
             self._file.put_tail(chunk_of(waiting, self._register_all))
+            self._saved_count = len(waiting)
         self._saved_at = self._chunk_at
         if self._replacing is None or not self._replacing.is_alive():
             text = metadata_text(self._information(held))
@@ -181,7 +183,7 @@ class BagWriter:
     def _note_chunk(self) -> None:
         """Forget the messages of a chunk that has gone to the file."""
         if self._file.tell() != self._chunk_at:
-            self._chunk, self._chunk_at = [], self._file.tell()
+            self._chunk, self._chunk_at, self._saved_count = [], self._file.tell(), 0
 
     def _register_all(self, writer: Writer) -> None:
         schema_ids: dict[str, int] = {}

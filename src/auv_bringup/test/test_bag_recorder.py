@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 import synthetic_bag as synthetic
 
+from auv_bringup import bag_recorder
 from auv_bringup.bag import Bag
-from auv_bringup.bag_recorder import HELD_TICKS, BagRecorder
+from auv_bringup.bag_recorder import HELD_TICKS, LEAST_HELD_TICKS, BagRecorder
 from auv_bringup.bag_writer import BagWriter
 from auv_bringup.recorded_topics import CLOCK_TOPIC, STATUS_TOPIC, topics_of_graph
 
@@ -223,6 +224,14 @@ def test_the_order_of_arrival_leaves_no_trace_in_a_lockstep_bag(tmp_path):
         return (desk.bag_dir / "bag_0.mcap").read_bytes()
 
     assert record("one", 1) == record("two", 2)
+
+
+def test_large_messages_are_not_held_back_for_long(desk, monkeypatch):
+    monkeypatch.setattr(bag_recorder, "HELD_BYTES", 500)
+    desk.clock(*range(100, 150))
+    desk.recorder.flush()
+    assert len(desk.recorder.held()) == LEAST_HELD_TICKS
+    assert desk.times() == [(CLOCK_TOPIC, t_ns) for t_ns in range(100, 150)]
 
 
 def test_what_is_held_back_is_in_the_file_after_a_pause(desk):
