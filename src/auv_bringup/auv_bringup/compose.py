@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from auv_bringup.layout import patience_s
+from auv_bringup.layout import patience_s, start_patience_s
 from auv_bringup.scenario import Scenario
 from auv_core.compiled import use_compiler
 from auv_core.params import dump
@@ -167,7 +167,7 @@ def _relay_spec(scenario: Scenario, run: Mapping[str, Any]) -> NodeSpec:
         "on_vehicle_loss": scenario.on_vehicle_loss,
         "state_max_age_s": scenario.state_max_age_s,
         "answer_timeout_s": scenario.answer_timeout_s + patience_s(len(scenario.vehicles)),
-        "start_timeout_s": START_TIMEOUT_S + patience_s(len(scenario.vehicles)),
+        "start_timeout_s": START_TIMEOUT_S + start_patience_s(len(scenario.vehicles)),
     }
     if scenario.on_vehicle_loss == "continue":
         params["hulls"] = {config.vehicle_id: _plain(config) for config in vehicle_configs(scenario)}

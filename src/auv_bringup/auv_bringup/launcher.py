@@ -26,7 +26,7 @@ from pathlib import Path
 from setproctitle import setproctitle, setthreadtitle
 
 from auv_bringup.compose import compile_ahead, node_specs
-from auv_bringup.layout import ProcessSpec, patience_s, process_specs, vehicles_of
+from auv_bringup.layout import ProcessSpec, process_specs, start_patience_s, vehicles_of
 from auv_bringup.node_start import (
     CONTAINER_MODULE,
     Part,
@@ -257,7 +257,7 @@ def _end_in_order(
     """End all nodes, the recorder last; return whether every recorder closed its bag."""
     first = [process.name for process in processes if not process.records]
     recorders = [process.name for process in processes if process.records]
-    longer_s = patience_s(vehicles_of(processes))
+    longer_s = start_patience_s(vehicles_of(processes))
     exits = children.end(first, grace_s=SIGINT_GRACE_S + longer_s, is_hurried=lambda: interrupts.is_hurried)
     recorder_exits = children.end(
         recorders, grace_s=RECORDER_GRACE_S + longer_s, is_hurried=lambda: interrupts.is_hurried

@@ -32,13 +32,17 @@ _PATIENCE_PER_PAIR_S = 0.002
 
 def patience_s(vehicles: int) -> float:
     """
-    Return what the longest waits for nodes, at their start, in a tick, at their end, grow by (s, wall).
+    Return what the longest waits for an answer of nodes grow by with the fleet (s, wall).
 
     Vehicles that all hear each other do work in proportion to their pairs in every tick, and in one process
-    nobody answers before all have done theirs; so does the middleware that makes and connects the nodes. The
-    figure is some forty times what a tick takes on a quiet machine.
+    nobody answers before all have done theirs. The figure is some forty times what a quiet machine takes.
     """
     return _PATIENCE_PER_PAIR_S * vehicles * vehicles
+
+
+def start_patience_s(vehicles: int) -> float:
+    """Return the same for their start and their end, which are the middleware's work (s, wall)."""
+    return 5.0 * patience_s(vehicles)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from auv_bringup.layout import ProcessSpec, patience_s, vehicles_of
+from auv_bringup.layout import ProcessSpec, patience_s, start_patience_s, vehicles_of
 from auv_bringup.processes import Exit
 
 NO_STATUS_S = 60.0
@@ -71,6 +71,7 @@ class Supervisor:
         self._processes = {process.name: process for process in processes}
         self._process_of = {node.name: process for process in processes for node in process.nodes}
         self._patience_s = patience_s(vehicles_of(processes))
+        self._start_patience_s = start_patience_s(vehicles_of(processes))
         self._goes_on = on_vehicle_loss == "continue"
         self._stopwatch = _Stopwatch()
         self._messages: list[str] = []
@@ -188,7 +189,7 @@ class Supervisor:
             if self._relay_gone_s > RELAY_EXIT_GRACE_S:
                 self._stop(f"{self._relay_exit.name} has ended before the flight did")
         elif self.status is None:
-            limit_s = NO_STATUS_S + self._patience_s
+            limit_s = NO_STATUS_S + self._start_patience_s
             if self._silent_s > limit_s:
                 self._stop(
                     f"no word from /clock_node within {limit_s:g} s: "
