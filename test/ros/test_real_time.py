@@ -30,6 +30,7 @@ SHORT = ("flock_acoustic", "ch4_region_limited", "ch2_pfpd")
 FULL_LENGTH = ("compare_path_laws", "ch4_region", "swarm")
 LATE_S, NEAR_M = 0.1, 0.31
 """How far from lock-step on a busy machine: a tick's delay of a command, and a hull's radius."""
+FLIGHTS, KEPT_UP = 3, 0.98
 SHIPPED = [name for name, _ in list_scenarios()]
 
 
@@ -43,6 +44,18 @@ def fly(name, out_dir, duration_s=None):
     done = subprocess.run(command, capture_output=True, text=True, timeout=limit_s, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     (folder,) = out_dir.iterdir()
+    return folder
+
+
+def fly_undisturbed(name, out_dir, duration_s=None):
+    """Fly; again, a few times, where the machine was too busy for the agents to act in every tick."""
+    for attempt in range(FLIGHTS):
+        folder = fly(name, out_dir / str(attempt), duration_s)
+        scenario = load_scenario(str(folder / "scenario.yaml"))
+        references = {f"/{vehicle.id}/reference" for vehicle in scenario.vehicles}
+        acted = sum(1 for _ in Bag(folder).messages(references)) / len(references)
+        if acted > KEPT_UP * scenario.ticks:
+            break
     return folder
 
 
@@ -99,30 +112,29 @@ def check_against_lockstep(folder, scenario):
         assert metrics["pair_distance_min_m"] == pytest.approx(wanted["pair_distance_min_m"], abs=allowed_m)
 
 
-def check(folder, *, in_detail):
+def check(folder):
     scenario = load_scenario(str(folder / "scenario.yaml"))
     check_time_base(folder, scenario)
     check_replay(folder, scenario)
-    if in_detail:
-        check_against_lockstep(folder, scenario)
+    check_against_lockstep(folder, scenario)
 
 
 @pytest.mark.parametrize("name", SHORT)
 def test_a_short_flight_has_one_epoch_replays_and_is_that_of_lockstep(name, tmp_path):
-    check(fly(name, tmp_path, SHORT_S), in_detail=True)
+    check(fly_undisturbed(name, tmp_path, SHORT_S))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHIPPED)
 def test_the_first_20_s_of_every_scenario_are_those_of_lockstep(name, tmp_path):
-    check(fly(name, tmp_path, 20.0), in_detail=True)
+    check(fly_undisturbed(name, tmp_path, 20.0))
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("name", FULL_LENGTH)
 def test_a_flight_of_full_length_is_that_of_lockstep(name, tmp_path):
-    check(fly(name, tmp_path), in_detail=True)
+    check(fly_undisturbed(name, tmp_path))
 
 
 def values_to_set():
