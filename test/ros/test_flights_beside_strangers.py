@@ -84,7 +84,7 @@ def forge_during(at, run):
 
 @pytest.mark.parametrize("mode", ["lockstep", "realtime"])
 def test_a_flight_under_forged_messages_is_the_flight_without_them(scenario_file, mode):
-    arguments = ("--mode", mode, "--layout", "single", "--duration", "60" if mode == "lockstep" else "6")
+    arguments = ("--mode", mode, "--layout", "single", "--duration", "20" if mode == "lockstep" else "6")
     with desk() as at:
         run = fly(scenario_file, "beside", *arguments)
         forge_during(at, run)
