@@ -97,7 +97,9 @@ def test_a_flight_under_forged_messages_is_the_flight_without_them(scenario_file
     assert "/desk publishes" in (folder / "report.html").read_text()
     if mode == "lockstep":
         assert finished(fly(scenario_file, "alone", *arguments))[0] == 0
-        assert compare_bags(folder / "bag", results_of(scenario_file, "alone")[0] / "bag") == []
+        alone, provenance = results_of(scenario_file, "alone")
+        assert provenance["strangers"] == []
+        assert compare_bags(folder / "bag", alone / "bag") == []
 
 
 @pytest.mark.slow
