@@ -35,27 +35,27 @@ SHIPPED = [name for name, _ in list_scenarios()]
 
 
 def fly(name, out_dir, duration_s=None):
-    """Fly in real time and return the results folder."""
+    """Fly in real time and return the finished command and the results folder."""
     command = [sys.executable, "-m", "auv_bringup.cli", name, "--mode", "realtime", "--layout", "single"]
     command += ["--no-figures", "--out", str(out_dir)]
     if duration_s is not None:
         command += ["--duration", str(duration_s)]
     limit_s = PATIENCE_S + load_scenario(name, duration_s=duration_s).duration_s
     done = subprocess.run(command, capture_output=True, text=True, timeout=limit_s, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
     (folder,) = out_dir.iterdir()
-    return folder
+    return done, folder
 
 
 def fly_undisturbed(name, out_dir, duration_s=None):
     """Fly; again, a few times, where the machine was too busy for the agents to act in every tick."""
     for attempt in range(FLIGHTS):
-        folder = fly(name, out_dir / str(attempt), duration_s)
+        done, folder = fly(name, out_dir / str(attempt), duration_s)
         scenario = load_scenario(str(folder / "scenario.yaml"))
         references = {f"/{vehicle.id}/reference" for vehicle in scenario.vehicles}
         acted = sum(1 for _ in Bag(folder).messages(references)) / len(references)
         if acted > KEPT_UP * scenario.ticks:
             break
+    assert done.returncode == 0, done.stdout + done.stderr
     return folder
 
 
