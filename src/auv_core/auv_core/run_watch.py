@@ -15,6 +15,7 @@ from auv_msgs.msg import FlockStatus
 _SAY_S = 5.0
 _GRACE_S = 3.0
 _MOST_NAMES = 10
+_EPOCH_TOLERANCE_S = 1e-3
 _OVER = (FlockStatus.FINISHED, FlockStatus.ABORTED)
 _OVER_BYTES = tuple(state.encode() + b"\0" for state in _OVER)
 
@@ -53,12 +54,15 @@ class RunEnd:
     """
     Hears that the run of a process is over; some time later, when everybody has heard it, it is past.
 
-    What is heard before any other status is the end of an earlier run, and of no concern.
+    What is heard before any other status is the end of an earlier run, and of no concern.  Once the run has
+    begun, an end with another epoch or length, or that comes too early, is that of another run.
     """
 
     def __init__(self, nodes: Sequence[Node]) -> None:
         self._nodes = nodes
         self._has_run = False
+        self._run: FlockStatus | None = None
+        self._doubts = False
         self._over_at_s: float | None = None
         Hearing(nodes[0]).listen(FlockStatus, "/flock/status", self._hear, LATCHED)
 
@@ -72,10 +76,41 @@ class RunEnd:
     def _hear(self, data: bytes) -> None:
         is_over = any(word in data for word in _OVER_BYTES) and decoded(FlockStatus, data).state in _OVER
         self._has_run |= not is_over
-        if is_over and self._has_run and self._over_at_s is None:
-            self._over_at_s = time.monotonic()
-            for node in self._nodes:
-                getattr(node, "on_run_end", _nothing)()
+        if not is_over and self._run is None:
+            self._begin(decoded(FlockStatus, data))
+        elif is_over and self._has_run and self._over_at_s is None:
+            self._end(decoded(FlockStatus, data))
+
+    def _begin(self, status: FlockStatus) -> None:
+        if status.state == FlockStatus.RUNNING:
+            self._run = status
+
+    def _end(self, status: FlockStatus) -> None:
+        if self._run is not None and not _is_end_of(self._run, status):
+            if not self._doubts:
+                self._doubts = True
+                self._nodes[0].get_logger().warning(
+                    f"/flock/status says {status.state} at {status.time_s:g} of {status.duration_s:g} s: "
+                    "another run publishes it; not believed"
+                )
+            return
+        self._over_at_s = time.monotonic()
+        for node in self._nodes:
+            getattr(node, "on_run_end", _nothing)()
+
+
+def _is_end_of(run: FlockStatus, end: FlockStatus) -> bool:
+    """Return whether an end is of the run that a status tells of: same epoch, same length, not before it."""
+    is_same = end.duration_s == run.duration_s and abs(_epoch_s(end) - _epoch_s(run)) < _EPOCH_TOLERANCE_S
+    is_reached = end.time_s >= run.time_s and (
+        end.state != FlockStatus.FINISHED or end.time_s >= end.duration_s
+    )
+    return is_same and is_reached
+
+
+def _epoch_s(status: FlockStatus) -> float:
+    stamp = status.header.stamp
+    return stamp.sec + 1e-9 * stamp.nanosec - status.time_s
 
 
 def _nothing() -> None:
