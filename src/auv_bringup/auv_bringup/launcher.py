@@ -242,7 +242,7 @@ def _watch(
         if now_s - looked_s > _STOPPED_LOOK_S:
             supervisor.processes_stopped(children.stopped(), min(now_s - looked_s, 2.0 * _STOPPED_LOOK_S))
             looked_s = now_s
-        for words in [wall.warning(), *listener.new_strangers()]:
+        for words in [wall.warning(), *listener.new_strangers(at_once=supervisor.is_over)]:
             if words:
                 progress.message(f"warning: {words}")
         for line in supervisor.take_messages():

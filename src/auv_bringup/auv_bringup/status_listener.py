@@ -74,9 +74,13 @@ class StatusListener:
         heard, self._heard = self._heard, []
         return heard
 
-    def new_strangers(self) -> list[str]:
-        """Return who is new among those who publish on topics of the run, a line each; look once a second."""
-        if time.monotonic() - self._looked_at_s < _LOOK_S:
+    def new_strangers(self, *, at_once: bool = False) -> list[str]:
+        """
+        Return a line for each new publisher on topics of the run that is not of the run.
+
+        The graph is asked once a second, or `at_once`.
+        """
+        if not at_once and time.monotonic() - self._looked_at_s < _LOOK_S:
             return []
         self._looked_at_s = time.monotonic()
         words = [stranger.words for stranger in self._watch.look()]

@@ -159,10 +159,12 @@ def when_running(node: Node, ticks: TickClock, begin: Callable[[], None]) -> Non
         return
 
     def on_status(status: FlockStatus) -> None:
-        if ticks.started or status.state != FlockStatus.RUNNING:
-            return
         stamp = status.header.stamp
-        off_s = ticks.join(stamp.sec + 1e-9 * stamp.nanosec - status.time_s, status.time_s)
+        epoch_s = stamp.sec + 1e-9 * stamp.nanosec - status.time_s
+        is_possible = epoch_s > 0.0 and 0.0 <= status.time_s < status.duration_s
+        if ticks.started or status.state != FlockStatus.RUNNING or not is_possible:
+            return
+        off_s = ticks.join(epoch_s, status.time_s)
         if off_s:
             node.get_logger().warning(
                 f"the system clock is {off_s:+.1f} s off that of the run; the run's is followed"
