@@ -52,3 +52,7 @@ class StateWatch:
         """Return why the newest state of a vehicle is of no use now, or nothing."""
         words = self._newest[index].why_stale(now_tick)
         return f"state of {self._ids[index]} {words}" if words else ""
+
+    def explained(self, awaited: str) -> str:
+        """Return for whom the relay waits, with the state that was left out last, if any."""
+        return f"{awaited}; left out: {self.left_out_words}" if awaited and self.left_out else awaited

@@ -93,3 +93,12 @@ def test_a_relay_leaves_out_states_that_are_none_and_says_whose(bad, words):
     assert watch.may_send(1, 7, 1)
     assert not watch.may_send(1, 8, 1)
     assert watch.packets_unsent == 1
+
+
+def test_a_relay_that_waits_names_the_state_that_it_left_out():
+    watch = StateWatch(["auv_1", "auv_2"], 0.5, PERIOD_S)
+    assert watch.explained("/auv_2/vehicle_node") == "/auv_2/vehicle_node"
+    assert not watch.hear(1, state(30), 10)
+    left_out = "left out: auv_2: tick 30 at tick 10: 2.0 s in the future, allowed: 0.5 s"
+    assert watch.explained("/auv_2/vehicle_node") == f"/auv_2/vehicle_node; {left_out}"
+    assert watch.explained("") == ""

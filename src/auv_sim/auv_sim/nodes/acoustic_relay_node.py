@@ -161,7 +161,8 @@ class AcousticRelayNode(Node):
         """Return for what the node waits, in words, or nothing."""
         if not self._meeting.ready:
             return self._meeting.waits_for()
-        return listed(self._awaited()) if self._standstill.at(self._barrier.tick) else ""
+        stands = self._standstill.at(self._barrier.tick)
+        return self._watch.explained(listed(self._awaited())) if stands else ""
 
     def _look_for_strangers(self) -> None:
         """Name who else publishes on topics of the run; in lock-step the launcher does: bags are equal."""
