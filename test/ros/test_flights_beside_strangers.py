@@ -93,6 +93,7 @@ def test_a_flight_under_forged_messages_is_the_flight_without_them(scenario_file
     folder, provenance = results_of(scenario_file, "beside")
     assert provenance["simulated_s"] == pytest.approx(float(arguments[-1]), abs=0.5)
     assert "warning: /desk publishes /auv_1/nav: not heard" in said
+    assert "incompatible QoS" not in said
     assert "/desk publishes /flock/status: not heard" in provenance["strangers"]
     assert "/desk publishes" in (folder / "report.html").read_text()
     if mode == "lockstep":

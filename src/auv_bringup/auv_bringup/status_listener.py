@@ -48,6 +48,7 @@ class StatusListener:
         adopt(self._environ)
         import rclpy
         from rclpy.executors import SingleThreadedExecutor
+        from rclpy.logging import LoggingSeverity
         from rclpy.signals import SignalHandlerOptions
 
         from auv_core.hearing import Hearing
@@ -61,6 +62,8 @@ class StatusListener:
         self._node = rclpy.create_node(
             "_shoal_launcher", context=self._context, enable_rosout=False, start_parameter_services=False
         )
+        # The client library's own line about a stranger: `new_strangers` says it in plain words.
+        self._node.get_logger().set_level(LoggingSeverity.ERROR)
         Hearing(self._node).listen_decoded(FlockStatus, "/flock/status", self._hear, LATCHED)
         self._watch = StrangerWatch(self._node, self._own_nodes, self._vehicle_ids)
         self._executor = SingleThreadedExecutor(context=self._context)
