@@ -91,6 +91,7 @@ def test_a_stopped_vehicle_or_agent_is_named_within_a_period_and_flown_on_with_a
         watcher.wait(LAW, OK, "acts")
         seen = len(commands)
         at.until(lambda: any(each.wrench.force.x for each in commands[seen:]), "the vehicle is flown again")
+        watcher.wait(COMMAND, OK, "acts")  # it may have rested while it caught up
 
         os.kill(agent.pid, signal.SIGSTOP)
         rested_s = watcher.wait(COMMAND, ERROR, "the actuators rest: stale command: 0.")
