@@ -20,7 +20,7 @@ RUN_LIMIT_S = 90.0
 REPORT_LIMIT_S = 60.0
 LONGEST_WAIT_S = 6.0
 """A run is hit at a moment up to so long after its command: start-up takes the first seconds of it."""
-SHM = Path("/dev/shm")  # where Fast DDS keeps its segments
+SHM = Path("/dev/shm")
 
 _MARK = "SHOAL_TEST_RUN"
 _PAIR = """
@@ -136,9 +136,14 @@ def until(condition, limit_s: float) -> bool:
     return True
 
 
+def segments() -> set[Path]:
+    """Return the files of Fast DDS in shared memory, and no tracer's."""
+    return {path for path in SHM.iterdir() if "fastrtps" in path.name}
+
+
 def hit(folder: Path, trial: Trial) -> Trial:
     """Fly, hit one process, and note every invariant that does not hold."""
-    before = set(SHM.iterdir())
+    before = segments()
     run = HitRun(folder, trial)
     try:
         _strike_and_watch(run, trial)
@@ -210,7 +215,7 @@ def _judge_end(run: HitRun, trial: Trial, before: set[Path]) -> None:
             timeout=RUN_LIMIT_S,
             check=False,
         )
-    left = sorted(path.name for path in set(SHM.iterdir()) - before)
+    left = sorted(path.name for path in segments() - before)
     if left:
         trial.faults.append(f"{len(left)} files left in {SHM}: {left[:3]}")
 
