@@ -13,7 +13,7 @@ import mmap
 import os
 import struct
 import zlib
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -23,15 +23,18 @@ from pathlib import Path
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (
+    Chunk,
     ChunkIndex,
     DataEnd,
     Footer,
     McapRecord,
+    MessageIndex,
     Metadata,
     MetadataIndex,
     Statistics,
     SummaryOffset,
 )
+from mcap.stream_reader import get_chunk_data_stream
 
 from auv_bringup.bag import find_files, offered_qos
 from auv_bringup.bag_metadata import METADATA_FILE, information_text, metadata_text, topic_text
@@ -40,6 +43,7 @@ from auv_bringup.whole_files import WriteError, write_text
 
 _CHUNK_HEAD = struct.Struct("<QQQII")
 _COUNT = struct.Struct("<H")
+_MESSAGE_HEAD = struct.Struct("<HIQ")
 _FOOTER_HEAD = struct.Struct("<BQQQ")
 _FOOTER_BYTES = 20
 _FIRST_OF_THE_END = (Opcode.DATA_END, Opcode.FOOTER)
@@ -88,6 +92,8 @@ class _Contents:
     """The chunks and metadata records of a file as an index names them, and where the last record ends."""
 
     stop: int
+    index: bytes = b""
+    """The message index of the last chunk, where the file may lack a part of it: it follows `stop`."""
     chunks: list[ChunkIndex] = field(default_factory=list)
     metadata: list[MetadataIndex] = field(default_factory=list)
     attachments: int = 0
@@ -100,7 +106,8 @@ def _write_end(descriptor: int, scan: McapScan, metadata: Path | None) -> None:
     times_ns, counts = _count_messages(scan)
     information = information_text(scan.path.name, _topics(scan, counts), times_ns)
     last = _bytes_of([Metadata("rosbag2", {"serialized_metadata": information})])
-    contents.metadata.append(MetadataIndex(length=len(last), name="rosbag2", offset=contents.stop))
+    end = contents.stop + len(contents.index)
+    contents.metadata.append(MetadataIndex(length=len(last), name="rosbag2", offset=end))
     statistics = Statistics(
         attachment_count=contents.attachments,
         channel_count=len(scan.channels),
@@ -121,7 +128,8 @@ def _write_end(descriptor: int, scan: McapScan, metadata: Path | None) -> None:
     ]
     last += _bytes_of([DataEnd(0)])
     try:
-        _replace_tail(descriptor, contents.stop, last + _summary(contents.stop + len(last), groups))
+        tail = last + _summary(end + len(last), groups)
+        _replace_tail(descriptor, contents.stop, contents.index + tail)
         _write_metadata(metadata, information)
     except OSError:  # the disk is full, but has room for what was cut away; readers can do without a summary
         _replace_tail(descriptor, contents.stop, _SHORTEST_END)
@@ -137,10 +145,12 @@ def _write_metadata(path: Path | None, information: str) -> None:
 def _contents(data: mmap.mmap) -> _Contents:
     """Go over the records of a file, up to where it breaks off or an earlier mending did."""
     found = _Contents(stop=len(MAGIC))
+    is_indexed = True
     for opcode, start, stop in records_of(data, len(MAGIC), len(data)):
         begin = start - RECORD_HEAD.size
         if opcode in _FIRST_OF_THE_END:
             break
+        is_indexed = opcode != Opcode.CHUNK and (is_indexed or opcode != Opcode.MESSAGE_INDEX)
         if opcode == Opcode.CHUNK:
             found.chunks.append(_chunk_index(data, begin, stop))
         elif opcode == Opcode.MESSAGE_INDEX and found.chunks:
@@ -153,7 +163,28 @@ def _contents(data: mmap.mmap) -> _Contents:
         elif opcode == Opcode.ATTACHMENT:
             found.attachments += 1
         found.stop = stop
+    if not is_indexed:
+        _index_last_chunk(data, found)
     return found
+
+
+def _index_last_chunk(data: mmap.mmap, found: _Contents) -> None:
+    """Make the message index of the last chunk anew: the writer may have ended within it."""
+    chunk = found.chunks[-1]
+    found.stop = chunk.chunk_start_offset + chunk.chunk_length
+    record = data[chunk.chunk_start_offset + RECORD_HEAD.size : found.stop]
+    stream, size = get_chunk_data_stream(Chunk.read(ReadDataStream(BytesIO(record))))
+    unpacked = stream.read(size)
+    messages: dict[int, list[tuple[int, int]]] = defaultdict(list)
+    for opcode, start, _ in records_of(unpacked, 0, size):
+        if opcode == Opcode.MESSAGE:
+            channel, _, time_ns = _MESSAGE_HEAD.unpack_from(unpacked, start)
+            messages[channel].append((time_ns, start - RECORD_HEAD.size))
+    chunk.message_index_offsets = {}
+    for channel, entries in messages.items():
+        chunk.message_index_offsets[channel] = found.stop + len(found.index)
+        found.index += _bytes_of([MessageIndex(channel_id=channel, records=entries)])
+    chunk.message_index_length = len(found.index)
 
 
 def _chunk_index(data: mmap.mmap, begin: int, stop: int) -> ChunkIndex:

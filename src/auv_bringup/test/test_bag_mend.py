@@ -7,12 +7,14 @@ import pytest
 import synthetic_bag as synthetic
 import yaml
 from full_disk import files_of_at_most
+from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader
 
 from auv_bringup.bag import Bag
 from auv_bringup.bag_mend import mend_bag
 from auv_bringup.bag_writer import BagWriter, Qos, Topic
+from auv_bringup.mcap_scan import MAGIC, records_of
 
 TOPICS = ("/a", "/b", "/c")
 
@@ -77,6 +79,19 @@ def test_a_file_cut_anywhere_is_readable_by_every_reader_and_loses_nothing_more(
         by_rosbags, by_mcap = read_by_others(tmp_path / "bag")
         assert by_rosbags == by_mcap == before
     assert mend_bag(tmp_path) == ()
+
+
+@pytest.mark.parametrize("indexes", [0, 1, 2, 3])
+def test_a_file_cut_between_a_chunk_and_its_message_indexes_loses_nothing(whole, tmp_path, indexes):
+    data = (whole / "bag_0.mcap").read_bytes()
+    ends = [stop for opcode, _, stop in records_of(data, len(MAGIC), len(data)) if opcode == Opcode.CHUNK]
+    after = records_of(data, ends[20], len(data))
+    stops = [ends[20], *(stop for _, (_, _, stop) in zip(range(indexes), after, strict=False))]
+    path = cut(whole, tmp_path / "bag", stops[-1] + 5)
+    before = contents(path)
+    mend_bag(tmp_path)
+    by_rosbags, by_mcap = read_by_others(tmp_path / "bag")
+    assert by_rosbags == by_mcap == before == contents(tmp_path)
 
 
 def test_the_metadata_is_that_of_a_bag_that_was_closed(whole, tmp_path):
