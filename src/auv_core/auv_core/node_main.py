@@ -35,7 +35,7 @@ from auv_core.node_params import refuse_unknown_parameters
 from auv_core.params import ConfigError
 from auv_core.qos import LATCHED
 from auv_core.run_config import RunConfig, TickClock, WallWatch
-from auv_core.run_watch import RunEnd, listed, say_waits
+from auv_core.run_watch import RunEnd, listed, say_waits, status_epoch_s
 from auv_core.steady_timer import SteadyTimer
 from auv_core.strangers import full_name
 from auv_msgs.msg import FlockStatus
@@ -159,8 +159,7 @@ def when_running(node: Node, ticks: TickClock, begin: Callable[[], None]) -> Non
         return
 
     def on_status(status: FlockStatus) -> None:
-        stamp = status.header.stamp
-        epoch_s = stamp.sec + 1e-9 * stamp.nanosec - status.time_s
+        epoch_s = status_epoch_s(status)
         is_possible = epoch_s > 0.0 and 0.0 <= status.time_s < status.duration_s
         if ticks.started or status.state != FlockStatus.RUNNING or not is_possible:
             return

@@ -74,12 +74,16 @@ class RunEnd:
         return True
 
     def _hear(self, data: bytes) -> None:
-        is_over = any(word in data for word in _OVER_BYTES) and decoded(FlockStatus, data).state in _OVER
+        may_be_over = any(word in data for word in _OVER_BYTES)
+        if not may_be_over and self._run is not None:
+            return  # the usual status of a run: nothing of it is needed
+        status = decoded(FlockStatus, data)
+        is_over = status.state in _OVER
         self._has_run |= not is_over
         if not is_over and self._run is None:
-            self._begin(decoded(FlockStatus, data))
+            self._begin(status)
         elif is_over and self._has_run and self._over_at_s is None:
-            self._end(decoded(FlockStatus, data))
+            self._end(status)
 
     def _begin(self, status: FlockStatus) -> None:
         if status.state == FlockStatus.RUNNING:
@@ -101,14 +105,18 @@ class RunEnd:
 
 def _is_end_of(run: FlockStatus, end: FlockStatus) -> bool:
     """Return whether an end is of the run that a status tells of: same epoch, same length, not before it."""
-    is_same = end.duration_s == run.duration_s and abs(_epoch_s(end) - _epoch_s(run)) < _EPOCH_TOLERANCE_S
+    is_same = (
+        end.duration_s == run.duration_s
+        and abs(status_epoch_s(end) - status_epoch_s(run)) < _EPOCH_TOLERANCE_S
+    )
     is_reached = end.time_s >= run.time_s and (
         end.state != FlockStatus.FINISHED or end.time_s >= end.duration_s
     )
     return is_same and is_reached
 
 
-def _epoch_s(status: FlockStatus) -> float:
+def status_epoch_s(status: FlockStatus) -> float:
+    """Return the stamp of scenario time 0 (s) of the run that a status tells of."""
     stamp = status.header.stamp
     return stamp.sec + 1e-9 * stamp.nanosec - status.time_s
 
