@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
 
@@ -41,3 +43,20 @@ def make_signals_interrupt() -> None:
 
     for number in heeded_signals():
         signal.signal(number, interrupt)
+
+
+@contextmanager
+def held_interrupts() -> Iterator[None]:
+    """Let a signal that asks for the end raise only after the block: half-made objects of rclpy complain."""
+    came: list[int] = []
+    before = {
+        number: signal.signal(number, lambda received, _frame: came.append(received))
+        for number in heeded_signals()
+    }
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    if came:
+        raise Interrupted

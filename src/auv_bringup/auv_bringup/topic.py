@@ -17,6 +17,7 @@ import yaml
 
 from auv_bringup.bag_writer import BagError
 from auv_bringup.failures import DONE, answered
+from auv_bringup.interrupts import held_interrupts
 from auv_bringup.one_line_parser import OneLineParser, refusal
 from auv_bringup.printable import printable
 from auv_bringup.ros_types import message_class, prepare_environment
@@ -105,9 +106,11 @@ def _node() -> Iterator[Node]:
     import rclpy
     from rclpy.signals import SignalHandlerOptions
 
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    with held_interrupts():
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        node = rclpy.create_node(f"_topic_{os.getpid()}", enable_rosout=False, start_parameter_services=False)
     try:
-        yield rclpy.create_node(f"_topic_{os.getpid()}", enable_rosout=False, start_parameter_services=False)
+        yield node
     finally:
         rclpy.try_shutdown()
 
@@ -216,11 +219,13 @@ def _receive(
         nonlocal finished
         finished = finished or take(message)
 
-    node.create_subscription(kind, options.topic, callback, _matching_qos(node, options.topic), raw=raw)
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
+    with held_interrupts():
+        node.create_subscription(kind, options.topic, callback, _matching_qos(node, options.topic), raw=raw)
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
     while not finished:
-        executor.spin_once(timeout_sec=_LOOK_S)
+        with held_interrupts():
+            executor.spin_once(timeout_sec=_LOOK_S)
 
 
 def _find_type(node: Node, topic: str, wait_s: float) -> str:
@@ -285,7 +290,8 @@ def _spin(node: Node) -> None:
     """Let discovery go on for a moment."""
     import rclpy
 
-    rclpy.spin_once(node, timeout_sec=_LOOK_S)
+    with held_interrupts():
+        rclpy.spin_once(node, timeout_sec=_LOOK_S)
 
 
 def _matching_qos(node: Node, topic: str) -> QoSProfile:

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from auv_bringup.interrupts import Interrupted, held_interrupts, make_signals_interrupt
+
 PROGRAM = """
 import signal, sys
 from auv_bringup.interrupts import make_signals_interrupt
@@ -59,3 +61,20 @@ def test_nohup_and_trap_are_kept(kind, ignored, sent, ends):
     finally:
         process.kill()
         process.communicate()
+
+
+def raise_in_a_held_block(number, done):
+    with held_interrupts():
+        signal.raise_signal(number)
+        done.append("block")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_held_signal_ends_the_command_only_after_the_block(number, keep_signal_handlers):
+    make_signals_interrupt()
+    done = []
+    with pytest.raises(Interrupted):
+        raise_in_a_held_block(number, done)
+    assert done == ["block"]
+    with pytest.raises(Interrupted):
+        signal.raise_signal(number)
