@@ -41,6 +41,8 @@ from auv_core.strangers import full_name
 from auv_msgs.msg import FlockStatus
 
 _WAKE_S = 0.25
+_SWITCH_S = 1e-4
+"""How long a thread waits for Python's lock before it asks for it, see `auv_core.steady_timer`."""
 _HAND_OVER_S = 5.0
 _HAND_OVER_UNSEEN_S = 0.5
 _LOOK_S = 0.02
@@ -71,6 +73,7 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
         line on standard error names the node), else the largest ``exit_code`` of the nodes.
 
     """
+    sys.setswitchinterval(_SWITCH_S)
     stopping: list[int] = []
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda received, _frame: stopping.append(received))

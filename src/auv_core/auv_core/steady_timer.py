@@ -5,16 +5,21 @@ The timers and time-outs of rclpy and of the middleware are on the steady clock 
 for a C library that cannot wait on it: they wait until a time of the system clock instead, and where that one
 is stepped back by an hour, a timer is late by an hour.  Python waits on the steady clock itself.  So one
 thread of the process waits, and hands what is due to the executors, which wakes them, too.
+
+Two threads share Python's lock.  A thread that waits for it is woken in vain each time the other one leaves
+Python for a moment, forty times a millisecond in a fast flight, until the switch interval is over: `main_loop`
+makes that short.
 """
 
 from __future__ import annotations
 
+import math
+import os
+import select
 import threading
 import time
 from collections.abc import Callable
 from typing import Any
-
-_LONGEST_NAP_S = 0.05
 
 
 class SteadyTimer:
@@ -74,31 +79,61 @@ class _Ticker:
     def __init__(self) -> None:
         self._timers: set[SteadyTimer] = set()
         self._lock = threading.Lock()
-        self._thread: threading.Thread | None = None
+        self._bell: _Bell | None = None
+        self._wakes_s = math.inf
 
     def add(self, timer: SteadyTimer) -> None:
         with self._lock:
             self._timers.add(timer)
-            if self._thread is None:
-                self._thread = threading.Thread(target=self._run, name="steady timers", daemon=True)
-                self._thread.start()
+            if self._bell is None:
+                self._bell = _Bell()
+                threading.Thread(target=self._run, args=[self._bell], name="steady timers", daemon=True).start()
+            elif timer.due_s < self._wakes_s:
+                self._bell.ring()
 
     def remove(self, timer: SteadyTimer) -> None:
         with self._lock:
             self._timers.discard(timer)
+            if self._bell is not None and not self._timers:
+                self._bell.ring()
 
-    def _run(self) -> None:
+    def _run(self, bell: _Bell) -> None:
         while True:
             with self._lock:
                 if not self._timers:
-                    self._thread = None
+                    self._bell = None
+                    bell.close()
                     return
                 now_s = time.monotonic()
                 for timer in self._timers:
                     if timer.due_s <= now_s:
                         timer.hand_over(now_s)
-                due_s = min(timer.due_s for timer in self._timers)
-            time.sleep(min(max(due_s - time.monotonic(), 0.0), _LONGEST_NAP_S))
+                self._wakes_s = min(timer.due_s for timer in self._timers)
+            bell.wait_until(self._wakes_s)
+
+
+class _Bell:
+    """Wakes the thread that waits for it, which would else look for new timers many times a second."""
+
+    def __init__(self) -> None:
+        self._heard, self._rung = os.pipe()
+        self._poll = select.poll()
+        self._poll.register(self._heard, select.POLLIN)
+
+    def ring(self) -> None:
+        os.write(self._rung, b"!")
+
+    def wait_until(self, time_s: float) -> None:
+        """Wait for a ring, at most until a time of the steady clock (s); poll knows whole milliseconds."""
+        left_s = time_s - time.monotonic()
+        if left_s > 0.0 and self._poll.poll(int(left_s * 1e3)):
+            os.read(self._heard, 4096)
+        elif (left_s := time_s - time.monotonic()) > 0.0:
+            time.sleep(left_s)
+
+    def close(self) -> None:
+        os.close(self._heard)
+        os.close(self._rung)
 
 
 _ticker = _Ticker()
