@@ -165,8 +165,9 @@ class _Reader:
 
 def _times(first_s: float, second_s: float, epoch_ns: int) -> tuple[int, ...]:
     """Return two scenario times as stamps: seconds and nanoseconds of each."""
-    first, second = (divmod(epoch_ns + nanoseconds(t_s), _SECOND_NS) for t_s in (first_s, second_s))
-    return (*first, *second)
+    first, first_ns = divmod(epoch_ns + nanoseconds(first_s), _SECOND_NS)
+    second, second_ns = divmod(epoch_ns + nanoseconds(second_s), _SECOND_NS)
+    return first, first_ns, second, second_ns
 
 
 def _put_packet(out: bytearray, packet: Packet) -> None:

@@ -22,6 +22,8 @@ STAMP_AT = len(ENCAPSULATION)
 """Place of the stamp in a message that begins with a header."""
 STAMP = slice(STAMP_AT, STAMP_AT + STAMP_BYTES)
 _HEADER = struct.Struct("<4s8xI")
+_ENCAPSULATION_SIZE = len(ENCAPSULATION)
+_PADDING = [bytes(count) for count in range(8)]
 
 
 class MalformedError(ValueError):
@@ -37,19 +39,20 @@ def begun(frame_id: str, t_s: float) -> bytearray:
 
 def aligned(place: int, size: int) -> int:
     """Return where, from `place` on, a number of `size` bytes can stand."""
-    return place + -(place - len(ENCAPSULATION)) % size
+    return place + (_ENCAPSULATION_SIZE - place) % size
 
 
 def align(out: bytearray, size: int) -> None:
     """Pad a message until a number of `size` bytes can follow."""
-    out += bytes(aligned(len(out), size) - len(out))
+    out += _PADDING[(_ENCAPSULATION_SIZE - len(out)) % size]
 
 
 def put_text(out: bytearray, text: str) -> None:
     """Append a text."""
-    data = text.encode()
-    align(out, COUNT.size)
-    out += COUNT.pack(len(data) + 1) + data + b"\0"
+    data = text.encode() + b"\0"
+    out += _PADDING[(_ENCAPSULATION_SIZE - len(out)) % COUNT.size]
+    out += COUNT.pack(len(data))
+    out += data
 
 
 def body_at(data: bytes) -> int:
@@ -66,9 +69,10 @@ def body_at(data: bytes) -> int:
         encapsulation, length = _HEADER.unpack_from(data)
     except struct.error:
         encapsulation, length = b"", 0
-    if encapsulation[:2] != LITTLE_ENDIAN or length > len(data):
+    if not encapsulation.startswith(LITTLE_ENDIAN) or length > len(data):
         raise MalformedError(f"{len(data)} bytes that are no message with a header in little-endian CDR")
-    return aligned(_HEADER.size + length, 8)
+    place = _HEADER.size + length
+    return place + (_ENCAPSULATION_SIZE - place) % 8
 
 
 @cache

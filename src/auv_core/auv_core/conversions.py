@@ -112,9 +112,9 @@ def state_numbers(state: VehicleState) -> tuple[float, ...]:
 
 def state_from_bytes(data: bytes) -> VehicleState:
     """Return the record of a serialised state message; raise `MalformedError` without one."""
-    tick, is_valid, px, py, pz, x, y, z, w, *nu, position_sd_m, heading_sd_rad = read_numbers(data, _STATE)
-    six = (nu[0], nu[1], nu[2], nu[3], nu[4], nu[5])
-    return VehicleState(tick, (px, py, pz), (w, x, y, z), six, is_valid, position_sd_m, heading_sd_rad)
+    numbers = read_numbers(data, _STATE)
+    tick, is_valid, px, py, pz, x, y, z, w, *_ = numbers
+    return VehicleState(tick, (px, py, pz), (w, x, y, z), numbers[9:15], is_valid, *numbers[15:])
 
 
 def enu_pose(position: Vec3, attitude: Quat) -> Pose:

@@ -78,14 +78,15 @@ class TickClock:
         self._wall_s = wall_s
         self._began_s = 0.0
         self.lockstep = run.mode == "lockstep"
-        self.epoch_s = LOCKSTEP_EPOCH_S if self.lockstep else 0.0
-        if not self.lockstep and run.epoch_s:
-            self._start(run.epoch_s)
-
-    @property
-    def started(self) -> bool:
+        self.started = False
         """Whether scenario time 0 is known."""
-        return self.epoch_s != 0.0
+        self.epoch_s = 0.0
+        self.epoch_ns = 0
+        """Stamp of scenario time 0 (ns); 0 as long as it is not known."""
+        if self.lockstep:
+            self._know(LOCKSTEP_EPOCH_S)
+        elif run.epoch_s:
+            self._start(run.epoch_s)
 
     def begin(self) -> None:
         """Let scenario time 0 be soon, `START_LEAD_S` from now; an epoch that is known stays."""
@@ -112,11 +113,6 @@ class TickClock:
         self._began_s += off_s
         return off_s
 
-    @property
-    def epoch_ns(self) -> int:
-        """Stamp of scenario time 0 (ns); 0 as long as it is not known."""
-        return round(self.epoch_s * 1e6) * 1000  # an epoch is of whole microseconds
-
     def scenario_s(self, tick: int) -> float:
         """Return the scenario time of a tick (s)."""
         return tick * self._period_s
@@ -138,8 +134,12 @@ class TickClock:
         return (phase - self._scenario_now_s() / self._period_s) % 1.0 * self._period_s
 
     def _start(self, epoch_s: float) -> None:
-        self.epoch_s = epoch_s
+        self._know(epoch_s)
         self._began_s = self._steady_s() + (epoch_s - self._wall_s())
+
+    def _know(self, epoch_s: float) -> None:
+        self.started, self.epoch_s = True, epoch_s
+        self.epoch_ns = round(epoch_s * 1e6) * 1000  # an epoch is of whole microseconds
 
     def _scenario_now_s(self) -> float:
         return self._steady_s() - self._began_s

@@ -7,8 +7,8 @@ is stepped back by an hour, a timer is late by an hour.  Python waits on the ste
 thread of the process waits, and hands what is due to the executors, which wakes them, too.
 
 Two threads share Python's lock.  A thread that waits for it is woken in vain each time the other one leaves
-Python for a moment, forty times a millisecond in a fast flight, until the switch interval is over: `main_loop`
-makes that short.
+Python for a moment, forty times a millisecond in a fast flight, until the switch interval is over:
+`main_loop` makes that short.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ class _Ticker:
             self._timers.add(timer)
             if self._bell is None:
                 self._bell = _Bell()
-                threading.Thread(target=self._run, args=[self._bell], name="steady timers", daemon=True).start()
+                threading.Thread(target=self._run, args=[self._bell], daemon=True).start()
             elif timer.due_s < self._wakes_s:
                 self._bell.ring()
 

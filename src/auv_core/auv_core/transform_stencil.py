@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
-from itertools import chain
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Transform, TransformStamped, Vector3
@@ -21,6 +20,7 @@ _POSE = struct.Struct("<7d")
 _STAMP_MARK = Time(sec=-1_234_567, nanosec=987_654_321)
 _STAMP_MARK_BYTES = struct.pack("<iI", _STAMP_MARK.sec, _STAMP_MARK.nanosec)
 _X_MARK = 1.25e300
+_POSE_MARK_BYTES = struct.pack("<d", _X_MARK)
 
 
 class TransformStencil:
@@ -43,22 +43,18 @@ class TransformStencil:
             )
             for parent, child in frames
         ]
-        data = bytes(serialize_message(TFMessage(transforms=transforms)))
-        self._texts: list[tuple[bytes, bytes]] = []
-        layout, at = "<", 0
+        self._bytes = bytearray(serialize_message(TFMessage(transforms=transforms)))
+        self._places: list[tuple[slice, int]] = []
+        pose_at = 0
         for _ in frames:
-            stamp_at = data.index(_STAMP_MARK_BYTES, at)
-            frames_at = stamp_at + STAMP_BYTES
-            pose_at = data.index(struct.pack("<d", _X_MARK), frames_at)
-            self._texts.append((data[at:stamp_at], data[frames_at:pose_at]))
-            layout += f"{stamp_at - at}s{STAMP_BYTES}s{pose_at - frames_at}s7d"
-            at = pose_at + _POSE.size
-        self._pack = struct.Struct(layout).pack
+            stamp_at = self._bytes.index(_STAMP_MARK_BYTES, pose_at)
+            pose_at = self._bytes.index(_POSE_MARK_BYTES, stamp_at)
+            self._places.append((slice(stamp_at, stamp_at + STAMP_BYTES), pose_at))
 
     def filled(self, t_s: float, poses: Sequence[Pose]) -> bytes:
         """Return the message with a stamp (s, to the nanosecond) and the pose of each child in its parent."""
-        stamp = stamp_bytes(t_s)
-        parts = (
-            (before, stamp, names, *pose) for (before, names), pose in zip(self._texts, poses, strict=True)
-        )
-        return self._pack(*chain.from_iterable(parts))
+        data, stamp = self._bytes, stamp_bytes(t_s)
+        for (stamp_place, pose_at), pose in zip(self._places, poses, strict=True):
+            data[stamp_place] = stamp
+            _POSE.pack_into(data, pose_at, *pose)
+        return bytes(data)

@@ -12,6 +12,7 @@ from auv_core import conversions as convert
 from auv_core.geometry import Vec3
 from auv_core.markers import HULL, MARKER_TICKS, sphere_stencil
 from auv_core.node_main import publishes_bytes
+from auv_core.odom_frame import OdomFrame
 from auv_core.qos import EVERY_TICK, LATCHED
 from auv_core.robot_description import robot_description
 from auv_sim.vehicle import Vehicle, VehicleConfig
@@ -64,6 +65,8 @@ class VehicleView:
         self._odom_stencil = convert.odometry_stencil(convert.odom_frame(vehicle_id), base)
         self._truth_stencil = convert.odometry_stencil(convert.MAP_FRAME, truth)
         self._tf_stencil = convert.motion_transforms(vehicle_id)
+        self._odom_frame = OdomFrame()
+        self._odom_pose = convert.odom_in_map(self._odom_frame)
         self._hull_stencil = sphere_stencil(vehicle_id, 0, 2.0 * hull_radius_m, HULL)
 
     def publish(self, t_s: float, vehicle: Vehicle) -> None:
@@ -75,10 +78,13 @@ class VehicleView:
         `/tf` has the same pose.
         """
         state, nav, navigation = vehicle.state, vehicle.nav, vehicle.navigation
-        true_pose = convert.enu_pose(state.position, state.attitude)
-        pose = convert.enu_pose(*navigation.odom_frame.pose(nav.position, nav.attitude))
-        odom = convert.odom_in_map(navigation.odom_frame)
-        self._publish_tf(self._tf_stencil.filled(t_s, (odom, pose, true_pose)))
+        pose = true_pose = convert.enu_pose(state.position, state.attitude)
+        if nav is not state:
+            pose = convert.enu_pose(*navigation.odom_frame.pose(nav.position, nav.attitude))
+            if navigation.odom_frame is not self._odom_frame:
+                self._odom_frame = navigation.odom_frame
+                self._odom_pose = convert.odom_in_map(self._odom_frame)
+        self._publish_tf(self._tf_stencil.filled(t_s, (self._odom_pose, pose, true_pose)))
         if nav.is_valid:
             variances = convert.estimate_variances(nav, navigation.depth_sd_m)
             velocity = convert.flu_velocity(nav.nu)
