@@ -28,7 +28,7 @@ from auv_msgs.msg import FlockStatus, RecorderStatus
 
 _LOOK_S = 0.2
 _REPEAT_S = 0.5
-_STATUS_TICKS = 10
+_STATUS_TICKS = 20
 _GRACE_S = 2.0
 _RECORDER_LEAD_TICKS = 200
 
