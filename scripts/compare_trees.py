@@ -1,0 +1,111 @@
+"""Command `./scripts/compare_trees`: do two checkouts fly the same scenarios to the same bytes?
+
+It needs nothing but Python: each checkout flies with its own environment, in a process of its own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import median
+from typing import NamedTuple
+
+SCENARIOS = (
+    "flock_acoustic",
+    "flock_drift",
+    "flock_modem",
+    "medium_access",
+    "range_sweep",
+    "ch2_pfapd_obstacles_corrected",
+    "ch3_circle_corrected",
+    "ch4_region",
+    "ch5_communication_obstacles",
+    "ch6_obstacles",
+    "compare_path_laws",
+)
+"""Laws, channels, navigations and media that differ from each other."""
+EQUAL, DIFFERENT, REFUSED = 0, 1, 2
+_LIMIT_S = 900.0
+
+
+class Flown(NamedTuple):
+    """What one flight left: the hash of its bag's file, and the processor time that the command took (s)."""
+
+    sha256: str
+    cpu_s: float
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; return its exit status."""
+    options = _parse(argv)
+    equal = True
+    with tempfile.TemporaryDirectory(prefix="compare_trees_") as scratch:
+        for name in options.scenarios:
+            ratios = []
+            for number in range(options.rounds):
+                old, new = (
+                    _fly(tree, name, options, Path(scratch) / f"{side}_{name}_{number}")
+                    for side, tree in (("old", options.old), ("new", options.new))
+                )
+                ratios.append(new.cpu_s / old.cpu_s)
+                is_same = old.sha256 == new.sha256
+                equal &= is_same
+                verdict = "equal" if is_same else "DIFFERENT"
+                print(f"{name}: {verdict}  {old.sha256[:16]}  {new.sha256[:16]}", flush=True)
+            print(
+                f"{name}: processor time of new over old: {median(ratios):.2f}, {len(ratios)} pairs",
+                flush=True,
+            )
+    return EQUAL if equal else DIFFERENT
+
+
+def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="./scripts/compare_trees",
+        description="Fly scenarios in lock-step in two checkouts, and compare the files of their bags.",
+        epilog="Exit status: 0 all equal, 1 some differ, 2 a checkout does not fly a scenario.",
+    )
+    parser.add_argument("old", type=_checkout, metavar="OLD", help="folder of a checkout")
+    parser.add_argument("new", type=_checkout, metavar="NEW", help="folder of the other one")
+    parser.add_argument(
+        "--scenarios", nargs="+", default=SCENARIOS, metavar="NAME", help=f"default: {' '.join(SCENARIOS)}"
+    )
+    parser.add_argument("--duration", type=float, default=60.0, metavar="S", help="length of a flight (60)")
+    parser.add_argument("--layout", default="single", choices=("node", "vehicle", "single"))
+    parser.add_argument(
+        "--rounds", type=int, default=1, metavar="N", help="fly each so many times, in turn (1)"
+    )
+    return parser.parse_args(argv)
+
+
+def _checkout(text: str) -> Path:
+    folder = Path(text).resolve()
+    if not (folder / "scripts" / "run").is_file():
+        raise argparse.ArgumentTypeError(f"'{text}': allowed: a checkout with scripts/run in it")
+    return folder
+
+
+def _fly(tree: Path, name: str, options: argparse.Namespace, out: Path) -> Flown:
+    """Fly a scenario with one checkout."""
+    command = [str(tree / "scripts" / "run"), name, "--mode", "lockstep", "--layout", options.layout]
+    command += ["--duration", f"{options.duration:g}", "--no-figures", "--out", str(out)]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=_LIMIT_S, check=False)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    bags = sorted(out.glob("**/*.mcap"))
+    if len(bags) != 1:
+        last = (done.stderr.strip().splitlines() or ["it said nothing"])[-1]
+        sys.stderr.write(f"error: {tree}: {name} was not flown, status {done.returncode}: {last}\n")
+        raise SystemExit(REFUSED)
+    cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return Flown(hashlib.sha256(bags[0].read_bytes()).hexdigest(), cpu_s)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
