@@ -5,6 +5,7 @@ It writes the names of what happens to the file NOTES, a line each. Behaviours:
 
     idle            wait for SIGINT, then end with status 0
     stubborn        ignore SIGINT and SIGTERM
+    hand_over       after SIGINT wait for SIGTERM, then end with status 0
     die             say something, end with status 7
     fly             publish /flock/status as the clock does, NUMBER simulated seconds, then idle
     abort           the same, but end the flight as lost
@@ -72,13 +73,16 @@ signal.signal(signal.SIGINT, lambda *_: stop.set())
 if behaviour == "stubborn":
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
+if behaviour == "hand_over":
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: stop.set())
 note("started")
 sys.stdout.write(f"{name} with pid {os.getpid()}\n")
 sys.stdout.flush()
 if behaviour == "die":
     sys.stdout.write("something is wrong\n")
     sys.exit(7)
-if behaviour in ("idle", "stubborn"):
+if behaviour in ("idle", "stubborn", "hand_over"):
     stop.wait(60.0)
 else:
     fly()

@@ -211,6 +211,24 @@ def test_silence_from_the_start_ends_the_wait(stage, monkeypatch):
     assert "no word from /clock_node" in flight.reason
 
 
+def test_processes_of_a_lost_run_are_told_soon_to_wait_for_nobody(stage, monkeypatch):
+    monkeypatch.setattr("auv_bringup.launcher.SIGINT_GRACE_S", 100.0)
+    monkeypatch.setattr("auv_bringup.launcher.RECORDER_GRACE_S", 100.0)
+    lost_at_s = []
+    stop = supervision.Supervisor._stop
+
+    def noted_stop(supervisor, reason):
+        lost_at_s.append(time.monotonic())
+        stop(supervisor, reason)
+
+    monkeypatch.setattr(supervision.Supervisor, "_stop", noted_stop)
+    flight = stage.fly(relay="abort", agent="hand_over", recorder="hand_over")
+    assert flight.exit_status == 3
+    assert time.monotonic() - lost_at_s[0] < 60.0
+    assert stage.happened("ended")[-1] == RECORDER
+    assert "did not end cleanly" not in stage.said.getvalue()
+
+
 def interrupt(stage, count=1):
     def send():
         for number in range(count):

@@ -1,6 +1,7 @@
 """A process of nodes leaves with its own status, however many signals it gets on the way out."""
 
 import signal
+import subprocess
 
 import pytest
 
@@ -28,6 +29,33 @@ def make_nodes():
 
 raise SystemExit(main_loop(make_nodes))
 """
+UNHEARD = """
+import os, time
+from rclpy.node import Node
+from auv_core import node_main
+
+node_main._HAND_OVER_S = 1000.0
+
+class Publisher:
+    def __init__(self, word, is_heard):
+        self.word, self.is_heard = word, is_heard
+
+    def wait_for_all_acked(self, limit):
+        if self.is_heard:
+            os.write(1, self.word)
+            return True
+        time.sleep(limit.nanoseconds * 1e-9)
+        return False
+
+class Unheard(Node):
+    publishers = [Publisher(b"", False), Publisher(b"handed over\\n", True)]
+
+def make_nodes():
+    os.write(1, b"up\\n")
+    return [Unheard("unheard", enable_rosout=False, start_parameter_services=False)]
+
+raise SystemExit(node_main.main_loop(make_nodes))
+"""
 
 
 @pytest.mark.parametrize("late", [signal.SIGINT, signal.SIGTERM])
@@ -38,5 +66,19 @@ def test_a_second_signal_while_python_shuts_down_does_no_harm(late, tmp_path):
         child.send_signal(signal.SIGINT)
         assert child.stdout.readline() == "leaving\n"
         child.send_signal(late)
+        _, errors = child.communicate(timeout=LIMIT_S)
+        assert (child.returncode, errors) == (0, "")
+
+
+def test_a_sigterm_after_another_signal_ends_the_wait_for_readers_that_are_dead(tmp_path):
+    (tmp_path / "unheard.py").write_text(UNHEARD)
+    with process("unheard", cwd=tmp_path) as child:
+        assert child.stdout.readline() == "up\n"
+        child.send_signal(signal.SIGINT)
+        assert child.stdout.readline() == "handed over\n"  # the reader that lives is not kept waiting
+        child.send_signal(signal.SIGINT)  # as a terminal and a launcher send it at once: the wait goes on
+        with pytest.raises(subprocess.TimeoutExpired):
+            child.wait(0.5)
+        child.send_signal(signal.SIGTERM)
         _, errors = child.communicate(timeout=LIMIT_S)
         assert (child.returncode, errors) == (0, "")

@@ -55,6 +55,8 @@ from auv_core.run_config import WallWatch
 INTERRUPTED_STATUS = 130
 RECORDER_GRACE_S = 30.0
 """The recorder drains for at most 20 s before it closes the bag."""
+LOST_HAND_OVER_S = 1.5
+"""So long the processes of a lost run wait for acknowledgements: those of a dead one never come."""
 _LOOK_S = 0.1
 _STOPPED_LOOK_S = 0.5
 _MOST_AWAKE_S = 0.5
@@ -187,7 +189,9 @@ def fly_nodes(
                 progress.message("ending the run; press Ctrl-C again to hurry it")
             elif supervisor.reason:
                 progress.message(f"{supervisor.reason}: ending the run")
-            bag_is_closed = _end_in_order(processes, children, interrupts, progress)
+            bag_is_closed = _end_in_order(
+                processes, children, interrupts, progress, is_lost=supervisor.exit_status == LOST_STATUS
+            )
     flight = _flight(supervisor, was_interrupted, bag_is_closed, start_up_s)
     return replace(flight, strangers=tuple(listener.strangers))
 
@@ -252,16 +256,24 @@ def _watch(
 
 
 def _end_in_order(
-    processes: Sequence[ProcessSpec], children: ChildProcesses, interrupts: Interrupts, progress: Progress
+    processes: Sequence[ProcessSpec],
+    children: ChildProcesses,
+    interrupts: Interrupts,
+    progress: Progress,
+    *,
+    is_lost: bool,
 ) -> bool:
     """End all nodes, the recorder last; return whether every recorder closed its bag."""
     first = [process.name for process in processes if not process.records]
     recorders = [process.name for process in processes if process.records]
     longer_s = start_patience_s(vehicles_of(processes))
-    exits = children.end(first, grace_s=SIGINT_GRACE_S + longer_s, is_hurried=lambda: interrupts.is_hurried)
-    recorder_exits = children.end(
-        recorders, grace_s=RECORDER_GRACE_S + longer_s, is_hurried=lambda: interrupts.is_hurried
+    end = partial(
+        children.end,
+        sigterm_after_s=LOST_HAND_OVER_S + longer_s if is_lost else None,
+        is_hurried=lambda: interrupts.is_hurried,
     )
+    exits = end(first, grace_s=SIGINT_GRACE_S + longer_s)
+    recorder_exits = end(recorders, grace_s=RECORDER_GRACE_S + longer_s)
     killed = children.end_orphans(grace_s=RECORDER_GRACE_S, is_hurried=lambda: interrupts.is_hurried)
     if killed:
         progress.message("warning: the process that writes the bag did not end, and was killed")

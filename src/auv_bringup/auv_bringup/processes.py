@@ -131,6 +131,7 @@ class ChildProcesses:
         names: Iterable[str],
         *,
         grace_s: float = SIGINT_GRACE_S,
+        sigterm_after_s: float | None = None,
         is_hurried: Callable[[], bool] = lambda: False,
     ) -> list[Exit]:
         """
@@ -142,6 +143,9 @@ class ChildProcesses:
             Children; those that have ended already are passed over.
         grace_s : float
             Time between SIGINT and SIGTERM (s).
+        sigterm_after_s : float, optional
+            Send SIGTERM so much after SIGINT (s), and then leave `grace_s` until SIGKILL: for children that
+            take SIGTERM as the word to wait for nobody.
         is_hurried : callable
             Asked all the time; once True the graces shrink to `HURRY_GRACE_S`.
 
@@ -154,7 +158,10 @@ class ChildProcesses:
         wanted = [name for name in names if name in self._running]
         exits: list[Exit] = []
         self._kill_stopped(wanted)
-        for number, patience_s in ((signal.SIGINT, grace_s), (signal.SIGTERM, SIGTERM_GRACE_S)):
+        sigint_s, sigterm_s = grace_s, SIGTERM_GRACE_S
+        if sigterm_after_s is not None:
+            sigint_s, sigterm_s = sigterm_after_s, grace_s
+        for number, patience_s in ((signal.SIGINT, sigint_s), (signal.SIGTERM, sigterm_s)):
             self._signal(wanted, number)
             exits += self._wait(wanted, patience_s, is_hurried)
         return exits + self.kill(wanted)

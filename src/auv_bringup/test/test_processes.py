@@ -31,6 +31,16 @@ signal.signal(signal.SIGINT, signal.SIG_IGN)
 print('ready', flush=True)
 time.sleep(100)
 """
+SLOW = """
+import signal, time
+for number in (signal.SIGINT, signal.SIGTERM):
+    signal.pthread_sigmask(signal.SIG_BLOCK, [number])
+print('ready', flush=True)
+for number in (signal.SIGINT, signal.SIGTERM):
+    signal.sigwait([number])
+time.sleep(2.5)  # longer than children have by default after SIGTERM
+print('bye')
+"""
 STUBBORN = NO_SIGINT.replace("print", "signal.signal(signal.SIGTERM, signal.SIG_IGN)\nprint")
 PARENT = """
 import os, sys
@@ -97,6 +107,13 @@ def test_a_child_deaf_to_sigint_gets_sigterm(tmp_path):
     with family(tmp_path, deaf=NO_SIGINT) as children:
         (exit_,) = children.end(["deaf"], grace_s=0.2)
         assert exit_.words == "killed by SIGTERM"
+
+
+def test_children_that_shall_wait_for_nobody_get_sigterm_early_and_then_the_whole_grace(tmp_path):
+    with family(tmp_path, slow=SLOW) as children:
+        (exit_,) = children.end(["slow"], grace_s=PATIENCE_S, sigterm_after_s=0.1)
+        assert exit_.words == "exit status 0"
+        assert last_lines(tmp_path / "slow.log") == ["ready", "bye"]
 
 
 def test_a_stubborn_child_is_killed_and_others_are_not_kept_waiting(tmp_path, short_graces):

@@ -4,7 +4,8 @@ The life of a ROS process of this project: start, spin, stop.
 Spinning is done by rclpy's EventsExecutor with finite time-outs (without one it spins for ever in the wheels
 that are published), and by the SingleThreadedExecutor where that one is missing.  SIGINT and SIGTERM only
 set a flag, however often they come, so that a node always finishes what it is doing, hands over what it has
-published, and leaves with its own exit status.
+published, and leaves with its own exit status.  A SIGTERM that follows another signal says that nobody will
+acknowledge what is left to hand over.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import signal
 import sys
 import time
 import traceback
+from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
@@ -45,6 +47,7 @@ _SWITCH_S = 1e-4
 """How long a thread waits for Python's lock before it asks for it, see `auv_core.steady_timer`."""
 _HAND_OVER_S = 5.0
 _HAND_OVER_UNSEEN_S = 0.5
+_HAND_OVER_LOOK = Duration(nanoseconds=100_000_000)
 _LOOK_S = 0.02
 _STRANGERS_S = 3.0
 """Longest wait for readers that are not the run's own, once its own are there."""
@@ -101,7 +104,11 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     try:
         for node in nodes:
             getattr(node, "on_stop", _nothing)()
-        _hand_over(nodes, is_clock_stepped=bool(wall.warning()))
+        _hand_over(
+            nodes,
+            is_in_vain=lambda: signal.SIGTERM in stopping[1:],
+            is_clock_stepped=bool(wall.warning()),
+        )
         return status or max((getattr(node, "exit_code", 0) for node in nodes), default=0)
     finally:
         for node in nodes:
@@ -275,9 +282,11 @@ def _can_match(offer: TopicEndpointInfo, reader: TopicEndpointInfo) -> bool:
     return compatible and offer.topic_type == reader.topic_type
 
 
-def _hand_over(nodes: Sequence[Node], *, is_clock_stepped: bool) -> None:
+def _hand_over(nodes: Sequence[Node], *, is_in_vain: Callable[[], bool], is_clock_stepped: bool) -> None:
     """
-    Wait, not for long, until every reader has what was published to it.
+    Wait, not for long, until every reader has what was published to it, or until that `is_in_vain`.
+
+    A publisher whose reader is dead does not keep the others from being waited for.
 
     The middleware waits until a time of the system clock. Where that was stepped, its waits may be endless,
     and Python stands still for as long: a short time must do.
@@ -286,11 +295,11 @@ def _hand_over(nodes: Sequence[Node], *, is_clock_stepped: bool) -> None:
         time.sleep(_HAND_OVER_UNSEEN_S)
         return
     deadline = time.monotonic() + _HAND_OVER_S
-    for node in nodes:
-        for publisher in node.publishers:
-            left_s = deadline - time.monotonic()
-            if left_s > 0.0:
-                publisher.wait_for_all_acked(Duration(nanoseconds=int(left_s * 1e9)))
+    waiting = deque(publisher for node in nodes for publisher in node.publishers)
+    while waiting and time.monotonic() < deadline and not is_in_vain():
+        publisher = waiting.popleft()
+        if not publisher.wait_for_all_acked(_HAND_OVER_LOOK):
+            waiting.append(publisher)
 
 
 def _raised_in(error: BaseException) -> str:
