@@ -213,6 +213,25 @@ def test_a_killed_node_is_named_and_stops_the_flight(start):
     assert (run.folder / "metrics.json").is_file()
 
 
+def test_an_agent_that_is_stopped_while_the_flight_starts_is_one_line(start):
+    run = start()
+    pause, deadline_s = threading.Event(), time.monotonic() + PATIENCE_S
+    agents = []
+    while not agents:
+        assert time.monotonic() < deadline_s
+        pause.wait(0.005)
+        with contextlib.suppress(OSError):
+            family = descendants_of(run.process.pid)
+            agents = [pid for pid in family if "agent_node /auv_2" in command_of(pid)]
+    os.kill(agents[0], signal.SIGSTOP)
+    status, _, errors = run.wait()
+    assert status == 3
+    (line,) = [line for line in errors.splitlines() if line.startswith(("error", "warning"))]
+    assert line.startswith("error: /auv_2/agent_node is stopped by a signal; ")
+    assert "nothing to report on: " in line
+    assert line.endswith(f"logs are in {run.folder / 'logs'}")
+
+
 def test_a_frozen_node_is_named_and_stops_the_flight(start):
     run = start().wait_until_up()
     frozen_at_s = time.monotonic()

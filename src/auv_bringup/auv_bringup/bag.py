@@ -22,6 +22,7 @@ _YAML_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fas
 _MOST_YAML_BYTES = 8_000_000
 """The metadata.yaml of 250 vehicles has half of it."""
 _DEEPEST_YAML = 20
+_INFORMATION = "rosbag2_bagfile_information"
 _NO_YAML = (
     yaml.YAMLError,
     ValueError,
@@ -155,15 +156,19 @@ def _typestore(topics: Collection[RecordedTopic]) -> Typestore:
     return store
 
 
+class _UnlikelyYamlError(ValueError):
+    """A text that no recorder writes; the message says why, in a few words."""
+
+
 def _load_yaml(text: str) -> Any:
     """Return what a recorder's YAML says, which is short, flat and without aliases; raise for any other."""
     if len(text) > _MOST_YAML_BYTES:
-        raise ValueError("too long")
+        raise _UnlikelyYamlError(f"it is longer than {_MOST_YAML_BYTES} bytes")
     depth = 0
     for event in yaml.parse(text, _YAML_LOADER):
         depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
         if depth > _DEEPEST_YAML or isinstance(event, yaml.AliasEvent):
-            raise ValueError("nested too deeply, or with aliases")
+            raise _UnlikelyYamlError(f"it has aliases, or is nested more than {_DEEPEST_YAML} deep")
     return yaml.load(text, _YAML_LOADER)  # noqa: S506 - it is a safe loader
 
 
@@ -211,15 +216,12 @@ class _DamagedMetadataError(Exception):
 
 def _files_by_metadata(metadata: Path) -> list[Path]:
     """Return the files that metadata.yaml names."""
-    try:
-        with metadata.open(encoding="utf-8") as file:
-            text = file.read(_MOST_YAML_BYTES + 1)
-        information = _load_yaml(text)["rosbag2_bagfile_information"]
-        storage, names = information["storage_identifier"], list(information["relative_file_paths"])
-    except (OSError, *_NO_YAML) as error:
-        raise _DamagedMetadataError(type(error).__name__) from None
+    information = _information(metadata)
+    storage, names = information.get("storage_identifier"), information.get("relative_file_paths")
     if not storage:
         raise _DamagedMetadataError("it names no storage")
+    if not isinstance(names, list):
+        raise _DamagedMetadataError("its relative_file_paths is not a list")
     folder = metadata.parent
     if storage != "mcap":
         raise BagError(f"{folder} is stored as {storage}; only mcap is read (`ros2 bag convert` makes it)")
@@ -228,6 +230,25 @@ def _files_by_metadata(metadata: Path) -> list[Path]:
     if missing or not files:
         raise BagError(f"{folder} lacks {', '.join(missing) or 'its .mcap file'}")
     return files
+
+
+def _information(metadata: Path) -> dict[str, Any]:
+    """Return what metadata.yaml says about its bag."""
+    try:
+        with metadata.open(encoding="utf-8") as file:
+            content = _load_yaml(file.read(_MOST_YAML_BYTES + 1))
+    except OSError as error:
+        raise _DamagedMetadataError(error.strerror or "it cannot be read") from None
+    except UnicodeDecodeError:
+        raise _DamagedMetadataError("it is not UTF-8 text") from None
+    except _UnlikelyYamlError as error:
+        raise _DamagedMetadataError(str(error)) from None
+    except _NO_YAML:
+        raise _DamagedMetadataError("it is not YAML") from None
+    information = content.get(_INFORMATION) if isinstance(content, dict) else None
+    if not isinstance(information, dict):
+        raise _DamagedMetadataError(f"it has no {_INFORMATION}")
+    return information
 
 
 def _file_number(path: Path) -> tuple[int, str]:

@@ -286,11 +286,11 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
     if flight.exit_status == INTERRUPTED:
         print(f"flown for {flight.simulated_s:.1f} s of {plan.scenario.duration_s:g} s")
         return _interrupted(folder)
-    status = _report_flight(plan, folder, options, flight)
+    status, remark = _report_flight(plan, folder, options, flight)
     if flight.lost_vehicles:
         print(f"lost on the way: {', '.join(flight.lost_vehicles)}")
     if flight.reason:
-        fail(flight.exit_status, f"{flight.reason}; logs are in {folder / results.LOGS}")
+        fail(flight.exit_status, f"{flight.reason}{remark}; logs are in {folder / results.LOGS}")
     return status
 
 
@@ -329,26 +329,25 @@ def _mend(folder: Path) -> None:
             print(f"note: {note}", file=sys.stderr, flush=True)
 
 
-def _report_flight(plan: Plan, folder: Path, options: argparse.Namespace, flight: Flight) -> int:
-    """Report on what the nodes recorded; return the exit status of the run."""
+def _report_flight(plan: Plan, folder: Path, options: argparse.Namespace, flight: Flight) -> tuple[int, str]:
+    """Report on what the nodes recorded; return the status of the run, and why a lost one has no report."""
     status = flight.exit_status
     if options.no_bag:
         print("nothing was recorded (--no-bag), so there are no metrics and no figures")
-        return status
+        return status, ""
     print("reading the bag ...", file=sys.stderr, flush=True)
     try:
         recording = results.load_recording(folder, plan.scenario, _warn)
     except results.ResultsError as error:
         if status == DONE:
             raise RuntimeError(str(error)) from None
-        return fail(status, str(error))  # a flight that was stopped early may have recorded nothing yet
+        return status, f"; {error}"  # a flight that was stopped early may have recorded nothing yet
     metrics = _show_results(folder, plan.scenario, recording, plan.mode, flight.real_time_factor, options)
     if status == DONE and plan.mode == "lockstep" and recording.n_ticks < plan.scenario.ticks:
         recorded_s = float(recording.t_s[-1])
-        return fail(
-            LOST, f"the bag holds {recorded_s:g} of {plan.scenario.duration_s:g} s: the recorder fell behind"
-        )
-    return COLLISION if status == DONE and metrics["collision"] else status
+        line = f"the bag holds {recorded_s:g} of {plan.scenario.duration_s:g} s: the recorder fell behind"
+        return fail(LOST, line), ""
+    return COLLISION if status == DONE and metrics["collision"] else status, ""
 
 
 def _warn(line: str) -> None:

@@ -189,9 +189,7 @@ def fly_nodes(
                 progress.message("ending the run; press Ctrl-C again to hurry it")
             elif supervisor.reason:
                 progress.message(f"{supervisor.reason}: ending the run")
-            bag_is_closed = _end_in_order(
-                processes, children, interrupts, progress, is_lost=supervisor.exit_status == LOST_STATUS
-            )
+            bag_is_closed = _end_in_order(processes, children, interrupts, progress, supervisor)
     flight = _flight(supervisor, was_interrupted, bag_is_closed, start_up_s)
     return replace(flight, strangers=tuple(listener.strangers))
 
@@ -260,8 +258,7 @@ def _end_in_order(
     children: ChildProcesses,
     interrupts: Interrupts,
     progress: Progress,
-    *,
-    is_lost: bool,
+    supervisor: Supervisor,
 ) -> bool:
     """End all nodes, the recorder last; return whether every recorder closed its bag."""
     first = [process.name for process in processes if not process.records]
@@ -269,7 +266,7 @@ def _end_in_order(
     longer_s = start_patience_s(vehicles_of(processes))
     end = partial(
         children.end,
-        sigterm_after_s=LOST_HAND_OVER_S + longer_s if is_lost else None,
+        sigterm_after_s=LOST_HAND_OVER_S + longer_s if supervisor.exit_status == LOST_STATUS else None,
         is_hurried=lambda: interrupts.is_hurried,
     )
     exits = end(first, grace_s=SIGINT_GRACE_S + longer_s)
@@ -278,7 +275,7 @@ def _end_in_order(
     if killed:
         progress.message("warning: the process that writes the bag did not end, and was killed")
     for exit_ in exits + recorder_exits:
-        if exit_.returncode not in (0, LOST_STATUS):
+        if exit_.returncode not in (0, LOST_STATUS) and exit_.name not in supervisor.stopped_processes:
             progress.message(
                 f"warning: {exit_.name} did not end cleanly: {exit_.words}; "
                 f"its log is {children.log(exit_.name)}"

@@ -64,6 +64,8 @@ class Supervisor:
         Why it was stopped, one line; '' if it was not.
     lost_vehicles : list of str
         Vehicles that the flight went on without, in the order of loss.
+    stopped_processes : list of str
+        Names of the processes lost because a signal has stopped them.
 
     """
 
@@ -89,6 +91,7 @@ class Supervisor:
         self.exit_status = 0
         self.reason = ""
         self.lost_vehicles: list[str] = []
+        self.stopped_processes: list[str] = []
 
     @property
     def is_finished(self) -> bool:
@@ -175,6 +178,8 @@ class Supervisor:
         for name, started in stopped.items():
             if before_s.get(name, 0.0) <= STOPPED_S < self._stopped_for_s[name]:
                 process = self._processes[name]
+                if not started:
+                    self.stopped_processes.append(name)
                 also = " (with /clock_node)" if process.role == "relay" else ""
                 who = f"{started}, started by {name}," if started else f"{name}{also}"
                 self._lose(process, f"{who} is stopped by a signal")

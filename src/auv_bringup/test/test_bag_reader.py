@@ -250,3 +250,30 @@ def test_a_difference_is_named(tmp_path, rows, said):
     else:
         assert len(differences) == 1
         assert differences[0].startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"[1, 2]", "it has no rosbag2_bagfile_information"),
+        (b"", "it has no rosbag2_bagfile_information"),
+        (b"rosbag2_bagfile_information: 5", "it has no rosbag2_bagfile_information"),
+        (b"rosbag2_bagfile_information: {}", "it names no storage"),
+        (
+            b"rosbag2_bagfile_information: {storage_identifier: mcap, relative_file_paths: 5}",
+            "its relative_file_paths is not a list",
+        ),
+        (b"a: [", "it is not YAML"),
+        (b"? {a: 1}\n: 2", "it is not YAML"),
+        (b"a: 2026-99-99", "it is not YAML"),
+        (b"\xff\xfe\xfa", "it is not UTF-8 text"),
+        (b"[" * 21 + b"]" * 21, "it has aliases, or is nested more than 20 deep"),
+        (b"a: &b [1]\nc: *b", "it has aliases, or is nested more than 20 deep"),
+    ],
+)
+def test_what_is_wrong_with_a_metadata_file_is_said_in_words(tmp_path, content, reason):
+    write_payloads(tmp_path / "bag", [("/a", 1)], 100).close()
+    metadata = tmp_path / "bag" / "metadata.yaml"
+    metadata.write_bytes(content)
+    (note,) = Bag(tmp_path / "bag").notes
+    assert note == f"{metadata} is damaged ({reason}); the .mcap files beside it are read"
