@@ -11,6 +11,7 @@ kernel kills them (PR_SET_PDEATHSIG, Linux). Nothing here knows runs or figures.
 from __future__ import annotations
 
 import ctypes
+import math
 import multiprocessing
 import os
 import signal
@@ -29,6 +30,8 @@ from auv_bringup.worker_watch import Watch
 
 _WAIT_SLICE_S = 0.25
 _LOOK_EVERY_S = 1.0
+_LONGEST_LOOK_S = 2.0
+"""After a longer pause all were stopped, as by Ctrl-Z: no call is blamed for that time."""
 _JOIN_TIMEOUT_S = 5.0
 _TRIES_IN_COMPANY = 2
 _STARTS_PER_WORKER = 3
@@ -53,6 +56,7 @@ def spread(
     on_result: Callable[[int, Any], None],
     on_progress: Callable[[float], None] = lambda amount: None,
     on_message: Callable[[str], None] = lambda line: None,
+    limit_s: Callable[[int], float] = lambda index: math.inf,
 ) -> None:
     """
     Make calls in worker processes, in their order as workers become free.
@@ -69,6 +73,8 @@ def spread(
         Told now and then the sum of all amounts so far.
     on_message : callable
         Told in one line when a worker does not run any more and is replaced.
+    limit_s : callable
+        Asked again and again how long the call of an index may take (s, wall).
 
     Raises
     ------
@@ -79,10 +85,11 @@ def spread(
     -----
     A worker that is stopped, or that takes no processor time, is killed and replaced. A call whose worker
     ended twice is made once more when nothing else is, so that only the call that kills its worker fails.
+    A call that takes longer than its limit is ended with its worker, and has failed.
     When an exception (Ctrl-C) ends the wait, the workers are killed and gone when this returns.
 
     """
-    pool = _Pool(calls, on_result, on_progress, on_message)
+    pool = _Pool(calls, on_result, on_progress, on_message, limit_s)
     try:
         pool.make(range(len(calls)), n_workers)
         for index in pool.take_suspects():
@@ -106,6 +113,7 @@ class _Worker:
         self.is_ready = False
         self.call: int | None = None
         self.amount = 0.0
+        self.spent_s = 0.0
 
     @property
     def is_free(self) -> bool:
@@ -114,7 +122,7 @@ class _Worker:
 
     def give(self, index: int) -> None:
         """Let it make a call."""
-        self.call, self.amount = index, 0.0
+        self.call, self.amount, self.spent_s = index, 0.0, 0.0
         with suppress(BrokenPipeError):  # it has just ended, which its sentinel tells
             self.stream.send(index.to_bytes(_INDEX_BYTES, "little"))
 
@@ -134,8 +142,10 @@ class _Pool:
         on_result: Callable[[int, Any], None],
         on_progress: Callable[[float], None],
         on_message: Callable[[str], None],
+        limit_s: Callable[[int], float],
     ) -> None:
         self._calls = calls
+        self._limit_s = limit_s
         self._on_result, self._on_progress, self._on_message = on_result, on_progress, on_message
         self._workers: list[_Worker] = []
         self._waiting: deque[int] = deque()
@@ -143,7 +153,7 @@ class _Pool:
         self._suspects: list[int] = []
         self._stillborn = 0
         self._done = 0.0
-        self._look_at_s = 0.0
+        self._looked_at_s = time.monotonic()
 
     def make(self, indices: Iterable[int], n_workers: int) -> None:
         """Make calls; those whose workers ended too often become suspects."""
@@ -218,15 +228,27 @@ class _Pool:
             self._suspects.append(worker.call)
 
     def _look(self) -> None:
-        """Kill workers that do not run any more."""
-        now_s = time.monotonic()
-        if now_s < self._look_at_s:
+        """Kill workers that do not run any more, or that take too long."""
+        passed_s = time.monotonic() - self._looked_at_s
+        if passed_s < _LOOK_EVERY_S:
             return
-        self._look_at_s = now_s + _LOOK_EVERY_S
-        for worker in self._workers:
+        self._looked_at_s += passed_s
+        for worker in list(self._workers):
+            worker.spent_s += min(passed_s, _LONGEST_LOOK_S)
+            if worker.call is not None and worker.spent_s > self._limit_s(worker.call):
+                self._give_up(worker, worker.call)
+                continue
             if not worker.is_free and (fault := worker.watch.look()):
                 self._on_message(f"worker process {worker.process.pid} {fault}; it is ended and replaced")
                 worker.process.kill()
+
+    def _give_up(self, worker: _Worker, index: int) -> None:
+        """End a worker whose call takes too long, and the call with it."""
+        self._workers.remove(worker)
+        worker.end()
+        self._done += worker.amount
+        line = f"took longer than {self._limit_s(index):.3g} s, and was ended"
+        self._on_result(index, Failure(line, line + "\n"))
 
 
 def _start(process: multiprocessing.process.BaseProcess) -> None:

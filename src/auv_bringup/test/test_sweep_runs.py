@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import io
+import math
 import multiprocessing
 import os
 import random
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import threading
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import psutil
@@ -26,11 +28,12 @@ import auv_flocking.separation
 from auv_bringup import workers
 from auv_bringup.run_key import source_version
 from auv_bringup.sweeps import cli, cluster, local, parts, worker
+from auv_bringup.sweeps.patience import Patience
 from auv_bringup.sweeps.plan import plan_runs
 from auv_bringup.sweeps.runner import run_sweep
 from auv_bringup.sweeps.study import study_from_plain
 from auv_bringup.sweeps.table import WALL_CLOCK_COLUMNS
-from auv_bringup.sweeps.worker import SourceMismatchError, fly_run
+from auv_bringup.sweeps.worker import Finished, SourceMismatchError, fly_run
 from auv_bringup.tally import Tally
 
 LOSS = "acoustics.outage.params.loss_prob"
@@ -329,6 +332,81 @@ def test_nobody_can_hand_a_run_to_a_sweep_on_this_machine(tmp_path):
 def is_open_to_others(found):
     """Tell whether a socket has a name for others to connect to; those of a socket pair have none."""
     return bool(found.laddr) and not found.raddr
+
+
+def test_a_run_that_never_ends_is_a_failed_row_and_the_next_call_tries_it_again(
+    tmp_path, monkeypatch, capsys
+):
+    def looping(scenario_json, source):
+        while '"seed": 2' in scenario_json:
+            pass
+        return Finished({"packet_delivery_ratio": 1.0}, wall_s=0.1, cpu_s=0.1)
+
+    monkeypatch.setattr(local, "fly_run", looping)
+    command = [str(written(tmp_path)), "--out", str(tmp_path / "out"), "--workers", "2", "--limit-s", "2"]
+    for flown in ("runs: 6", "runs: 2, and 4 kept"):
+        assert cli.main(command) == 1
+        errors = capsys.readouterr().err
+        assert flown in errors
+        lines = [line for line in errors.splitlines() if "took longer than 2 s, and was ended" in line]
+        assert len(lines) == 2
+        failed = [row for row in rows_of(tmp_path / "out") if row["status"] == "failed"]
+        assert [row["seed"] for row in failed] == [2, 2]
+
+
+def test_patience_follows_from_what_others_took_and_from_the_effort():
+    short, long = (replace(plan_runs(study_from_plain(TINY))[0], effort=effort) for effort in (10.0, 1e4))
+    patience = Patience()
+    assert patience.limit_s(short) == math.inf
+    patience.note(short, Finished({}, "it sank", "it sank"))
+    assert patience.limit_s(short) == math.inf
+    for wall_s in (0.5, 1.0, 90.0):
+        patience.note(short, Finished({}, wall_s=wall_s))
+    assert patience.limit_s(short) == 300.0
+    assert patience.limit_s(long) == pytest.approx(20 * 1000.0)
+    assert Patience(7.0).limit_s(long) == 7.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["--limit-s", "x"], "--limit-s: 'x' is not allowed; allowed: a number of seconds, at least 1"),
+        (["--limit-s", "nan"], "--limit-s: 'nan' is not allowed; allowed: a number of seconds, at least 1"),
+        (["--limit-s", "0.5"], "--limit-s: '0.5' is not allowed; allowed: a number of seconds, at least 1"),
+        (["--limit-s", "9", "--scheduler", "tcp://127.0.0.1:1"], "--limit-s 9: not allowed with --scheduler"),
+    ],
+)
+def test_a_limit_that_cannot_be_is_one_line(tmp_path, capsys, arguments, line):
+    try:
+        status = cli.main([str(written(tmp_path)), *arguments])
+    except SystemExit as ended:
+        status = ended.code
+    assert status == 2
+    (error,) = capsys.readouterr().err.splitlines()
+    assert line in error
+
+
+def test_two_sweeps_never_fly_into_one_folder(tmp_path, monkeypatch, capsys):
+    out = tmp_path / "out"
+    command = [str(written(tmp_path)), "--out", str(out), "--workers", "1"]
+    again = []
+
+    def fly(runs, on_result, on_message, **_):
+        again.append(
+            subprocess.run([sys.executable, "-m", cli.__name__, *command], capture_output=True, text=True)
+        )
+        local_fly(runs, on_result, on_message, n_workers=1)
+
+    local_fly = local.fly_here
+    monkeypatch.setattr(local, "fly_here", fly)
+    assert cli.main(command) == 0
+    (second,) = again
+    assert second.returncode == 2
+    assert second.stderr == (
+        f"error: --out {str(out)!r}: another sweep is flying into it; allowed: a folder of its own\n"
+    )
+    capsys.readouterr()
+    assert cli.main(command) == 0  # when it has ended, the folder is free again
 
 
 @pytest.mark.slow

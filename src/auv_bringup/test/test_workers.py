@@ -19,7 +19,7 @@ WAIT_S = 60.0
 LONGER_THAN_A_PIPE_BYTES = 1 << 22
 
 
-def collect(calls, n_workers=2):
+def collect(calls, n_workers=2, **options):
     """Make calls; return results by index, amounts of progress, and messages."""
     results, amounts, words = {}, [], []
     workers.spread(
@@ -28,6 +28,7 @@ def collect(calls, n_workers=2):
         on_result=results.__setitem__,
         on_progress=amounts.append,
         on_message=words.append,
+        **options,
     )
     assert multiprocessing.active_children() == []
     return results, amounts, words
@@ -102,6 +103,21 @@ def test_a_stopped_worker_is_named_and_replaced(tmp_path, hasty_watch):
     (line,) = words
     assert line.startswith("worker process ")
     assert "has been stopped for" in line
+
+
+def test_a_call_that_never_ends_is_ended_at_its_limit_and_fails_alone(hasty_watch):
+    def loop(advance):
+        advance(0.25)
+        while True:
+            pass
+
+    limits_s = {0: 0.5}
+    calls = [loop, *[lambda advance: 1] * 5]
+    results, amounts, words = collect(calls, limit_s=lambda index: limits_s.get(index, WAIT_S))
+    assert results[0].line == "took longer than 0.5 s, and was ended"
+    assert [results[n] for n in range(1, 6)] == [1] * 5
+    assert amounts[-1] == 0.25
+    assert words == []
 
 
 def test_after_ctrl_z_and_fg_no_worker_is_blamed():

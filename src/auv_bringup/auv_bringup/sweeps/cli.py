@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import argparse
+import fcntl
+import math
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from auv_bringup.failures import DONE, FAILED, answered
-from auv_bringup.one_line_parser import MOST_WORKERS, OneLineParser, fail, whole_number
+from auv_bringup.one_line_parser import MOST_WORKERS, OneLineParser, fail, refusal, whole_number
 from auv_bringup.results import FIGURES, ResultsError, make_folder
 from auv_bringup.sweeps.study import Study, list_studies, load_study
 from auv_core.params import ConfigError
 
 if TYPE_CHECKING:
+    from auv_bringup.sweeps.patience import Patience
     from auv_bringup.sweeps.runner import Fly
 
 _OUT = Path("results/sweeps")
@@ -31,7 +35,8 @@ how it works:
   Every run is resolved and checked before the first is flown. Each is kept as it ends:
   a sweep that was ended in any way goes on where it was, by the same command. What is
   kept is used until the scenario, a law, a model or a numerical package changes.
-  A run that fails does not stop the others, nor does a worker that dies or is stopped.
+  A run that fails does not stop the others, nor does a worker that dies or is stopped,
+  nor a run that never ends (see --limit-s). One sweep at a time flies into a folder.
 
 results:
   DIR/runs.parquet    one row per run: parameters, seed, status, every metric
@@ -89,6 +94,13 @@ def _parser() -> argparse.ArgumentParser:
         metavar="ADDRESS",
         help="address (tcp://host:port) or scheduler file (*.json) of a Dask cluster to fly on",
     )
+    parser.add_argument(
+        "--limit-s",
+        type=_seconds,
+        metavar="S",
+        help="end a run that takes longer (s), and count it as failed "
+        "(default: 20 times the median of the others, at least 300 s; a cluster has no limit)",
+    )
     parser.add_argument("--fresh", action="store_true", help="fly everything again, also what is kept")
     other = parser.add_mutually_exclusive_group()
     other.add_argument("--list", action="store_true", help="list the built-in studies")
@@ -97,6 +109,17 @@ def _parser() -> argparse.ArgumentParser:
         "--summarise", type=Path, metavar="DIR", help="make page, figures and summary from DIR/runs.parquet"
     )
     return parser
+
+
+def _seconds(text: str) -> float:
+    allowed = "a number of seconds, at least 1"
+    try:
+        value = float(text)
+    except ValueError:
+        raise refusal(text, allowed) from None
+    if not 1.0 <= value < math.inf:
+        raise refusal(text, allowed)
+    return value
 
 
 def _do(options: argparse.Namespace) -> int:
@@ -116,32 +139,68 @@ def _do(options: argparse.Namespace) -> int:
 def _sweep(study: Study, options: argparse.Namespace) -> int:
     from auv_bringup.sweeps.plan import plan_runs
 
+    if options.scheduler and options.limit_s is not None:
+        raise ConfigError(
+            f"--limit-s {options.limit_s:g}: not allowed with --scheduler; allowed: for runs on this machine"
+        )
     print(f"{study.name}: {study.title}\n{study.n_runs} runs to check", flush=True)
     runs = plan_runs(study)
     if options.check:
         n_points = len(runs) // len(study.seeds)
         print(f"all allowed: {n_points} points, {len(study.seeds)} seeds each; nothing was flown")
         return DONE
+    from auv_bringup.sweeps.patience import Patience
     from auv_bringup.sweeps.runner import run_sweep
     from auv_bringup.tally import Tally
     from auv_bringup.workers import WorkersError
 
     folder = options.out or _OUT / study.name
     make_folder(folder)
+    patience = Patience(options.limit_s)
     try:
-        with Tally("runs") as tally:
-            run_sweep(study, runs, folder, _way_to_fly(options), tally=tally, is_fresh=options.fresh)
+        with _alone_in(folder), Tally("runs") as tally:
+            run_sweep(
+                study,
+                runs,
+                folder,
+                _way_to_fly(options, patience),
+                tally=tally,
+                is_fresh=options.fresh,
+                on_known=patience.note,
+            )
     except WorkersError as error:
         return fail(FAILED, f"{error}; finished runs are kept for the next call")
     return _summarise(folder)
 
 
-def _way_to_fly(options: argparse.Namespace) -> Fly:
+@contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    """Hold a folder against other sweeps; the kernel lets it go if this process is killed."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        _lock(descriptor, folder)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _lock(descriptor: int, folder: Path) -> None:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise ResultsError(
+            f"--out {str(folder)!r}: another sweep is flying into it; allowed: a folder of its own"
+        ) from None
+    except OSError:  # a file system that locks no folders
+        return
+
+
+def _way_to_fly(options: argparse.Namespace, patience: Patience) -> Fly:
     """Return what flies runs; Dask is loaded only for a cluster."""
     from auv_bringup.sweeps.local import fly_here
 
     if not options.scheduler:
-        return partial(fly_here, n_workers=options.workers)
+        return partial(fly_here, n_workers=options.workers, patience=patience)
     from auv_bringup.sweeps.cluster import fly_there
 
     return partial(fly_there, scheduler=options.scheduler)

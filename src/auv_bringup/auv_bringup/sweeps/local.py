@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
 from auv_bringup.failures import Failure
 from auv_bringup.flight import load_source
 from auv_bringup.run_key import source_version
+from auv_bringup.sweeps.patience import Patience
 from auv_bringup.sweeps.plan import PlannedRun
 from auv_bringup.sweeps.worker import Finished, fly_run
 from auv_bringup.workers import Advance, spread
@@ -19,6 +21,7 @@ def fly_here(
     on_message: Callable[[str], None],
     *,
     n_workers: int,
+    patience: Patience | None = None,
 ) -> None:
     """
     Fly runs in processes of this machine, in their order as workers become free.
@@ -33,6 +36,8 @@ def fly_here(
         Told in one line when a worker is replaced.
     n_workers : int
         Number of processes.
+    patience : Patience, optional
+        Says how long a run may take; left out, as long as it does.
 
     Raises
     ------
@@ -48,7 +53,10 @@ def fly_here(
             result = Finished({}, result.line, result.traceback, is_lasting=False)
         on_result(runs[index], result)
 
-    spread(calls, n_workers, on_result=note, on_message=on_message)
+    def limit_s(index: int) -> float:
+        return math.inf if patience is None else patience.limit_s(runs[index])
+
+    spread(calls, n_workers, on_result=note, on_message=on_message, limit_s=limit_s)
 
 
 def _fly(scenario_json: str, source: str, advance: Advance) -> Finished:

@@ -35,6 +35,7 @@ def run_sweep(
     *,
     tally: Tally,
     is_fresh: bool = False,
+    on_known: OnResult = lambda run, finished: None,
 ) -> Path:
     """
     Fly what is not kept from an earlier call, and write the table and the tracebacks of what failed.
@@ -52,6 +53,8 @@ def run_sweep(
         Told what happens.
     is_fresh : bool
         Fly runs that are kept, too.
+    on_known : callable
+        Told each run that is kept or flown, and what came of it.
 
     Returns
     -------
@@ -71,6 +74,8 @@ def run_sweep(
     parts = Parts(folder / PARTS)
     by_key = {run.key: run for run in runs}
     found = {} if is_fresh else _kept(parts, by_key, tally.message)
+    for key, finished in found.items():
+        on_known(by_key[key], finished)
     missing = sorted((run for run in by_key.values() if run.key not in found), key=lambda run: -run.effort)
     remark = f", and {len(found)} kept from an earlier call" if found else ""
     tally.start(len(missing), sum(run.effort for run in missing), remark)
@@ -79,6 +84,7 @@ def run_sweep(
     def keep(run: PlannedRun, finished: Finished) -> None:
         nonlocal done
         found[run.key] = finished
+        on_known(run, finished)
         if finished.is_lasting:
             parts.put(run.key, finished)
         if finished.error:
