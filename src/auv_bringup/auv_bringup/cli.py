@@ -305,8 +305,8 @@ def _interrupted(folder: Path) -> int:
 
 
 def _remember_flight(folder: Path, flight: Flight, domain_id: int) -> None:
-    record = results.read_json(folder / results.PROVENANCE_FILE)
-    record.update(
+    results.write_ending(
+        folder,
         domain_id=domain_id,
         exit_status=flight.exit_status,
         stopped_because=flight.reason or None,
@@ -316,7 +316,6 @@ def _remember_flight(folder: Path, flight: Flight, domain_id: int) -> None:
         real_time_factor=flight.real_time_factor,
         start_up_s=flight.start_up_s,
     )
-    results.write_json(folder / results.PROVENANCE_FILE, record)
 
 
 def _mend(folder: Path) -> None:

@@ -128,7 +128,7 @@ def start_results(plan: Plan, parent: Path) -> Path:
     try:
         (folder / results.LOGS).mkdir()
         write_text(folder / results.SCENARIO_FILE, text)
-        results.write_json(folder / results.PROVENANCE_FILE, record)
+        results.write_beginning(folder, record, has_ending=plan.mode in ROS_MODES)
     except OSError:
         shutil.rmtree(folder, ignore_errors=True)  # nothing of a run that did not start
         raise

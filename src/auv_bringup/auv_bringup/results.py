@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from auv_bringup.strict_yaml import parse_yaml
-from auv_bringup.whole_files import write_text
+from auv_bringup.whole_files import reserve, write_reserved, write_text
 
 if TYPE_CHECKING:
     from auv_bringup.recording import Recording
@@ -40,6 +40,8 @@ REPORT_FILE = "report.html"
 SCENARIO_FILE = "scenario.yaml"
 
 _GIT_TIMEOUT_S = 5.0
+_ENDING_BYTES = 32_768
+"""Room for how a flight ended: a few numbers, a reason, and lines about strangers."""
 
 
 class ResultsError(ValueError):
@@ -174,8 +176,26 @@ def _git(folder: Path, *arguments: str) -> str:
 
 def write_json(path: Path, data: dict[str, Any]) -> None:
     """Write strict JSON; a number that is not finite becomes null."""
+    write_text(path, _json_text(data))
+
+
+def _json_text(data: dict[str, Any]) -> str:
     plain = {key: None if isinstance(v, float) and not math.isfinite(v) else v for key, v in data.items()}
-    write_text(path, json.dumps(plain, indent=2, allow_nan=False) + "\n")
+    return json.dumps(plain, indent=2, allow_nan=False) + "\n"
+
+
+def write_beginning(folder: Path, record: dict[str, Any], *, has_ending: bool) -> None:
+    """Write the provenance of a run; where a flight `has_ending`, keep room for how it ends."""
+    path = folder / PROVENANCE_FILE
+    write_json(path, record)
+    if has_ending:
+        reserve(path, path.stat().st_size + _ENDING_BYTES)
+
+
+def write_ending(folder: Path, **ending: Any) -> None:
+    """Add to the provenance of a run how it ended, also on a full disk."""
+    path = folder / PROVENANCE_FILE
+    write_reserved(path, _json_text({**read_json(path), **ending}))
 
 
 def read_json(path: Path) -> dict[str, Any]:

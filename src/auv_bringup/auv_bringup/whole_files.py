@@ -52,6 +52,32 @@ def write_bytes(path: Path, data: bytes) -> None:
         unfinished.write_bytes(data)
 
 
+def reserve(path: Path, room_bytes: int) -> None:
+    """Keep room beside `path` for `write_reserved`; raise WriteError if there is none."""
+    reserved = _reserved(path)
+    try:
+        with reserved.open("wb") as stream:
+            os.posix_fallocate(stream.fileno(), 0, room_bytes)
+    except OSError as error:
+        reserved.unlink(missing_ok=True)
+        raise write_error(path, error) from error
+
+
+def write_reserved(path: Path, text: str) -> None:
+    """Write a text file as `write_text` does, in the room that was reserved for it: the disk may be full."""
+    data = text.encode()
+    with whole_file(path) as unfinished:
+        with suppress(FileNotFoundError):  # nothing was reserved
+            _reserved(path).replace(unfinished)
+        with os.fdopen(os.open(unfinished, os.O_WRONLY | os.O_CREAT, 0o666), "wb") as stream:
+            stream.write(data)
+            stream.truncate()
+
+
+def _reserved(path: Path) -> Path:
+    return path.with_name(f".{path.stem}.reserved{path.suffix}")
+
+
 def write_error(path: Path | str, error: OSError) -> WriteError:
     """Return an error that says in one line why `path` cannot be written."""
     if isinstance(error, FileNotFoundError):

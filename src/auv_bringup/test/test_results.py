@@ -5,8 +5,10 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from full_disk import on_a_tiny_disk
 
 from auv_bringup import results
+from auv_bringup.plan import make_plan, start_results
 from auv_bringup.results import (
     ResultsError,
     git_state,
@@ -144,3 +146,29 @@ def test_a_folder_without_a_recording_is_one_line(tmp_path):
     with pytest.raises(ResultsError) as error:
         results.load_recording(tmp_path, load_scenario("flock_acoustic"))
     assert "\n" not in str(error.value)
+
+
+def test_on_a_full_disk_the_provenance_of_a_flight_still_says_how_it_ended(tmp_path):
+    said = on_a_tiny_disk(
+        tmp_path,
+        """
+import json
+from auv_bringup import results
+from auv_bringup.plan import make_plan, start_results
+from auv_bringup.plan import make_plan, start_results
+
+folder = start_results(make_plan("flock_acoustic", mode="lockstep"), disk)
+fill()
+results.write_ending(folder, exit_status=3, stopped_because="x" * 1000, strangers=["y" * 100] * 100)
+known = json.loads((folder / "provenance.json").read_text())
+print(known["seed"], known["exit_status"], len(known["packages"]) > 10)
+print(sorted(path.name for path in folder.iterdir()))
+""",
+    )
+    assert said.splitlines() == ["1 3 True", "['logs', 'provenance.json', 'scenario.yaml']"]
+
+
+@pytest.mark.parametrize(("mode", "is_kept"), [("lockstep", True), ("inprocess", False)])
+def test_room_is_kept_for_the_end_of_a_flight_with_nodes_only(tmp_path, mode, is_kept):
+    folder = start_results(make_plan("flock_acoustic", mode=mode), tmp_path)
+    assert (folder / ".provenance.reserved.json").exists() == is_kept

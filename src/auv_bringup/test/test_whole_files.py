@@ -3,9 +3,9 @@
 import shutil
 
 import pytest
-from full_disk import files_of_at_most
+from full_disk import files_of_at_most, on_a_tiny_disk
 
-from auv_bringup.whole_files import WriteError, whole_file, write_bytes, write_text
+from auv_bringup.whole_files import WriteError, reserve, whole_file, write_bytes, write_reserved, write_text
 
 
 def test_a_file_takes_the_place_of_the_old_one(tmp_path):
@@ -50,3 +50,43 @@ def test_an_error_of_the_writer_leaves_nothing(tmp_path):
     with pytest.raises(ZeroDivisionError):
         write()
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("text", ["shorter", "a text that is longer than what was reserved: größer"])
+def test_a_reserved_file_takes_the_place_of_the_old_one(tmp_path, text):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    reserve(path, 20)
+    write_reserved(path, text)
+    assert path.read_text(encoding="utf-8") == text
+    write_reserved(path, "again, with nothing reserved")
+    assert path.read_text() == "again, with nothing reserved"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_without_room_nothing_is_reserved(tmp_path):
+    with files_of_at_most(1000), pytest.raises(WriteError, match=r"a\.txt: File too large"):
+        reserve(tmp_path / "a.txt", 2000)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_was_reserved_is_written_on_a_full_disk(tmp_path):
+    said = on_a_tiny_disk(
+        tmp_path,
+        """
+from auv_bringup.whole_files import WriteError, reserve, write_reserved, write_text
+
+path = disk / "a.txt"
+write_text(path, "old")
+reserve(path, 100_000)
+fill()
+try:
+    write_text(path, "x" * 90_000)
+except WriteError as error:
+    print(str(error).rpartition(": ")[2])
+print(path.read_text())
+write_reserved(path, "x" * 90_000)
+print(len(path.read_text()))
+""",
+    )
+    assert said.splitlines() == ["No space left on device", "old", "90000"]
