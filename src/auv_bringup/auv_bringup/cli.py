@@ -23,14 +23,13 @@ from auv_bringup.node_start import ONE_THREAD
 from auv_bringup.one_line_parser import OneLineParser, fail
 from auv_bringup.plan import DEFAULT_SCENARIO, MODES, ROS_MODES, Plan, make_plan, start_results
 from auv_bringup.ros_environment import check_ros_environment
+from auv_bringup.verdict import LOST, verdict
+from auv_core.params import ConfigError
 
 if TYPE_CHECKING:
     from auv_bringup.launcher import Flight
     from auv_bringup.recording import Recording
     from auv_bringup.scenario import Scenario
-from auv_core.params import ConfigError
-
-LOST, COLLISION = 3, 4
 
 _HELP = """\
 Fly a flock of autonomous underwater vehicles, and say in numbers and figures what came
@@ -88,7 +87,8 @@ exit status:
   4    two hulls touched; the flight was completed
   130  Ctrl-C
   A touch of hulls is found in the recording. With --no-bag a run with nodes has none:
-  the touch is not noticed, and the status is not 4.
+  the touch is not noticed, and the status is not 4. provenance.json keeps the status of
+  a run with nodes.
 
 examples:
   ./scripts/run                                  the main job: 650 s, four vehicles
@@ -250,7 +250,8 @@ def _fly_in_process(plan: Plan, folder: Path, options: argparse.Namespace) -> in
         recording.save(folder / results.RECORDING_FILE)
     factor = float(recording.t_s[-1]) / wall_s
     metrics = _show_results(folder, plan.scenario, recording, plan.mode, factor, options)
-    return COLLISION if metrics["collision"] else DONE
+    status, _ = verdict(metrics, plan.scenario, plan.mode)
+    return status
 
 
 def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim: DomainClaim) -> int:
@@ -287,6 +288,8 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
         print(f"flown for {flight.simulated_s:.1f} s of {plan.scenario.duration_s:g} s")
         return _interrupted(folder)
     status, remark = _report_flight(plan, folder, options, flight)
+    if status != flight.exit_status:
+        results.write_ending(folder, exit_status=status)
     if flight.lost_vehicles:
         print(f"lost on the way: {', '.join(flight.lost_vehicles)}")
     if flight.reason:
@@ -342,11 +345,10 @@ def _report_flight(plan: Plan, folder: Path, options: argparse.Namespace, flight
             raise RuntimeError(str(error)) from None
         return status, f"; {error}"  # a flight that was stopped early may have recorded nothing yet
     metrics = _show_results(folder, plan.scenario, recording, plan.mode, flight.real_time_factor, options)
-    if status == DONE and plan.mode == "lockstep" and recording.n_ticks < plan.scenario.ticks:
-        recorded_s = float(recording.t_s[-1])
-        line = f"the bag holds {recorded_s:g} of {plan.scenario.duration_s:g} s: the recorder fell behind"
-        return fail(LOST, line), ""
-    return COLLISION if status == DONE and metrics["collision"] else status, ""
+    if status != DONE:
+        return status, ""
+    status, why = verdict(metrics, plan.scenario, plan.mode)
+    return (fail(LOST, why) if status == LOST else status), ""
 
 
 def _warn(line: str) -> None:

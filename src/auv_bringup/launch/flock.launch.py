@@ -8,7 +8,9 @@ Fly a scenario with `ros2 launch`: the nodes of `./scripts/run`, started the ROS
 
 It takes a ROS domain as `./scripts/run` does: $ROS_DOMAIN_ID, or the next that no other run holds.
 It makes the same results folder, with the scenario, the bag and the logs of the nodes, and ends by itself:
-with metrics, figures and report, and with a status that is not 0 if the flight was lost.
+with metrics, figures and report. `ros2 launch` knows no status but 0 and 1: 1 says that the flight was lost,
+that hulls touched, or that there is no report. The status that `./scripts/run` would give is `exit_status` in
+provenance.json: 0, 3, 4, or 130 after Ctrl-C.
 """
 
 import os
@@ -36,6 +38,7 @@ from launch_ros.actions import Node
 from auv_bringup import results
 from auv_bringup.compose import NodeSpec, node_specs
 from auv_bringup.domains import DomainClaim, claim_domain
+from auv_bringup.failures import DONE, INTERRUPTED
 from auv_bringup.layout import DEFAULT_LAYOUT, LAYOUTS, ProcessSpec, process_specs
 from auv_bringup.node_start import (
     container_arguments,
@@ -46,15 +49,17 @@ from auv_bringup.node_start import (
     reach_notes,
     write_params_file,
 )
-from auv_bringup.plan import DEFAULT_SCENARIO, ROS_MODES, make_plan, start_results
+from auv_bringup.plan import DEFAULT_SCENARIO, ROS_MODES, Plan, make_plan, start_results
+from auv_bringup.shared_memory import clear_shared_memory
+from auv_bringup.verdict import LOST, verdict
 from auv_core.params import ConfigError
 
 # A node hands over what it has published, the recorder closes the bag: launch's own 5 s could be too short.
 TIME_TO_LEAVE = {"sigterm_timeout": "30", "sigkill_timeout": "30"}
 
 
-class LostFlightError(RuntimeError):
-    """A flight was lost. Launch ends with a status that is not 0 only after an exception."""
+class BadEndError(RuntimeError):
+    """A flight did not end well. Launch ends with a status that is not 0 only after an exception."""
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -117,10 +122,11 @@ def start_flight(context: LaunchContext) -> list[Action]:
         mode=plan.mode,
         bag_dir=folder / results.BAG if given["bag"] == "true" else None,
     )
+    clear_shared_memory()  # of runs that were killed
     processes = {
         process_action(process, params_dir): process for process in process_specs(specs, plan.layout)
     }
-    ending = Ending(processes, folder, has_bag=given["bag"] == "true")
+    ending = Ending(processes, plan, folder, has_bag=given["bag"] == "true", domain_id=claim.domain_id)
     return [
         LogInfo(msg=f"{plan.scenario.name}: {plan.scenario.title}; results go to {folder}"),
         *domain_notes(claim, given["discovery"]),
@@ -213,24 +219,39 @@ class Ending:
 
     The end of the relay, which holds the clock, or of the recorder begins it: then relay, vehicles and agents
     are ended, after them the recorder, then the report is made, and launch shuts down.
+    The provenance keeps how the flight ended.
 
     Parameters
     ----------
     processes : mapping
         The processes of the flight, by their actions.
+    plan : Plan
+        What is flown.
     folder : Path
         Folder of the results.
     has_bag : bool
         Whether there will be a bag to make a report of.
+    domain_id : int
+        ROS domain of the flight.
 
     """
 
-    def __init__(self, processes: Mapping[Node, ProcessSpec], folder: Path, *, has_bag: bool) -> None:
+    def __init__(
+        self,
+        processes: Mapping[Node, ProcessSpec],
+        plan: Plan,
+        folder: Path,
+        *,
+        has_bag: bool,
+        domain_id: int,
+    ) -> None:
+        self._plan = plan
+        self._domain_id = domain_id
         self._running = dict(processes)
         self._told: set[Node] = set()
         self._folder = folder
         self._has_begun = False
-        self._lost = ""
+        self._status, self._fault = DONE, ""
         self._report = (
             ExecuteProcess(
                 cmd=[sys.executable, "-m", "auv_bringup.cli", "--report", str(folder)],
@@ -252,15 +273,21 @@ class Ending:
 
         Raises
         ------
-        LostFlightError
-            At the end of a flight that was lost.
+        BadEndError
+            At the end of a flight that did not end well.
 
         """
         if event.action is self._report:
             return self._report_ended(event.returncode)
         if event.action not in self._running:
             return []
-        self._judge(self._running.pop(event.action), event.returncode)
+        process = self._running.pop(event.action)
+        if context.is_shutdown and not self._has_begun:
+            self._status, self._fault = INTERRUPTED, "interrupted"
+        else:
+            self._judge(process, event.returncode)
+        if not self._running:
+            self._remember()
         if context.is_shutdown:  # launch has told every process, and starts none any more
             return [] if self._running else [LogInfo(msg=self._last_line)]
         return self._next() if self._has_begun else []
@@ -274,9 +301,10 @@ class Ending:
         if process.role not in ("relay", "recorder"):
             return  # the clock, which hears of it, goes on without the vehicle or ends the flight
         too_early = process.role == "recorder" and not self._has_begun
-        if (returncode != 0 or too_early) and not self._lost:
+        if (returncode != 0 or too_early) and not self._fault:
             log = log_of(process, self._folder)
-            self._lost = (
+            self._status = LOST
+            self._fault = (
                 f"the flight is lost: {process.name} has ended with status {returncode}; its log is {log}"
             )
         self._has_begun = True
@@ -293,14 +321,29 @@ class Ending:
             ]
         return [self._report] if self._report is not None else self._finish()
 
+    def _remember(self) -> None:
+        """Keep how the flight ended, and clear what dead processes have left."""
+        clear_shared_memory()
+        results.write_ending(
+            self._folder,
+            domain_id=self._domain_id,
+            exit_status=self._status,
+            stopped_because=self._fault or None,
+        )
+
     def _report_ended(self, returncode: int) -> list[Action]:
-        if returncode == 0:
-            self._last_line = f"report: {self._folder / results.REPORT_FILE}"
-        else:
-            self._lost = self._lost or f"the report could not be made (status {returncode})"
+        if returncode != 0:
+            self._fault = self._fault or f"the report could not be made (status {returncode})"
+            return self._finish()
+        self._last_line = f"report: {self._folder / results.REPORT_FILE}"
+        if self._status == DONE:
+            metrics = results.read_json(self._folder / results.METRICS_FILE)
+            self._status, self._fault = verdict(metrics, self._plan.scenario, self._plan.mode)
+            if self._status != DONE:
+                results.write_ending(self._folder, exit_status=self._status)
         return self._finish()
 
     def _finish(self) -> list[Action]:
-        if self._lost:
-            raise LostFlightError(self._lost)
+        if self._fault:
+            raise BadEndError(self._fault)
         return [EmitEvent(event=Shutdown(reason="the flight is over"))]

@@ -13,7 +13,7 @@ import pytest
 import yaml
 from full_disk import files_of_at_most
 
-from auv_bringup import cli, experiment, law_figures
+from auv_bringup import cli, experiment, launcher, law_figures, results
 from auv_bringup.plan import make_plan
 from auv_bringup.scenario import SCENARIOS_DIR, list_scenarios, load_scenario
 
@@ -237,6 +237,19 @@ def test_touching_hulls_give_status_4_and_a_report(tmp_path):
         assert run(tmp_path, str(path), "--mode", "inprocess", "--no-figures") == 4
     (name,) = folders(tmp_path)
     assert json.loads((tmp_path / "results" / name / "metrics.json").read_text())["collision"] is True
+
+
+def test_the_provenance_of_a_flight_keeps_the_status_that_its_recording_gives(tmp_path, monkeypatch):
+    flown = launcher.Flight(0, "", (), 650.0, 50.0, 1.0)
+    touched = {"duration_s": 650.0, "collision": True}
+    monkeypatch.setattr(cli, "_check_ros", lambda: None)
+    monkeypatch.setattr(launcher, "fly", lambda *_, **__: flown)
+    monkeypatch.setattr(results, "load_recording", lambda *_: None)
+    monkeypatch.setattr(cli, "_show_results", lambda *_: touched)
+    assert run(tmp_path, "--mode", "lockstep") == 4
+    (name,) = folders(tmp_path)
+    known = json.loads((tmp_path / "results" / name / "provenance.json").read_text())
+    assert (known["exit_status"], known["stopped_because"], known["simulated_s"]) == (4, None, 650.0)
 
 
 def test_an_internal_error_leaves_its_traceback_in_the_logs(tmp_path, capsys, monkeypatch):

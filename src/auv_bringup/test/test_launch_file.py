@@ -106,7 +106,15 @@ def claims(launch_file, monkeypatch):
 
 
 @pytest.fixture
-def start(launch_file, claims, tmp_path):
+def cleared(launch_file, monkeypatch):
+    """Grows by one whenever shared memory is cleared of what dead processes left."""
+    times = []
+    monkeypatch.setattr(launch_file, "clear_shared_memory", lambda: times.append(len(times)))
+    return times
+
+
+@pytest.fixture
+def start(launch_file, claims, cleared, tmp_path):
     """Start a flight with some arguments given; return the actions."""
     declared, function = arguments_of(launch_file.generate_launch_description())
     defaults = {name: options["default_value"] for name, options in declared.items()}
@@ -296,6 +304,12 @@ class Flight:
             done = self.end(recorder)
         return done
 
+    def report(self, process, returncode=0, **metrics):
+        """End the report, which has written these metrics; return what is done then."""
+        folder = Path(process.options["cmd"][-1])
+        (folder / "metrics.json").write_text(json.dumps({"duration_s": 650.0, "collision": False, **metrics}))
+        return self.end(process, returncode)
+
     def last_line(self):
         (action,) = self.on_shutdown(None, None)
         return action.options["msg"]
@@ -347,7 +361,7 @@ def test_a_flight_without_a_bag_has_no_report(start):
 def test_a_lost_flight_ends_with_an_exception_after_its_report(start, launch_file, tmp_path):
     flight = Flight(start())
     (report,) = flight.end_all(returncode=3)
-    with pytest.raises(launch_file.LostFlightError, match=r"acoustic_relay_node .* status 3; its log is /"):
+    with pytest.raises(launch_file.BadEndError, match=r"acoustic_relay_node .* status 3; its log is /"):
         flight.end(report)
     assert flight.last_line().endswith("report.html")
 
@@ -359,14 +373,14 @@ def test_a_flight_whose_recorder_ends_first_is_lost(start, launch_file):
     assert flight.end(relay, 3) == []  # everybody is told only once
     for node in flight.others:
         done = flight.end(node)
-    with pytest.raises(launch_file.LostFlightError, match="recorder_node has ended with status 0"):
+    with pytest.raises(launch_file.BadEndError, match="recorder_node has ended with status 0"):
         flight.end(*done)
 
 
 def test_a_report_that_fails_names_its_command(start, launch_file):
     flight = Flight(start())
     (report,) = flight.end_all()
-    with pytest.raises(launch_file.LostFlightError, match="report could not be made"):
+    with pytest.raises(launch_file.BadEndError, match="report could not be made"):
         flight.end(report, 1)
     assert "ros2 run auv_bringup run --report /" in flight.last_line()
 
@@ -402,3 +416,70 @@ def test_what_a_process_says_is_in_the_log_that_the_run_command_gives_it(start, 
         }[layout]
     )
     assert sorted(logs.values()) == sorted(f"out {number}\nerr\n" for number in range(len(logs)))
+
+
+def ending(tmp_path):
+    """Return what the provenance says of the end: status, reason, domain."""
+    (folder,) = (tmp_path / "results").iterdir()
+    known = json.loads((folder / "provenance.json").read_text())
+    return known["exit_status"], known["stopped_because"], known["domain_id"]
+
+
+def test_the_provenance_keeps_the_status_of_a_flight_that_ended_well(start, tmp_path):
+    flight = Flight(start())
+    (report,) = flight.end_all()
+    assert ending(tmp_path) == (0, None, 7)  # before the report is made, which may show it
+    assert shuts_down(flight.report(report))
+    assert ending(tmp_path) == (0, None, 7)
+
+
+def test_the_provenance_keeps_the_status_of_a_lost_flight(start, launch_file, tmp_path):
+    flight = Flight(start())
+    (report,) = flight.end_all(returncode=3)
+    with pytest.raises(launch_file.BadEndError):
+        flight.report(report, collision=True)
+    status, reason, _ = ending(tmp_path)
+    assert status == 3
+    assert "acoustic_relay_node has ended with status 3" in reason
+
+
+def test_the_provenance_keeps_that_a_flight_was_interrupted(start, tmp_path):
+    flight = Flight(start())
+    for group in flight.nodes.values():
+        for node in group:
+            flight.end(node, is_shutdown=True)
+    assert ending(tmp_path) == (130, "interrupted", 7)
+
+
+def test_ctrl_c_after_the_flight_has_ended_takes_nothing_from_it(start, tmp_path):
+    flight = Flight(start())
+    flight.end(*flight.nodes["acoustic_relay_node"])
+    for node in [*flight.others, *flight.nodes["recorder_node"]]:
+        flight.end(node, is_shutdown=True)
+    assert ending(tmp_path) == (0, None, 7)
+
+
+@pytest.mark.parametrize(
+    ("mode", "metrics", "status", "words"),
+    [
+        ("lockstep", {"collision": True}, 4, "two hulls touched"),
+        ("realtime", {"collision": True}, 4, "two hulls touched"),
+        ("lockstep", {"duration_s": 649.0}, 3, "the bag holds 649 of 650 s: the recorder fell behind"),
+    ],
+)
+def test_a_flight_that_its_recording_condemns_does_not_end_with_status_0(
+    start, launch_file, tmp_path, mode, metrics, status, words
+):
+    flight = Flight(start(mode=mode))
+    (report,) = flight.end_all()
+    with pytest.raises(launch_file.BadEndError, match=words):
+        flight.report(report, **metrics)
+    assert ending(tmp_path)[0] == status
+    assert flight.last_line().endswith("report.html")
+
+
+def test_shared_memory_of_dead_processes_is_cleared_before_and_after_the_flight(start, cleared):
+    flight = Flight(start())
+    assert cleared == [0]
+    flight.end_all()
+    assert cleared == [0, 1]

@@ -4,6 +4,7 @@ import pytest
 
 from auv_bringup import cli
 from auv_bringup.scenario import load_scenario
+from auv_bringup.verdict import LOST
 from auv_core.params import ConfigError
 
 REFUSED = [
@@ -93,6 +94,6 @@ def test_a_motion_that_diverges_ends_the_run_with_one_line_and_status_3(tmp_path
     overrides = ["--set", "vehicles.0.position_ned_m=[0, -15, 0]", "--no-figures", "--out", str(tmp_path)]
     assert cli.main(["ch2_pfpd", *overrides]) == 0
     overrides[1] = "vehicles.0.position_ned_m=[0, 30, 0]"
-    assert cli.main(["ch2_pfpd", *overrides]) == cli.LOST
+    assert cli.main(["ch2_pfpd", *overrides]) == LOST
     said = capsys.readouterr().err.strip().splitlines()[-1]
     assert said.startswith("error: auv_1: its motion has no finite solution after t = ")
