@@ -7,11 +7,10 @@ It writes the names of what happens to the file NOTES, a line each. Behaviours:
     stubborn        ignore SIGINT and SIGTERM
     hand_over       after SIGINT wait for SIGTERM, then end with status 0
     die             say something, end with status 7
-    fly             publish /flock/status as the clock does, NUMBER simulated seconds, then idle
+    fly             publish /flock/status as the clock does, of a flight of NUMBER seconds, and leave
     abort           the same, but end the flight as lost
     leave           publish that the flight runs, then end with status 0
     lose            give up auv_2 on the way, and finish
-    fly_for_ever    publish without an end
 """
 
 import os
@@ -20,7 +19,8 @@ import sys
 import threading
 
 notes, name, behaviour = sys.argv[1:4]
-duration_s = float(sys.argv[4]) if len(sys.argv) > 4 else 2.0
+duration_s = float(sys.argv[4]) if len(sys.argv) > 4 else 0.0
+PERIOD_S = 0.1
 stop = threading.Event()
 pause = threading.Event()
 
@@ -34,7 +34,9 @@ def status_publisher():
     import rclpy
     from rclpy.signals import SignalHandlerOptions
 
+    from auv_core import conversions as convert
     from auv_core.qos import LATCHED
+    from auv_core.run_config import LOCKSTEP_EPOCH_S
     from auv_msgs.msg import FlockStatus
 
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
@@ -42,31 +44,39 @@ def status_publisher():
     publisher = node.create_publisher(FlockStatus, "/flock/status", LATCHED)
 
     def publish(state: str, time_s: float, **more) -> None:
-        publisher.publish(FlockStatus(state=state, time_s=time_s, duration_s=duration_s, **more))
+        stamp_s = 0.0 if state == "waiting" else LOCKSTEP_EPOCH_S + time_s
+        header = convert.header(stamp_s, "")
+        publisher.publish(
+            FlockStatus(header=header, state=state, time_s=time_s, duration_s=duration_s, **more)
+        )
 
     return publisher, publish
 
 
-def fly() -> None:
+def fly() -> int:
+    """Publish as the clock does, until it leaves; return its exit status."""
     publisher, publish = status_publisher()
     publish("waiting", 0.0, waiting_for=["/auv_1/agent_node"])
     while not stop.is_set() and not publisher.get_subscription_count():
         pause.wait(0.01)  # a flight of a second could be over before the launcher has found it
-    time_s, lost = 0.0, []
-    while not stop.is_set() and (time_s < duration_s or behaviour == "fly_for_ever"):
+    tick, status, lost = 0, 0, []
+    while not stop.is_set() and tick * PERIOD_S < duration_s:
+        time_s = tick * PERIOD_S
         publish("running", time_s, lost_vehicles=lost)
         if behaviour == "leave" and time_s > 0.5:
-            return
+            return 0
         if behaviour == "abort" and time_s > 0.5:
             publish("aborted", time_s, detail="/auv_1/agent_node: no answer for tick 5 within 3 s")
+            status = 3
             break
         if behaviour == "lose" and time_s > 0.5:
             lost = ["auv_2"]
-        time_s += 0.1
+        tick += 1
         pause.wait(0.05)
     else:
-        publish("finished", time_s, lost_vehicles=lost)
-    stop.wait(60.0)
+        publish("finished", duration_s, lost_vehicles=lost)
+    publisher.wait_for_all_acked()
+    return status
 
 
 signal.signal(signal.SIGINT, lambda *_: stop.set())
@@ -84,7 +94,8 @@ if behaviour == "die":
     sys.exit(7)
 if behaviour in ("idle", "stubborn", "hand_over"):
     stop.wait(60.0)
+    status = 0
 else:
-    fly()
+    status = fly()
 note("ended")
-os._exit(0)
+os._exit(status)

@@ -17,6 +17,7 @@ from rosgraph_msgs.msg import Clock
 
 from auv_bringup.bag_compare import compare_bags
 from auv_bringup.scenario import SCENARIOS_DIR
+from auv_core import conversions as convert
 from auv_msgs.msg import FlockStatus, VehicleState
 
 pytestmark = pytest.mark.ros
@@ -101,6 +102,52 @@ def test_a_flight_under_forged_messages_is_the_flight_without_them(scenario_file
         alone, provenance = results_of(scenario_file, "alone")
         assert provenance["strangers"] == []
         assert compare_bags(folder / "bag", alone / "bag") == []
+
+
+def forge_ends_during(at, run, state):
+    """Say all the time that a run is over, as its clock would say it: same epoch, same length."""
+    publisher = at.publisher(FlockStatus, "/flock/status", latched=True)
+    heard = at.listen(FlockStatus, "/flock/status", latched=True)
+    said = 0
+    while run.poll() is None:
+        at.executor.spin_once(timeout_sec=0.02)
+        running = next((each for each in reversed(heard) if each.state == FlockStatus.RUNNING), None)
+        if running is None:
+            continue
+        heard.clear()
+        left_s = running.duration_s - running.time_s
+        stamp_s = running.header.stamp.sec + 1e-9 * running.header.stamp.nanosec + left_s
+        publisher.publish(
+            FlockStatus(
+                header=convert.header(stamp_s, ""),
+                state=state,
+                time_s=running.duration_s,
+                duration_s=running.duration_s,
+                detail="forged",
+            )
+        )
+        said += 1
+    return said
+
+
+@pytest.mark.parametrize(
+    ("state", "mode", "layout"),
+    [
+        (FlockStatus.FINISHED, "lockstep", "node"),
+        (FlockStatus.ABORTED, "lockstep", "single"),
+        (FlockStatus.ABORTED, "realtime", "single"),
+    ],
+)
+def test_a_forged_end_ends_no_flight(scenario_file, state, mode, layout):
+    duration_s = 200.0 if mode == "lockstep" else 8.0
+    with desk() as at:
+        run = fly(scenario_file, "beside", "--mode", mode, "--layout", layout, "--duration", duration_s)
+        forged = forge_ends_during(at, run, state)
+    status, said = finished(run)
+    assert forged > 3
+    assert status == 0, said
+    assert results_of(scenario_file, "beside")[1]["simulated_s"] == pytest.approx(duration_s, abs=0.5)
+    assert said.count("the run's own process goes on: somebody else publishes it; not believed") == 1
 
 
 @pytest.mark.slow

@@ -21,6 +21,7 @@ from auv_bringup.scenario import load_scenario
 
 pytestmark = pytest.mark.ros
 
+LONG_S = 3000.0
 FAKE_NODE = Path(__file__).with_name("fake_node.py")
 RELAY, RECORDER = "/acoustic_relay_node", "/recorder_node"
 AGENT_1, VEHICLE_1 = "/auv_1/agent_node", "/auv_1/vehicle_node"
@@ -41,13 +42,19 @@ class Stage:
         self.notes = folder / "notes"
         self.said = io.StringIO()
         self.interrupts = Interrupts()
-        scenario = load_scenario("flock_acoustic")
-        specs = node_specs(scenario, mode="lockstep", bag_dir=folder / "bag")
+        self.plan(2.0)
+
+    def plan(self, duration_s):
+        """Let the flight be so long."""
+        self.duration_s = duration_s
+        scenario = load_scenario("flock_acoustic", duration_s=duration_s)
+        specs = node_specs(scenario, mode="lockstep", bag_dir=self.folder / "bag")
         wanted = [spec for spec in specs if spec.vehicle_id in ("", "auv_1", "auv_2")]
         self.specs = process_specs(wanted, "node")
 
-    def fly(self, *, policy="stop", **behaviours):
+    def fly(self, *, duration_s=2.0, policy="stop", **behaviours):
         """Fly with the behaviours given by role, or by full name with slashes left out."""
+        self.plan(duration_s)
         environ = node_environment(
             os.environ, domain_id=int(os.environ.get("ROS_DOMAIN_ID") or 77), discovery="localhost"
         )
@@ -74,7 +81,7 @@ class Stage:
     def command(self, spec, behaviours):
         by_name = behaviours.get(spec.name.strip("/").replace("/", "_"))
         behaviour = by_name or behaviours.get(spec.role) or ("fly" if spec.role == "relay" else "idle")
-        return [sys.executable, str(FAKE_NODE), str(self.notes), spec.name, *behaviour.split()]
+        return [sys.executable, str(FAKE_NODE), str(self.notes), spec.name, behaviour, str(self.duration_s)]
 
     def pids(self):
         logs = [path.read_text() for path in (self.folder / "logs").glob("*.log")]
@@ -125,13 +132,13 @@ def test_every_node_has_a_log_and_a_parameters_file(stage):
 
 @pytest.mark.parametrize("role", ["relay", "recorder"])
 def test_without_relay_or_recorder_the_flight_stops_whatever_the_scenario_says(stage, role):
-    flight = stage.fly(policy="continue", **({"relay": "fly_for_ever"} | {role: "die"}))
+    flight = stage.fly(policy="continue", duration_s=LONG_S, **{role: "die"})
     assert flight.exit_status == 3
     assert (RELAY if role == "relay" else RECORDER) in flight.reason
 
 
 def test_a_node_that_dies_is_named_with_its_last_words_and_stops_the_flight(stage):
-    flight = stage.fly(relay="fly_for_ever", auv_1_agent_node="die")
+    flight = stage.fly(duration_s=LONG_S, auv_1_agent_node="die")
     assert flight.exit_status == 3
     assert AGENT_1 in flight.reason
     said = stage.said.getvalue()
@@ -148,14 +155,14 @@ def test_a_killed_node_is_named_within_5_s(stage):
         killed_at_s.append(time.monotonic())
 
     stage.when(lambda: stage.is_up, kill)
-    flight = stage.fly(relay="fly_for_ever")
+    flight = stage.fly(duration_s=LONG_S)
     assert flight.exit_status == 3
     assert f"{VEHICLE_1} has ended early (killed by SIGKILL)" in flight.reason
     assert time.monotonic() - killed_at_s[0] < 10.0  # all the ending is in it
 
 
 def test_a_flight_may_go_on_without_a_vehicle(stage):
-    flight = stage.fly(policy="continue", relay="fly 4", auv_1_agent_node="die")
+    flight = stage.fly(policy="continue", duration_s=4.0, auv_1_agent_node="die")
     assert (flight.exit_status, flight.lost_vehicles) == (0, ("auv_1",))
     assert "goes on without it" in stage.said.getvalue()
     assert VEHICLE_1 not in stage.happened("ended")  # its computer is gone at once, as that of a lost vehicle
@@ -163,7 +170,7 @@ def test_a_flight_may_go_on_without_a_vehicle(stage):
 
 
 def test_a_vehicle_that_the_clock_gives_up_loses_its_processes(stage):
-    flight = stage.fly(policy="continue", relay="lose 4", auv_2_agent_node="stubborn")
+    flight = stage.fly(policy="continue", duration_s=4.0, relay="lose", auv_2_agent_node="stubborn")
     assert (flight.exit_status, flight.lost_vehicles) == (0, ("auv_2",))
 
 
@@ -198,7 +205,7 @@ def test_a_frozen_clock_is_named_within_5_s(stage):
         patch.setattr(supervision.Supervisor, "_stop", noted_stop)
         patch.setattr(processes, "SIGTERM_GRACE_S", 0.5)
         stage.when(lambda: stage.is_up, freeze)
-        flight = stage.fly(relay="fly_for_ever")
+        flight = stage.fly(duration_s=LONG_S)
     assert flight.exit_status == 3
     assert "/clock_node" in flight.reason
     assert named_at_s[0] - frozen_at_s[0] < 5.0
@@ -242,7 +249,7 @@ def interrupt(stage, count=1):
 
 def test_ctrl_c_ends_everything_in_order(stage):
     stage.when(lambda: stage.is_up, interrupt(stage))
-    flight = stage.fly(relay="fly_for_ever")
+    flight = stage.fly(duration_s=LONG_S)
     assert flight.exit_status == 130
     assert flight.reason.startswith("interrupted at")
     ended = stage.happened("ended")
@@ -263,7 +270,7 @@ def test_ctrl_c_twice_hurries_stubborn_nodes(stage):
         interrupt(stage, count=2)()
 
     stage.when(lambda: stage.is_up, send)
-    flight = stage.fly(relay="fly_for_ever", auv_1_agent_node="stubborn", recorder="stubborn")
+    flight = stage.fly(duration_s=LONG_S, auv_1_agent_node="stubborn", recorder="stubborn")
     assert flight.exit_status == 130
     assert time.monotonic() - start_s[0] < 4 * processes.HURRY_GRACE_S + 4.0
     assert "did not end cleanly: killed by SIGKILL" in stage.said.getvalue()

@@ -26,6 +26,7 @@ from pathlib import Path
 from setproctitle import setproctitle, setthreadtitle
 
 from auv_bringup.compose import compile_ahead, node_specs
+from auv_bringup.flight_status import LOST_STATUS
 from auv_bringup.layout import ProcessSpec, process_specs, start_patience_s, vehicles_of
 from auv_bringup.node_start import (
     CONTAINER_MODULE,
@@ -49,7 +50,7 @@ from auv_bringup.results import BAG, LOGS
 from auv_bringup.scenario import Scenario
 from auv_bringup.shared_memory import clear_shared_memory
 from auv_bringup.status_listener import StatusListener
-from auv_bringup.supervision import LOST_STATUS, Supervisor
+from auv_bringup.supervision import Supervisor
 from auv_core.run_config import WallWatch
 
 INTERRUPTED_STATUS = 130
@@ -227,18 +228,16 @@ def _watch(
     wall = WallWatch(time.monotonic, time.time)
     while not supervisor.is_over and not interrupts.count:
         for status in listener.listen(_LOOK_S):
-            now_s = time.monotonic()
-            supervisor.status_arrived(status, now_s)
-            if status.state == "waiting":
-                continue
-            if math.isnan(start_up_s):
-                start_up_s = now_s - start_s
-                progress.message(f"all nodes are up after {start_up_s:.1f} s")
-            progress.update(status.time_s)
+            supervisor.status_arrived(status, time.monotonic())
         for exit_ in children.collect_exits():
             log = children.log(exit_.name)
             supervisor.process_ended(exit_, last_lines(log), str(log))
         now_s = time.monotonic()
+        if supervisor.has_begun:
+            if math.isnan(start_up_s):
+                start_up_s = now_s - start_s
+                progress.message(f"all nodes are up after {start_up_s:.1f} s")
+            progress.update(supervisor.simulated_s)
         supervisor.time_passed(min(now_s - last_s, _MOST_AWAKE_S))
         last_s = now_s
         if now_s - looked_s > _STOPPED_LOOK_S:
@@ -280,7 +279,7 @@ def _end_in_order(
                 f"warning: {exit_.name} did not end cleanly: {exit_.words}; "
                 f"its log is {children.log(exit_.name)}"
             )
-    return set(recorders) <= {exit_.name for exit_ in recorder_exits if exit_.returncode == 0}
+    return all(children.returncodes.get(name) == 0 for name in recorders)
 
 
 def _flight(supervisor: Supervisor, was_interrupted: bool, bag_is_closed: bool, start_up_s: float) -> Flight:

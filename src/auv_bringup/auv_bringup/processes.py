@@ -71,12 +71,19 @@ class ChildProcesses:
 
     A context manager: on leaving, whatever still runs is killed, and so is what children that have ended
     have left running.
+
+    Attributes
+    ----------
+    returncodes : dict
+        How each child has ended that was seen to, by name.
+
     """
 
     def __init__(self) -> None:
         self._running: dict[str, subprocess.Popen[bytes] | _Fork] = {}
         self._logs: dict[str, Path] = {}
         self._of_others: frozenset[int] = frozenset()
+        self.returncodes: dict[str, int] = {}
 
     def start(self, name: str, arguments: Sequence[str], *, log: Path, environ: Mapping[str, str]) -> None:
         """Start a child whose output goes to the file `log`."""
@@ -122,8 +129,7 @@ class ChildProcesses:
         for name, process in list(self._running.items()):
             returncode = process.poll()
             if returncode is not None:
-                del self._running[name]
-                exits.append(Exit(name, returncode))
+                exits.append(self._ended(name, returncode))
         return exits
 
     def end(
@@ -268,10 +274,14 @@ class ChildProcesses:
                     if left_s <= 0.0:
                         break
                     continue
-                del self._running[name]
-                exits.append(Exit(name, returncode))
+                exits.append(self._ended(name, returncode))
                 break
         return exits
+
+    def _ended(self, name: str, returncode: int) -> Exit:
+        del self._running[name]
+        self.returncodes[name] = returncode
+        return Exit(name, returncode)
 
 
 class Interrupts:

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import Any
 
+from auv_bringup.flight_status import Status
 from auv_bringup.layout import ProcessSpec
 from auv_bringup.node_start import adopt
-from auv_bringup.supervision import Status
+from auv_core.run_identity import status_epoch_s
 
 CLOCK_NODE = "/clock_node"
 """It lives in the process of the relay."""
@@ -102,9 +103,9 @@ class StatusListener:
         self._heard.append(
             Status(
                 state=message.state,
-                tick=message.tick,
                 time_s=message.time_s,
                 duration_s=message.duration_s,
+                epoch_s=status_epoch_s(message),
                 waiting_for=tuple(message.waiting_for),
                 lost_vehicles=tuple(message.lost_vehicles),
                 detail=message.detail,

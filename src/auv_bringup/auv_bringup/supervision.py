@@ -14,10 +14,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
+from auv_bringup.end_claims import EXIT_STATUS, EndClaims
+from auv_bringup.flight_status import LOST_STATUS, Status, start_of_run
 from auv_bringup.layout import ProcessSpec, patience_s, start_patience_s, vehicles_of
 from auv_bringup.processes import Exit
+from auv_core.run_identity import follows, is_of_run
 
 NO_STATUS_S = 60.0
 """Longest wait for the first word of the clock."""
@@ -32,20 +34,10 @@ STOPPED_S = 2.0
 SLOW_START_S = 15.0
 """After so long the user is told for whom the start waits."""
 
-LOST_STATUS = 3
-
-
-@dataclass(frozen=True)
-class Status:
-    """What the clock says about the run: the fields of auv_msgs/FlockStatus."""
-
-    state: str
-    tick: int = 0
-    time_s: float = 0.0
-    duration_s: float = 0.0
-    waiting_for: tuple[str, ...] = ()
-    lost_vehicles: tuple[str, ...] = ()
-    detail: str = ""
+LEAVE_S = 10.0
+"""The process of the clock hands over what it has said and leaves within so long after the end of the run."""
+LEAVE_RECORDING_S = 30.0
+"""The same for a process that has a bag to close, too."""
 
 
 class Supervisor:
@@ -81,7 +73,11 @@ class Supervisor:
         self._stalled: tuple[str, ...] = ()
         self._stalled_for_s = 0.0
         self._silent_s = 0.0
-        self._relay_exit: Exit | None = None
+        self._run = start_of_run(processes)
+        records_too = any(process.role == "relay" and process.records for process in processes)
+        self._ends = EndClaims(self._start_patience_s + (LEAVE_RECORDING_S if records_too else LEAVE_S))
+        self._says_it_goes_on = False
+        self._relay_exit: tuple[Exit, Sequence[str], str] | None = None
         self._relay_gone_s = 0.0
         self._stopped_for_s: dict[str, float] = {}
         self._waiting_s = 0.0
@@ -92,6 +88,11 @@ class Supervisor:
         self.reason = ""
         self.lost_vehicles: list[str] = []
         self.stopped_processes: list[str] = []
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether the first tick has been announced."""
+        return self.status is not None and self.status.state != "waiting"
 
     @property
     def is_finished(self) -> bool:
@@ -122,44 +123,88 @@ class Supervisor:
         """
         Take a status of the clock, received at `wall_s` on any steady clock (s).
 
-        One that goes back in time is of another clock, and is not believed.
+        One of another run, or that goes back in time, is of another clock, and is not believed. An end is
+        believed once the process of the clock has left with it.
         """
-        if self.status is not None and (status.tick < self.status.tick or _has_begun(self.status, status)):
+        if not self._is_next(status):
             self._doubt(status)
             return
         self._silent_s = 0.0
+        if status.state in EXIT_STATUS:
+            self._ends.add(status, wall_s)
+            if self._relay_exit is not None:
+                self._confirm_end(self._relay_exit[0])
+            return
         self.status = status
-        if status.state in ("running", "finished"):
+        if status.state != "waiting":
+            self._run = status.point
+            self._contradict_end()
+        if status.state == "running":
             self._stopwatch.lap(status.time_s, wall_s)
-        for vehicle_id in status.lost_vehicles:
-            self._lose_vehicle(vehicle_id, status.detail or f"{vehicle_id} does not answer")
-        if status.state == "finished":
-            self.is_over = True
-        elif status.state == "aborted":
-            self._stop(
-                status.detail or f"the clock ended the run; it waited for {_listed(status.waiting_for)}"
-            )
-        elif status.state == "stalled":
+        self._lose_vehicles(status)
+        if status.state == "stalled":
             self._stall(status)
         else:
             self._stalled, self._stalled_for_s = (), 0.0
 
+    def _is_next(self, status: Status) -> bool:
+        """Return whether the clock of this run can say so now."""
+        if status.state == "waiting":
+            return self._run.state == "waiting" and status.duration_s == self._run.duration_s
+        return follows(self._run, status.point)
+
     def _doubt(self, status: Status) -> None:
+        if is_of_run(self._run, status.point):
+            self._silent_s = 0.0  # it may be the clock, and what is believed somebody else's word
         if not self._doubts:
             self._doubts = True
             self._messages.append(
-                f"/flock/status goes back to tick {status.tick} ({status.state}): another run publishes it; "
-                "not believed"
+                f"/flock/status says {status.state} at {status.time_s:g} of {status.duration_s:g} s "
+                f"(this run: {self._run.time_s:g} of {self._run.duration_s:g} s): "
+                "another run publishes it; not believed"
             )
+
+    def _contradict_end(self) -> None:
+        """Say once that an end was claimed after which the run goes on."""
+        if not self._ends.are_open:
+            return
+        end = self._ends.refute()
+        if not self._says_it_goes_on:
+            self._says_it_goes_on = True
+            self._messages.append(
+                f"/flock/status says {end.state} at {end.time_s:g} s, but the run's own process goes on: "
+                "somebody else publishes it; not believed"
+            )
+
+    def _confirm_end(self, exit_: Exit) -> bool:
+        """Believe the end with which the process of the clock has left, if one was claimed."""
+        end = self._ends.confirmed_by(exit_.returncode)
+        if end is None:
+            return False
+        self.status, wall_s = end
+        self._lose_vehicles(self.status)
+        if self.is_finished:
+            self._stopwatch.lap(self.status.time_s, wall_s)
+            self.is_over = True
+        else:
+            awaited = _listed(self.status.waiting_for)
+            self._stop(self.status.detail or f"the clock ended the run; it waited for {awaited}")
+        return True
 
     def process_ended(self, exit_: Exit, log_lines: Sequence[str], log: str) -> None:
         """Take the end of a process, with the last lines and the path of its log."""
         process = self._processes[exit_.name]
-        if process.vehicle_id in self.lost_vehicles or (self.is_finished and exit_.returncode == 0):
+        is_usual_at_end = exit_.returncode == 0 and (self.is_finished or self._ends.are_open)
+        if process.vehicle_id in self.lost_vehicles or (is_usual_at_end and process.role != "relay"):
             return
-        if process.role == "relay" and exit_.returncode == 0 and self._relay_exit is None:
-            self._relay_exit = exit_
+        if process.role == "relay" and exit_.returncode in EXIT_STATUS.values() and self._relay_exit is None:
+            if not self._confirm_end(exit_):
+                self._relay_exit = exit_, log_lines, log
             return
+        self._ended_early(exit_, log_lines, log)
+
+    def _ended_early(self, exit_: Exit, log_lines: Sequence[str], log: str) -> None:
+        process = self._processes[exit_.name]
         self._messages.append(f"{exit_.name} has ended early: {exit_.words}; its log is {log}")
         self._messages += [f"    {line}" for line in log_lines]
         why = f"{exit_.name} has ended early ({exit_.words})"
@@ -192,7 +237,10 @@ class Supervisor:
         if self._relay_exit is not None:
             self._relay_gone_s += awake_s
             if self._relay_gone_s > RELAY_EXIT_GRACE_S:
-                self._stop(f"{self._relay_exit.name} has ended before the flight did")
+                self._ended_early(*self._relay_exit)
+        elif self._ends.are_open:
+            if self._ends.time_passed(awake_s):
+                self._contradict_end()
         elif self.status is None:
             limit_s = NO_STATUS_S + self._start_patience_s
             if self._silent_s > limit_s:
@@ -238,6 +286,10 @@ class Supervisor:
         else:
             self._stop(why)
 
+    def _lose_vehicles(self, status: Status) -> None:
+        for vehicle_id in status.lost_vehicles:
+            self._lose_vehicle(vehicle_id, status.detail or f"{vehicle_id} does not answer")
+
     def _lose_vehicle(self, vehicle_id: str, why: str) -> None:
         if vehicle_id in self.lost_vehicles:
             return
@@ -274,10 +326,6 @@ class _Stopwatch:
         if self._first is None or self._last is None or self._last[1] <= self._first[1]:
             return math.nan
         return (self._last[0] - self._first[0]) / (self._last[1] - self._first[1])
-
-
-def _has_begun(before: Status, after: Status) -> bool:
-    return after.state == "waiting" != before.state
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -6,11 +6,12 @@ import pytest
 
 from auv_bringup import layout, supervision
 from auv_bringup.compose import node_specs
+from auv_bringup.flight_status import Status
 from auv_bringup.launcher import Flight, of_asked_length
 from auv_bringup.layout import process_specs
 from auv_bringup.processes import Exit
 from auv_bringup.scenario import load_scenario
-from auv_bringup.supervision import Status, Supervisor
+from auv_bringup.supervision import Supervisor
 
 SCENARIO = load_scenario("flock_acoustic")
 AGENT_2, VEHICLE_2 = "/auv_2/agent_node", "/auv_2/vehicle_node"
@@ -22,8 +23,8 @@ def policy(request):
     return request.param
 
 
-def processes(bag_dir, layout="node"):
-    return process_specs(node_specs(SCENARIO, mode="lockstep", bag_dir=bag_dir), layout)
+def processes(bag_dir, layout="node", mode="lockstep"):
+    return process_specs(node_specs(SCENARIO, mode=mode, bag_dir=bag_dir), layout)
 
 
 def make(policy="stop", tmp_dir="bag", layout="node"):
@@ -32,8 +33,28 @@ def make(policy="stop", tmp_dir="bag", layout="node"):
     return supervisor
 
 
+def status(state, time_s, *, duration_s=650.0, epoch_s=1.0, **more):
+    return Status(state, time_s, duration_s, epoch_s, **more)
+
+
 def running(time_s, **more):
-    return Status("running", int(time_s * 10), time_s, 650.0, **more)
+    return status("running", time_s, **more)
+
+
+def stalled(*names):
+    return status("stalled", 5.0, waiting_for=names)
+
+
+def waiting(*names):
+    return status("waiting", 0.0, epoch_s=0.0, waiting_for=names)
+
+
+FINISHED = status("finished", 650.0)
+
+
+def finish(supervisor, wall_s=165.0):
+    supervisor.status_arrived(FINISHED, wall_s)
+    end(supervisor, RELAY, 0)
 
 
 def end(supervisor, name, returncode=1):
@@ -42,7 +63,7 @@ def end(supervisor, name, returncode=1):
 
 def test_a_flight_that_finishes_is_over_with_status_0(policy):
     supervisor = make(policy)
-    supervisor.status_arrived(Status("finished", 6500, 650.0, 650.0), 165.0)
+    finish(supervisor)
     assert (supervisor.is_over, supervisor.is_finished, supervisor.exit_status) == (True, True, 0)
     assert supervisor.simulated_s == 650.0
 
@@ -50,9 +71,10 @@ def test_a_flight_that_finishes_is_over_with_status_0(policy):
 def test_the_rate_counts_the_flight_only():
     supervisor = make()
     supervisor.status_arrived(running(11.0), 101.0)
-    supervisor.status_arrived(Status("finished", 210, 21.0, 21.0), 102.0)
-    supervisor.status_arrived(Status("finished", 210, 21.0, 21.0), 109.0)
-    assert supervisor.real_time_factor == pytest.approx(10.0)
+    supervisor.status_arrived(FINISHED, 110.0)
+    supervisor.time_passed(0.5)
+    end(supervisor, RELAY, 0)
+    assert supervisor.real_time_factor == pytest.approx(64.9)
 
 
 def test_the_rate_of_a_flight_of_one_look_is_unknown():
@@ -122,7 +144,7 @@ def test_a_process_of_all_nodes_that_ends_stops_the_flight_and_says_which_node_f
 
 def test_a_stalled_node_of_a_process_of_all_nodes_stops_the_flight():
     supervisor = make("stop", layout="single")
-    supervisor.status_arrived(Status("stalled", 50, 5.0, 650.0, waiting_for=(AGENT_2,)), 104.0)
+    supervisor.status_arrived(stalled(AGENT_2), 104.0)
     assert (supervisor.exit_status, supervisor.reason) == (3, f"{AGENT_2} stopped answering")
 
 
@@ -145,32 +167,40 @@ def test_the_last_status_of_a_relay_may_arrive_after_its_end():
     end(supervisor, RELAY, 0)
     assert not supervisor.is_over
     supervisor.time_passed(0.5)
-    supervisor.status_arrived(Status("finished", 6500, 650.0, 650.0), 165.0)
+    supervisor.status_arrived(FINISHED, 165.0)
     assert (supervisor.is_over, supervisor.exit_status) == (True, 0)
+    assert supervisor.take_messages() == []
 
 
 def test_a_relay_that_ends_before_the_flight_does_stops_it():
-    supervisor = make()
-    end(supervisor, RELAY, 0)
-    for _ in range(3):
-        supervisor.time_passed(0.5)
-    assert supervisor.exit_status == 3
-    assert RELAY in supervisor.reason
+    for returncode in (0, 3):
+        supervisor = make()
+        end(supervisor, RELAY, returncode)
+        for _ in range(3):
+            supervisor.time_passed(0.5)
+        assert supervisor.exit_status == 3
+        assert RELAY in supervisor.reason
+        assert "ValueError: no" in "\n".join(supervisor.take_messages())
 
 
-def test_an_aborted_flight_says_why(policy):
+@pytest.mark.parametrize("is_seen_first", [False, True])
+def test_an_aborted_flight_says_why(policy, is_seen_first):
     supervisor = make(policy)
-    supervisor.status_arrived(
-        Status("aborted", 50, 5.0, 650.0, detail=f"{AGENT_2}: no answer within 3 s"), 104.0
-    )
+    if is_seen_first:
+        end(supervisor, RELAY, 3)
+    supervisor.status_arrived(status("aborted", 5.0, detail=f"{AGENT_2}: no answer within 3 s"), 104.0)
+    if not is_seen_first:
+        assert not supervisor.is_over
+        end(supervisor, RELAY, 3)
     assert supervisor.exit_status == 3
-    assert AGENT_2 in supervisor.reason
+    assert supervisor.reason == f"{AGENT_2}: no answer within 3 s"
+    assert supervisor.take_messages() == []
 
 
 def test_a_stall_is_named_and_does_not_last():
     supervisor = make()
     for _ in range(30):
-        supervisor.status_arrived(Status("stalled", 50, 5.0, 650.0, waiting_for=(AGENT_2,)), 104.0)
+        supervisor.status_arrived(stalled(AGENT_2), 104.0)
         supervisor.time_passed(0.2)
     assert supervisor.exit_status == 3
     assert AGENT_2 in supervisor.reason
@@ -180,7 +210,7 @@ def test_a_stall_is_named_and_does_not_last():
 def test_a_stall_that_passes_is_forgotten():
     supervisor = make()
     for _ in range(10):
-        supervisor.status_arrived(Status("stalled", 50, 5.0, 650.0, waiting_for=(AGENT_2,)), 104.0)
+        supervisor.status_arrived(stalled(AGENT_2), 104.0)
         supervisor.time_passed(0.4)
         supervisor.status_arrived(running(5.1), 105.0)
     assert not supervisor.is_over
@@ -188,7 +218,7 @@ def test_a_stall_that_passes_is_forgotten():
 
 def test_a_stalled_recorder_stops_the_flight_at_once(policy):
     supervisor = make(policy)
-    supervisor.status_arrived(Status("stalled", 50, 5.0, 650.0, waiting_for=(RECORDER,)), 104.0)
+    supervisor.status_arrived(stalled(RECORDER), 104.0)
     assert supervisor.exit_status == 3
     assert RECORDER in supervisor.reason
 
@@ -204,12 +234,12 @@ def test_a_silent_clock_is_named_within_5_s(policy):
 
 
 @pytest.mark.parametrize("layout", ["node", "vehicle", "single"])
-@pytest.mark.parametrize("status", [None, Status("waiting"), running(1.0)])
-def test_a_stopped_process_is_named_within_5_s_from_the_start_on(layout, status):
+@pytest.mark.parametrize("heard", [None, waiting(), running(1.0)])
+def test_a_stopped_process_is_named_within_5_s_from_the_start_on(layout, heard):
     for process in processes("bag", layout):
         supervisor = Supervisor(processes("bag", layout), on_vehicle_loss="stop")
-        if status is not None:
-            supervisor.status_arrived(status, 100.0)
+        if heard is not None:
+            supervisor.status_arrived(heard, 100.0)
         passed_s = 0.0
         while not supervisor.is_over:
             supervisor.processes_stopped({process.name: ""}, 0.25)
@@ -258,7 +288,7 @@ def test_no_word_at_all_ends_the_wait():
 def test_a_slow_start_says_once_for_whom_it_waits():
     supervisor = Supervisor(processes(None), on_vehicle_loss="stop")
     for _ in range(100):
-        supervisor.status_arrived(Status("waiting", waiting_for=(AGENT_2,)), 1.0)
+        supervisor.status_arrived(waiting(AGENT_2), 1.0)
         supervisor.time_passed(0.2)
     assert supervisor.take_messages() == [f"still waiting for {AGENT_2}"]
     assert not supervisor.is_over
@@ -266,7 +296,9 @@ def test_a_slow_start_says_once_for_whom_it_waits():
 
 def test_nodes_that_end_well_after_the_finish_are_no_loss(policy):
     supervisor = make(policy)
-    supervisor.status_arrived(Status("finished", 6500, 650.0, 650.0), 165.0)
+    supervisor.status_arrived(FINISHED, 165.0)
+    end(supervisor, VEHICLE_2, 0)
+    supervisor.time_passed(5.0)
     end(supervisor, RELAY, 0)
     end(supervisor, AGENT_2, 0)
     supervisor.time_passed(10.0)
@@ -279,7 +311,7 @@ def test_a_large_fleet_is_given_more_time_for_start_and_ticks():
     fleet = load_scenario("swarm", overrides=["vehicles.count=128", "random_starts.radius_m=60"])
     specs = process_specs(node_specs(fleet, mode="lockstep", bag_dir="bag"), "single")
     small, large = make(layout="single"), Supervisor(specs, on_vehicle_loss="stop")
-    large.status_arrived(running(1.0), 100.0)
+    large.status_arrived(running(1.0, duration_s=fleet.duration_s), 100.0)
     for supervisor in (small, large):
         supervisor.time_passed(supervision.SILENCE_S + 1.0)
     assert (small.is_over, large.is_over) == (True, False)
@@ -294,16 +326,92 @@ def test_a_large_fleet_is_given_more_time_for_start_and_ticks():
 
 
 @pytest.mark.parametrize(
-    "foreign", [running(0.5), Status("finished", 5, 0.5, 30.0), Status("waiting"), Status("aborted", 2, 0.2)]
+    "foreign",
+    [
+        running(0.5),
+        running(4.0, duration_s=30.0, lost_vehicles=("auv_2",)),
+        running(4.0, epoch_s=7.0),
+        running(650.0),
+        running(math.nan),
+        waiting(),
+        status("stalled", 4.0, epoch_s=1.8e9, waiting_for=(RECORDER,)),
+        status("finished", 5.0),
+        status("finished", 30.0, duration_s=30.0),
+        status("aborted", 0.2),
+        status("aborted", 4.0, duration_s=30.0),
+    ],
 )
-def test_a_status_that_goes_back_is_of_another_clock_and_not_believed(foreign):
-    supervisor = make()
+def test_a_status_of_another_run_or_that_goes_back_is_not_believed(foreign):
+    supervisor = make("continue")
     before = supervisor.status
     supervisor.status_arrived(foreign, 101.0)
     supervisor.status_arrived(foreign, 102.0)
+    end(supervisor, RELAY, {"finished": 0}.get(foreign.state, 3))
     assert (supervisor.is_over, supervisor.status) == (False, before)
     (line,) = supervisor.take_messages()
     assert "another run publishes it; not believed" in line
+
+
+def test_in_real_time_the_first_tick_tells_the_epoch():
+    supervisor = Supervisor(processes("bag", mode="realtime"), on_vehicle_loss="stop")
+    supervisor.status_arrived(waiting(), 100.0)
+    supervisor.status_arrived(running(0.0, epoch_s=1.8e9), 101.0)
+    supervisor.status_arrived(running(1.0, epoch_s=1.8e9), 102.0)
+    assert supervisor.take_messages() == []
+    supervisor.status_arrived(running(2.0, epoch_s=1.8e9 + 5.0), 103.0)
+    assert supervisor.simulated_s == 1.0
+
+
+@pytest.mark.parametrize("forged", [FINISHED, status("aborted", 40.0, detail="all is lost")])
+def test_an_end_after_which_the_run_goes_on_is_said_once_and_not_believed(forged):
+    supervisor = make()
+    for time_s in (1.5, 2.0, 2.5):
+        supervisor.status_arrived(forged, 100.0)
+        supervisor.status_arrived(running(time_s), 100.0)
+    assert (supervisor.is_over, supervisor.simulated_s) == (False, 2.5)
+    (line,) = supervisor.take_messages()
+    assert f"says {forged.state}" in line
+    assert "the run's own process goes on" in line
+    finish(supervisor)
+    assert supervisor.exit_status == 0
+
+
+@pytest.mark.parametrize("layout", ["node", "single"])
+def test_an_end_that_the_process_of_the_clock_does_not_follow_by_leaving_is_not_believed(layout):
+    supervisor = make(layout=layout)
+    supervisor.status_arrived(FINISHED, 101.0)
+    waited_s = 0.0
+    while not (said := supervisor.take_messages()):
+        assert not supervisor.is_over
+        supervisor.time_passed(0.5)
+        waited_s += 0.5
+    limit_s = supervision.LEAVE_RECORDING_S if layout == "single" else supervision.LEAVE_S
+    assert limit_s <= waited_s <= limit_s + 2.0
+    assert "the run's own process goes on" in said[0]
+    while not supervisor.is_over:  # the clock has been silent all the time
+        supervisor.time_passed(0.5)
+    assert "/clock_node" in supervisor.reason
+
+
+def test_a_clock_that_dies_after_a_forged_end_is_a_loss():
+    for returncode in (-9, 1, 3):
+        supervisor = make()
+        supervisor.status_arrived(FINISHED, 101.0)
+        end(supervisor, RELAY, returncode)
+        supervisor.time_passed(2.0)
+        assert supervisor.exit_status == 3
+        assert f"{RELAY} has ended early" in supervisor.reason
+
+
+def test_a_forged_tick_far_ahead_does_not_silence_the_clock():
+    supervisor = make()
+    supervisor.status_arrived(running(649.0), 101.0)
+    for tenths in range(20, 300):
+        supervisor.time_passed(0.5)
+        supervisor.status_arrived(running(0.1 * tenths), 101.0 + tenths)
+    assert not supervisor.is_over
+    finish(supervisor)
+    assert supervisor.exit_status == 0
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,8 @@ from auv_core.node_params import refuse_unknown_parameters
 from auv_core.params import ConfigError
 from auv_core.qos import LATCHED
 from auv_core.run_config import RunConfig, TickClock, WallWatch
-from auv_core.run_watch import RunEnd, listed, say_waits, status_epoch_s
+from auv_core.run_identity import status_epoch_s
+from auv_core.run_watch import RunEnd, listed, say_waits
 from auv_core.steady_timer import SteadyTimer
 from auv_core.strangers import full_name
 from auv_msgs.msg import FlockStatus

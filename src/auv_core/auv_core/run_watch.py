@@ -9,13 +9,14 @@ from rclpy.node import Node
 
 from auv_core.hearing import Hearing, decoded
 from auv_core.qos import LATCHED
+from auv_core.run_identity import RunPoint, follows, is_of_run, run_point
 from auv_core.steady_timer import SteadyTimer
 from auv_msgs.msg import FlockStatus
 
 _SAY_S = 5.0
 _GRACE_S = 3.0
 _MOST_NAMES = 10
-_EPOCH_TOLERANCE_S = 1e-3
+STATUS_TOPIC = "/flock/status"
 _OVER = (FlockStatus.FINISHED, FlockStatus.ABORTED)
 _OVER_BYTES = tuple(state.encode() + b"\0" for state in _OVER)
 
@@ -55,70 +56,65 @@ class RunEnd:
     Hears that the run of a process is over; some time later, when everybody has heard it, it is past.
 
     What is heard before any other status is the end of an earlier run, and of no concern.  Once the run has
-    begun, an end with another epoch or length, or that comes too early, is that of another run.
+    begun, an end with another epoch or length, or that comes too early, is that of another run.  So is one
+    after which the run goes on.  The process that has the clock of the run believes no other.
     """
 
     def __init__(self, nodes: Sequence[Node]) -> None:
         self._nodes = nodes
+        self._clocks = [node for node in nodes if _speaks_for_the_run(node)]
         self._has_run = False
-        self._run: FlockStatus | None = None
+        self._run: RunPoint | None = None
         self._doubts = False
-        self._over_at_s: float | None = None
-        Hearing(nodes[0]).listen(FlockStatus, "/flock/status", self._hear, LATCHED)
+        self._end_heard: tuple[RunPoint, float] | None = None
+        Hearing(nodes[0]).listen(FlockStatus, STATUS_TOPIC, self._hear, LATCHED)
 
     def is_past(self) -> bool:
         """Return whether the process shall end, and say so once it shall."""
-        if self._over_at_s is None or time.monotonic() - self._over_at_s < _GRACE_S:
+        if self._end_heard is None or time.monotonic() - self._end_heard[1] < _GRACE_S:
             return False
         self._nodes[0].get_logger().info("the run is over, so this process ends")
         return True
 
     def _hear(self, data: bytes) -> None:
         may_be_over = any(word in data for word in _OVER_BYTES)
-        if not may_be_over and self._run is not None:
+        if not may_be_over and self._run is not None and self._end_heard is None:
             return  # the usual status of a run: nothing of it is needed
-        status = decoded(FlockStatus, data)
-        is_over = status.state in _OVER
+        point = run_point(decoded(FlockStatus, data))
+        is_over = point.state in _OVER
         self._has_run |= not is_over
-        if not is_over and self._run is None:
-            self._begin(status)
-        elif is_over and self._has_run and self._over_at_s is None:
-            self._end(status)
+        if self._end_heard is not None and not is_over:
+            self._go_on(self._end_heard[0], point)
+        elif self._end_heard is None and is_over and self._has_run:
+            self._end(point)
+        elif self._run is None and point.state == FlockStatus.RUNNING:
+            self._run = point
 
-    def _begin(self, status: FlockStatus) -> None:
-        if status.state == FlockStatus.RUNNING:
-            self._run = status
-
-    def _end(self, status: FlockStatus) -> None:
-        if self._run is not None and not _is_end_of(self._run, status):
-            if not self._doubts:
-                self._doubts = True
-                self._nodes[0].get_logger().warning(
-                    f"/flock/status says {status.state} at {status.time_s:g} of {status.duration_s:g} s: "
-                    "another run publishes it; not believed"
-                )
+    def _end(self, point: RunPoint) -> None:
+        is_foreign = self._run is not None and not follows(self._run, point)
+        if is_foreign or not all(getattr(clock, "done", False) for clock in self._clocks):
+            self._doubt(point)
             return
-        self._over_at_s = time.monotonic()
+        self._end_heard = point, time.monotonic()
         for node in self._nodes:
             getattr(node, "on_run_end", _nothing)()
 
+    def _go_on(self, end: RunPoint, point: RunPoint) -> None:
+        if self._run is not None and is_of_run(self._run, point):
+            self._end_heard = None
+            self._doubt(end)
 
-def _is_end_of(run: FlockStatus, end: FlockStatus) -> bool:
-    """Return whether an end is of the run that a status tells of: same epoch, same length, not before it."""
-    is_same = (
-        end.duration_s == run.duration_s
-        and abs(status_epoch_s(end) - status_epoch_s(run)) < _EPOCH_TOLERANCE_S
-    )
-    is_reached = end.time_s >= run.time_s and (
-        end.state != FlockStatus.FINISHED or end.time_s >= end.duration_s
-    )
-    return is_same and is_reached
+    def _doubt(self, end: RunPoint) -> None:
+        if not self._doubts:
+            self._doubts = True
+            self._nodes[0].get_logger().warning(
+                f"{STATUS_TOPIC} says {end.state} at {end.time_s:g} of {end.duration_s:g} s: "
+                "another run publishes it; not believed"
+            )
 
 
-def status_epoch_s(status: FlockStatus) -> float:
-    """Return the stamp of scenario time 0 (s) of the run that a status tells of."""
-    stamp = status.header.stamp
-    return stamp.sec + 1e-9 * stamp.nanosec - status.time_s
+def _speaks_for_the_run(node: Node) -> bool:
+    return any(publisher.topic_name == STATUS_TOPIC for publisher in node.publishers)
 
 
 def _nothing() -> None:

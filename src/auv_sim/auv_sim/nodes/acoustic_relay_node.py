@@ -166,7 +166,7 @@ class AcousticRelayNode(Node):
 
     def _look_for_strangers(self) -> None:
         """Name who else publishes on topics of the run; in lock-step the launcher does: bags are equal."""
-        if not self._ticks.started or self.clock.ended:
+        if not self._ticks.started or self.clock.done:
             return
         for stranger in self._strangers.look():
             self.get_logger().warning(stranger.words)
@@ -192,7 +192,7 @@ class AcousticRelayNode(Node):
         """Begin the next tick of lock-step where nothing is in its way."""
         if not self._barrier.complete or not self._meeting.ready:
             return
-        if not self.clock.has_room or self.clock.ended:
+        if not self.clock.has_room or self.clock.done:
             return
         for index in sorted(self._outboxes):
             self._transmit(index, self._outboxes[index])
@@ -200,7 +200,7 @@ class AcousticRelayNode(Node):
         self._newest, self._outboxes = {}, {}
         last, tick = self._barrier.tick, self._barrier.advance()
         self._begin_tick(last, tick)
-        if not self.clock.ended:
+        if not self.clock.done:
             self._drift()
 
     def _hear_state(self, index: int, data: bytes) -> None:
@@ -222,7 +222,7 @@ class AcousticRelayNode(Node):
 
     def _run_free(self) -> None:
         """Begin the tick of the steady clock."""
-        if not self._all_known or self.clock.ended:
+        if not self._all_known or self.clock.done:
             return
         if self._barrier.tick < 0:
             self._heard_at_s = dict.fromkeys(product(_ROLES, range(len(self._ids))), time.monotonic())
@@ -256,9 +256,9 @@ class AcousticRelayNode(Node):
         events = self._medium.take_events()
         t_s = self._ticks.stamp_s(tick)
         self.clock.begin_tick(tick)
-        if tick % _STATS_TICKS == 0 or self.clock.ended:
+        if tick % _STATS_TICKS == 0 or self.clock.done:
             self._reports.count(self._medium.links, t_s)
-        if not self.clock.ended:
+        if not self.clock.done:
             self._deliver(tick, t_s)
         if events:
             self._publish_events(events_bytes(last, events, self._ticks.stamp_s(last), self._ticks.epoch_ns))

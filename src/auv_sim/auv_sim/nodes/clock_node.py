@@ -29,7 +29,6 @@ from auv_msgs.msg import FlockStatus, RecorderStatus
 _LOOK_S = 0.2
 _REPEAT_S = 0.5
 _STATUS_TICKS = 20
-_GRACE_S = 2.0
 _RECORDER_LEAD_TICKS = 200
 
 
@@ -93,9 +92,8 @@ class ClockNode(Node):
         self._recorder_heard_at_s = math.inf
         self._lost: list[str] = []
         self._moved_at_s = time.monotonic()
-        self._ended_at_s = math.inf
-        self.ended = False
-        """Whether the run has come to its end, good or bad."""
+        self.done = False
+        """Whether the run has come to its end, good or bad, which is that of its process, too."""
         self.exit_code = 0
         self._wall = WallWatch(time.monotonic, time.time)
         self.clock_pub: Publisher | None = None
@@ -111,11 +109,6 @@ class ClockNode(Node):
         Hearing(self).listen_decoded(RecorderStatus, "/recorder/status", self._on_recorder, EVERY_TICK)
         self.on_room: Callable[[], None] = _nothing
         SteadyTimer(self, _LOOK_S, self._look)
-
-    @property
-    def done(self) -> bool:
-        """Whether the process shall end: some time after the run has, so that everybody hears it."""
-        return time.monotonic() - self._ended_at_s > _GRACE_S
 
     @property
     def has_room(self) -> bool:
@@ -148,7 +141,7 @@ class ClockNode(Node):
 
     def _look(self) -> None:
         """Watch and speak. In lock-step only ticks and events bring news, so that equal runs say the same."""
-        if not self.ended:
+        if not self.done:
             self._watch_silence()
         if warning := self._wall.warning():
             self.get_logger().warning(warning)
@@ -203,8 +196,7 @@ class ClockNode(Node):
     def _end(self, state: str, detail: str) -> None:
         self._state = state
         self._detail = detail
-        self.ended = True
-        self._ended_at_s = time.monotonic()
+        self.done = True
         self._publish()
 
     def _publish(self) -> None:
@@ -216,7 +208,7 @@ class ClockNode(Node):
                 tick=self._tick,
                 time_s=self._ticks.scenario_s(self._tick),
                 duration_s=self._ticks.scenario_s(self._watch.duration_ticks),
-                waiting_for=[] if running or self.ended else self._silent(),
+                waiting_for=[] if running or self.done else self._silent(),
                 lost_vehicles=self._lost,
                 detail=self._detail,
             )
