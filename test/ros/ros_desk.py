@@ -18,11 +18,19 @@ from auv_bringup.node_start import node_environment
 from auv_core.qos import own_qos
 
 LIMIT_S = 30.0
+_CLOCK_SHIFT = Path(__file__).with_name("clock_shift.c")
 
 
 def domain_id() -> int:
     """Return the domain of this test process: the given one, or one that others are not likely to use."""
     return int(os.environ.setdefault("ROS_DOMAIN_ID", str(60 + os.getpid() % 40)))
+
+
+def clock_library(folder: Path) -> Path:
+    """Return the library, made in a folder, that shifts the system clock of who preloads it."""
+    made = folder / "clock_shift.so"
+    subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", made, _CLOCK_SHIFT, "-ldl"], check=True)
+    return made
 
 
 def reliable(*, latched: bool = False) -> QoSProfile:
@@ -44,8 +52,15 @@ class Desk:
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
 
+    def another_node(self, name, namespace=""):
+        """Return one more node of the same process."""
+        node = rclpy.create_node(name, namespace=namespace, context=self.context, enable_rosout=False)
+        self.executor.add_node(node)
+        return node
+
     def close(self) -> None:
-        self.node.destroy_node()
+        for node in self.executor.get_nodes():
+            node.destroy_node()
         rclpy.shutdown(context=self.context)
 
     def publisher(self, kind, topic, *, latched=False):

@@ -6,10 +6,10 @@ import subprocess
 import sys
 import threading
 import time
-from pathlib import Path
 
 import pytest
 import yaml
+from ros_desk import clock_library
 
 from auv_bringup.bag import Bag
 from auv_bringup.bag_reader import read_recording
@@ -17,7 +17,6 @@ from auv_bringup.scenario import SCENARIOS_DIR, load_scenario
 
 pytestmark = pytest.mark.ros
 
-SOURCE = Path(__file__).with_name("clock_shift.c")
 PATIENCE_S = 120.0
 # A step back and a step ahead, one in each mode, fly in every test run.
 QUICK = {("realtime", -20), ("lockstep", 3600)}
@@ -32,9 +31,7 @@ DURATION_S = {"realtime": 3.0, "lockstep": 120.0}
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     """Return the library that shifts the system clock of who preloads it."""
-    made = tmp_path_factory.mktemp("clock") / "clock_shift.so"
-    subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", made, SOURCE, "-ldl"], check=True)
-    return made
+    return clock_library(tmp_path_factory.mktemp("clock"))
 
 
 @pytest.fixture

@@ -1,18 +1,22 @@
 """Nodes started by hand say for whom they wait, refuse what they do not know, and end with their run."""
 
+import struct
 import subprocess
+import time
 
 import pytest
 
 pytest.importorskip("rclpy")
 
 from rcl_interfaces.msg import Log
-from ros_desk import desk, finish, process
+from ros_desk import clock_library, desk, finish, process
 
 from auv_bringup.compose import node_specs
 from auv_bringup.node_start import write_params_file
 from auv_bringup.scenario import load_scenario
-from auv_msgs.msg import FlockStatus
+from auv_core import conversions as convert
+from auv_core.run_config import RunConfig, TickClock
+from auv_msgs.msg import FlockStatus, VehicleState
 
 pytestmark = pytest.mark.ros
 
@@ -77,6 +81,45 @@ def test_an_aborted_run_ends_its_nodes_and_an_earlier_one_does_not(tmp_path):
             agent.wait(4.0)
         end_run(at, status, FlockStatus.ABORTED)
         assert_ends(agent)
+
+
+@pytest.mark.parametrize("off_s", [-4, 1, 4])
+def test_a_node_whose_system_clock_is_off_acts_at_the_ticks_of_the_run(off_s, tmp_path, monkeypatch):
+    shift = tmp_path / "shift"
+    shift.write_bytes(struct.pack("=q", off_s))
+    with desk() as at:
+        clock = TickClock(RunConfig(mode="realtime"), 0.1, time.monotonic, time.time)
+        status = at.publisher(FlockStatus, "/flock/status", latched=True)
+        at.node.create_timer(0.2, lambda: status.publish(status_of(clock)))
+        ahead = []
+        relay, agent = at.another_node("acoustic_relay_node"), at.another_node("agent_node", "/auv_1")
+        agent.create_subscription(VehicleState, "nav", lambda _: None, 10)
+        relay.create_subscription(
+            VehicleState, "/auv_1/state", lambda state: ahead.append(state.tick - clock.tick_now()), 10
+        )
+        monkeypatch.setenv("LD_PRELOAD", str(clock_library(tmp_path)))
+        monkeypatch.setenv("CLOCK_SHIFT_FILE", str(shift))
+        with process(*by_hand(tmp_path, "vehicle", "-p", "recorded:=false", mode="realtime")) as vehicle:
+            at.until(lambda: status.get_subscription_count() == 2, "the vehicle hears that the run waits")
+            clock.begin()
+            at.until(lambda: len(ahead) > 20, "the vehicle moves")
+            _, out, err = finish(vehicle)
+    assert "off that of the run; the run's is followed" in out + err
+    assert -6 <= min(ahead) <= max(ahead) <= 1
+
+
+def status_of(clock):
+    """Return what the clock of a run says now."""
+    if not clock.started:
+        return FlockStatus(state=FlockStatus.WAITING, duration_s=600.0)
+    tick = max(clock.tick_now(), 0)
+    return FlockStatus(
+        header=convert.header(clock.stamp_s(tick), ""),
+        state=FlockStatus.RUNNING,
+        tick=tick,
+        time_s=clock.scenario_s(tick),
+        duration_s=600.0,
+    )
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,7 @@ from rclpy.task import Future
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from auv_core.hearing import Hearing
+from auv_core.joining import Joining
 from auv_core.node_params import refuse_unknown_parameters
 from auv_core.params import ConfigError
 from auv_core.qos import LATCHED
@@ -168,17 +169,23 @@ def when_running(node: Node, ticks: TickClock, begin: Callable[[], None]) -> Non
     if ticks.started:
         begin()
         return
+    joining = Joining(ticks.scenario_s(1))
 
     def on_status(status: FlockStatus) -> None:
+        if status.state == FlockStatus.WAITING:
+            joining.wait()
         epoch_s = status_epoch_s(status)
         is_possible = epoch_s > 0.0 and 0.0 <= status.time_s < status.duration_s
         if ticks.started or status.state != FlockStatus.RUNNING or not is_possible:
             return
-        off_s = ticks.join(epoch_s, status.time_s)
+        off_s = joining.hear(status.time_s, time.time() - epoch_s, time.monotonic())
+        if off_s is None:
+            return
         if off_s:
             node.get_logger().warning(
                 f"the system clock is {off_s:+.1f} s off that of the run; the run's is followed"
             )
+        ticks.join(epoch_s, off_s)
         begin()
 
     Hearing(node).listen_decoded(FlockStatus, "/flock/status", on_status, LATCHED)

@@ -15,8 +15,6 @@ STEP_LIMIT_S = 0.5
 """A wall clock that moves by more against the steady one has been stepped (s)."""
 VEHICLE_PHASE, RELAY_PHASE, AGENT_PHASE = 0.02, 0.2, 0.45
 """When nodes act within a tick of real time, as shares of it: in the order of lock-step."""
-JOIN_LIMIT_S = 5.0
-"""A wall clock that differs by more from that of the run is not the run's (s)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,25 +91,15 @@ class TickClock:
         if not self.started:
             self._start(round(self._wall_s() + START_LEAD_S, 3))
 
-    def join(self, epoch_s: float, reached_s: float) -> float:
+    def join(self, epoch_s: float, off_s: float = 0.0) -> None:
         """
-        Take the epoch of a run that has reached the scenario time `reached_s`; one that is known stays.
+        Take the epoch of a run; one that is known stays.
 
-        Returns
-        -------
-        off_s : float
-            How far this machine's wall clock is ahead of the run's (s), where that is more than
-            `JOIN_LIMIT_S`, else 0. Ticks then follow the run's clock.
-
+        `off_s` is how far this machine's wall clock is ahead of the run's (s). Ticks follow the run's.
         """
-        if self.started:
-            return 0.0
-        self._start(round(epoch_s, 6))
-        off_s = self._scenario_now_s() - reached_s
-        if abs(off_s) <= JOIN_LIMIT_S:
-            return 0.0
-        self._began_s += off_s
-        return off_s
+        if not self.started:
+            self._start(round(epoch_s, 6))
+            self._began_s += off_s
 
     def scenario_s(self, tick: int) -> float:
         """Return the scenario time of a tick (s)."""

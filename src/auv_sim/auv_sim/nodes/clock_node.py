@@ -19,6 +19,7 @@ from tf2_msgs.msg import TFMessage
 
 from auv_core import conversions as convert
 from auv_core.hearing import Hearing
+from auv_core.joining import LOOK_S
 from auv_core.node_main import publishes_bytes
 from auv_core.params import param
 from auv_core.qos import EVERY_TICK, LATCHED
@@ -26,7 +27,6 @@ from auv_core.run_config import TickClock, WallWatch
 from auv_core.steady_timer import SteadyTimer
 from auv_msgs.msg import FlockStatus, RecorderStatus
 
-_LOOK_S = 0.2
 _REPEAT_S = 0.5
 _STATUS_TICKS = 20
 _RECORDER_LEAD_TICKS = 200
@@ -108,7 +108,7 @@ class ClockNode(Node):
         self._static_pub.publish(TFMessage(transforms=[convert.map_to_map_ned()]))
         Hearing(self).listen_decoded(RecorderStatus, "/recorder/status", self._on_recorder, EVERY_TICK)
         self.on_room: Callable[[], None] = _nothing
-        SteadyTimer(self, _LOOK_S, self._look)
+        SteadyTimer(self, LOOK_S, self._look)
 
     @property
     def has_room(self) -> bool:
