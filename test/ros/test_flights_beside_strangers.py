@@ -96,6 +96,7 @@ def test_a_flight_under_forged_messages_is_the_flight_without_them(scenario_file
     assert "warning: /desk publishes /auv_1/nav: not heard" in said
     assert "incompatible QoS" not in said
     assert "/desk publishes /flock/status: not heard" in provenance["strangers"]
+    assert "/flock/status: writers refused: 1" in provenance["strangers"]
     assert "/desk publishes" in (folder / "report.html").read_text()
     if mode == "lockstep":
         assert finished(fly(scenario_file, "alone", *arguments))[0] == 0

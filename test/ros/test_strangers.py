@@ -8,11 +8,16 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.executors import SingleThreadedExecutor
 from ros_desk import desk, process
 from std_msgs.msg import Int64
 
+from auv_core.hearing import Hearing
+from auv_core.node_main import make_executor
 from auv_core.qos import EVERY_TICK, OWN_DEPTH, own_qos
 from auv_core.strangers import StrangerWatch
+from auv_sim.nodes.link_reports import LinkReports
 
 pytestmark = pytest.mark.ros
 
@@ -52,6 +57,41 @@ def test_who_is_heard_is_the_runs_own_or_anybody(publishers, numbers):
         own.publish(Int64(data=7))
         at.until(lambda: len(overheard) == 2 and len(heard) == len(numbers), "everything is heard")
     assert sorted(message.data for message in heard) == numbers
+
+
+@pytest.mark.parametrize("kind", [make_executor, SingleThreadedExecutor])
+def test_writers_that_come_and_go_between_two_looks_are_counted(kind):
+    with desk() as at, desk() as other:
+        at.executor.remove_node(at.node)
+        at.executor = kind(context=at.context)
+        at.executor.add_node(at.node)
+        hearing = Hearing(at.node)
+        hearing.listen(Int64, "/auv_1/nav", lambda _: None, EVERY_TICK)
+        hearing.listen(Int64, "/auv_1/state", lambda _: None, EVERY_TICK)
+        own = at.publisher(Int64, "/auv_1/state")
+        for number in (1, 2, 3):
+            stranger = other.stranger(Int64, "/auv_1/nav")
+            at.until(lambda seen=number: hearing.refused["/auv_1/nav"] == seen, "the writer is refused")
+            other.node.destroy_publisher(stranger)
+        at.until(lambda: own.get_subscription_count() == 1, "the own writer is heard")
+    assert dict(hearing.refused) == {"/auv_1/nav": 3}
+
+
+def heard_on(at, topic):
+    """Return whether every publisher of the desk on a topic has a reader."""
+    return all(each.get_subscription_count() for each in at.node.publishers if each.topic_name == topic)
+
+
+def test_the_relay_tells_refused_writers_with_their_topics():
+    with desk() as at:
+        reports = LinkReports(at.node)
+        said = at.listen(DiagnosticArray, "/diagnostics")
+        at.until(lambda: heard_on(at, "/diagnostics"), "the reader")
+        reports.tell_strangers([], {"/auv_1/state": 2}, 5.0, are_admitted=False)
+        at.until(lambda: said, "the diagnostics")
+    (status,) = said[0].status
+    assert status.level == DiagnosticStatus.WARN
+    assert [(each.key, each.value) for each in status.values] == [("writers_refused /auv_1/state", "2")]
 
 
 def test_strangers_on_topics_of_a_run_are_named_once():

@@ -192,7 +192,7 @@ def fly_nodes(
                 progress.message(f"{supervisor.reason}: ending the run")
             bag_is_closed = _end_in_order(processes, children, interrupts, progress, supervisor)
     flight = _flight(supervisor, was_interrupted, bag_is_closed, start_up_s)
-    return replace(flight, strangers=tuple(listener.strangers))
+    return replace(flight, strangers=(*listener.strangers, *listener.refused_writers()))
 
 
 def _import_nodes(processes: Sequence[ProcessSpec]) -> None:

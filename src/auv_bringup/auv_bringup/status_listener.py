@@ -65,7 +65,8 @@ class StatusListener:
         )
         # The client library's own line about a stranger: `new_strangers` says it in plain words.
         self._node.get_logger().set_level(LoggingSeverity.ERROR)
-        Hearing(self._node).listen_decoded(FlockStatus, "/flock/status", self._hear, LATCHED)
+        self._hearing = Hearing(self._node)
+        self._hearing.listen_decoded(FlockStatus, "/flock/status", self._hear, LATCHED)
         self._watch = StrangerWatch(self._node, self._own_nodes, self._vehicle_ids)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
@@ -90,6 +91,10 @@ class StatusListener:
         words = [stranger.words for stranger in self._watch.look()]
         self.strangers += words
         return words
+
+    def refused_writers(self) -> list[str]:
+        """Return a line for each topic heard here of how many writers were refused, also unnamed ones."""
+        return [f"{topic}: writers refused: {count}" for topic, count in self._hearing.refused.items()]
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None

@@ -2,7 +2,8 @@
 Subscriptions that no message can end.
 
 The middleware hands on whatever bytes a writer sends under a type's name.  Here every message comes as bytes;
-those that are no such message are left out and counted by topic.
+those that are no such message are left out and counted by topic.  So are writers that the middleware refused,
+also those that came and went between two looks at the graph; of what they send it delivers nothing.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
+from rclpy.event_handler import QoSRequestedIncompatibleQoSInfo, SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
@@ -29,12 +31,15 @@ class Hearing:
     ----------
     malformed : Counter
         Messages left out, by topic.
+    refused : Counter
+        Writers refused so far for what they offer, by topic.
 
     """
 
     def __init__(self, node: Node) -> None:
         self._node = node
         self.malformed: Counter[str] = Counter()
+        self.refused: Counter[str] = Counter()
 
     def listen(
         self, kind: Any, topic: str, take: Callable[[bytes], None], qos: QoSProfile | int
@@ -47,7 +52,17 @@ class Hearing:
             except MalformedError as error:
                 self._leave_out(subscription.topic_name, error)
 
-        subscription = self._node.create_subscription(kind, topic, hear, qos, raw=True)
+        def refuse(event: QoSRequestedIncompatibleQoSInfo) -> None:
+            self._refuse(subscription.topic_name, event.total_count)
+
+        subscription = self._node.create_subscription(
+            kind,
+            topic,
+            hear,
+            qos,
+            event_callbacks=SubscriptionEventCallbacks(incompatible_qos=refuse),
+            raw=True,
+        )
         return subscription
 
     def listen_decoded(
@@ -55,6 +70,13 @@ class Hearing:
     ) -> Subscription:
         """Subscribe to a topic of which few messages come; `take` gets message objects."""
         return self.listen(kind, topic, lambda data: take(decoded(kind, data)), qos)
+
+    def _refuse(self, topic: str, count: int) -> None:
+        self.refused[topic] = count
+        self._node.get_logger().warning(
+            f"{topic}: writers that do not offer what this run asks for are not heard, {count} so far",
+            throttle_duration_sec=_REPEAT_S,
+        )
 
     def _leave_out(self, topic: str, error: MalformedError) -> None:
         self.malformed[topic] += 1

@@ -129,7 +129,8 @@ class AcousticRelayNode(Node):
             if self._ticks.lockstep
             else (self._hear_state, self._hear_outbox)
         )
-        listen = Hearing(self).listen
+        self._hearing = Hearing(self)
+        listen = self._hearing.listen
         for index, name in enumerate(self._ids):
             listen(VehicleStateMsg, f"/{name}/state", partial(on_state, index), heard)
             listen(AcousticOutbox, f"/{name}/acoustic/tx", partial(on_outbox, index), heard)
@@ -172,7 +173,7 @@ class AcousticRelayNode(Node):
             self.get_logger().warning(stranger.words)
         t_s = self._ticks.stamp_s(max(self._barrier.tick, 0))
         found = self._strangers.found.values()
-        self._reports.tell_strangers(found, t_s, are_admitted=self._admits_strangers)
+        self._reports.tell_strangers(found, self._hearing.refused, t_s, are_admitted=self._admits_strangers)
 
     def _take_state(self, index: int, data: bytes) -> None:
         """Take an answer in lock-step."""

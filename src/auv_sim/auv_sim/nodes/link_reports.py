@@ -69,17 +69,28 @@ class LinkReports:
         )
         self._publish_diagnostics(diagnostics_bytes([status], t_s))
 
-    def tell_strangers(self, strangers: Collection[Stranger], t_s: float, *, are_admitted: bool) -> None:
-        """Publish who else publishes on topics of the run, at the time `t_s` (s)."""
-        level = DiagnosticStatus.WARN if strangers and not are_admitted else DiagnosticStatus.OK
+    def tell_strangers(
+        self, strangers: Collection[Stranger], refused: Mapping[str, int], t_s: float, *, are_admitted: bool
+    ) -> None:
+        """
+        Publish who else publishes on topics of the run, at the time `t_s` (s).
+
+        `refused` counts the writers, by topic that the relay hears, that the middleware did not connect.
+        """
+        is_odd = refused or (strangers and not are_admitted)
+        level = DiagnosticStatus.WARN if is_odd else DiagnosticStatus.OK
         if not are_admitted and any(stranger.is_heard for stranger in strangers):
             level = DiagnosticStatus.ERROR
+        unnamed = "writers came and went, and were refused" if refused else "nobody else publishes"
         status = Status(
             level=level,
             name="acoustic_relay_node: strangers",
-            message="; ".join(stranger.words for stranger in strangers) or "nobody else publishes",
+            message="; ".join(stranger.words for stranger in strangers) or unnamed,
             hardware_id="acoustic medium",
-            values=[(stranger.topic, f"{stranger.node} {stranger.gid}") for stranger in strangers],
+            values=[
+                *((stranger.topic, f"{stranger.node} {stranger.gid}") for stranger in strangers),
+                *((f"writers_refused {topic}", str(count)) for topic, count in sorted(refused.items())),
+            ],
         )
         self._publish_diagnostics(diagnostics_bytes([status], t_s))
 
