@@ -37,6 +37,8 @@ from auv_core import node_main
 node_main._HAND_OVER_S = 1000.0
 
 class Publisher:
+    topic_name = "/unheard"
+
     def __init__(self, word, is_heard):
         self.word, self.is_heard = word, is_heard
 

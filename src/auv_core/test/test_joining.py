@@ -77,4 +77,4 @@ def test_one_late_message_moves_nobody():
 )
 def test_ticks_are_off_by_no_more_than_the_limit_and_the_delay_of_messages(off_s, delays_s, from_s):
     ahead_s, _ = join(off_s, delays_s, from_s=from_s)
-    assert -max(delays_s) - (1.0 + RELAY_PHASE) * PERIOD_S - 1e-9 <= ahead_s <= LIMIT_S + 1e-9
+    assert -max(delays_s) - LOOK_S - 1e-9 <= ahead_s <= LIMIT_S + 1e-9
