@@ -24,6 +24,7 @@ from auv_bringup.one_line_parser import OneLineParser, fail
 from auv_bringup.plan import DEFAULT_SCENARIO, MODES, ROS_MODES, Plan, make_plan, start_results
 from auv_bringup.ros_environment import check_ros_environment
 from auv_bringup.verdict import LOST, verdict
+from auv_core.leaving import leave_if_kept
 from auv_core.params import ConfigError
 
 if TYPE_CHECKING:
@@ -106,12 +107,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name, value in ONE_THREAD.items():
         os.environ.setdefault(name, value)  # before numpy is imported; nodes are forks of this process
     place = _TracebackPlace()
-    return answered(
+    status = answered(
         lambda: _run(_parser().parse_args(arguments), place),
         (ConfigError, DomainError, results.ResultsError),
         interrupted="interrupted",
         explained=lambda error: internal_error(error, place.folder),
     )
+    return leave_if_kept(status)
 
 
 def _parser() -> argparse.ArgumentParser:

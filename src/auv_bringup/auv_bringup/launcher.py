@@ -58,7 +58,6 @@ RECORDER_GRACE_S = 30.0
 """The recorder drains for at most 20 s before it closes the bag."""
 LOST_HAND_OVER_S = 1.5
 """So long the processes of a lost run wait for acknowledgements: those of a dead one never come."""
-_LOOK_S = 0.1
 _STOPPED_LOOK_S = 0.5
 _MOST_AWAKE_S = 0.5
 """Longer pauses mean that the launcher itself was suspended; the nodes are not to blame for them."""
@@ -227,7 +226,7 @@ def _watch(
     last_s = looked_s = time.monotonic()
     wall = WallWatch(time.monotonic, time.time)
     while not supervisor.is_over and not interrupts.count:
-        for status in listener.listen(_LOOK_S):
+        for status in listener.listen():
             supervisor.status_arrived(status, time.monotonic())
         for exit_ in children.collect_exits():
             log = children.log(exit_.name)

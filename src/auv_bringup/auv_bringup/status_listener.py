@@ -10,7 +10,10 @@ from typing import Any
 from auv_bringup.flight_status import Status
 from auv_bringup.layout import ProcessSpec
 from auv_bringup.node_start import adopt
+from auv_core.leaving import keep
+from auv_core.run_config import WallWatch
 from auv_core.run_identity import status_epoch_s
+from auv_core.steady_timer import NEVER_S, SteadyTimer
 
 CLOCK_NODE = "/clock_node"
 """It lives in the process of the relay."""
@@ -42,6 +45,7 @@ class StatusListener:
         self._own_nodes = {node.name for node in nodes} | {CLOCK_NODE}
         self._vehicle_ids = sorted({node.vehicle_id for node in nodes if node.vehicle_id})
         self._heard: list[Status] = []
+        self._wall = WallWatch(time.monotonic, time.time)
         self._looked_at_s = time.monotonic()
         self.strangers: list[str] = []
 
@@ -54,7 +58,6 @@ class StatusListener:
 
         from auv_core.hearing import Hearing
         from auv_core.qos import LATCHED
-        from auv_core.steady_timer import SteadyTimer
         from auv_core.strangers import StrangerWatch
         from auv_msgs.msg import FlockStatus
 
@@ -73,9 +76,9 @@ class StatusListener:
         self._waker = SteadyTimer(self._node, _WAKE_S, lambda: None)
         return self
 
-    def listen(self, timeout_s: float) -> list[Status]:
-        """Wait at most `timeout_s` for a status; return those that came, oldest first."""
-        self._executor.spin_once(timeout_sec=timeout_s)
+    def listen(self) -> list[Status]:
+        """Wait for a status, at most `_WAKE_S`; return those that came, oldest first."""
+        self._executor.spin_once(timeout_sec=NEVER_S)
         heard, self._heard = self._heard, []
         return heard
 
@@ -100,6 +103,9 @@ class StatusListener:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         self._waker.cancel()
+        if self._wall.warning():
+            keep(self._executor, self._node, self._context)
+            return
         self._executor.shutdown(timeout_sec=1.0)
         self._node.destroy_node()
         self._context.try_shutdown()

@@ -34,13 +34,14 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from auv_core.hearing import Hearing
 from auv_core.joining import Joining
+from auv_core.leaving import leave
 from auv_core.node_params import refuse_unknown_parameters
 from auv_core.params import ConfigError
 from auv_core.qos import LATCHED
 from auv_core.run_config import RunConfig, TickClock, WallWatch
 from auv_core.run_identity import status_epoch_s
 from auv_core.run_watch import RunEnd, listed, say_waits
-from auv_core.steady_timer import SteadyTimer
+from auv_core.steady_timer import NEVER_S, SteadyTimer
 from auv_core.strangers import full_name
 from auv_msgs.msg import FlockStatus
 
@@ -60,6 +61,8 @@ WAITS_FOR_RUN = "the run to begin: /flock/status of /clock_node"
 def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str] | None = None) -> int:
     """
     Run nodes until a signal comes or one of them is done; return the exit status.
+
+    Where the system clock was stepped meanwhile, the process ends here, see `auv_core.leaving`.
 
     Parameters
     ----------
@@ -106,12 +109,16 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     try:
         for node in nodes:
             getattr(node, "on_stop", _nothing)()
+        is_clock_stepped = bool(wall.warning())
         _hand_over(
             nodes,
             is_in_vain=lambda: signal.SIGTERM in stopping[1:],
-            is_clock_stepped=bool(wall.warning()),
+            is_clock_stepped=is_clock_stepped,
         )
-        return status or max((getattr(node, "exit_code", 0) for node in nodes), default=0)
+        status = status or max((getattr(node, "exit_code", 0) for node in nodes), default=0)
+        if is_clock_stepped:
+            leave(status)
+        return status
     finally:
         for node in nodes:
             node.destroy_node()
@@ -130,7 +137,7 @@ def _spin(nodes: Sequence[Node], is_stopped: Callable[[], bool]) -> None:
     waker = SteadyTimer(nodes[0], _WAKE_S, lambda: woken.set_result(None))
     try:
         while not is_stopped() and not any(getattr(node, "done", False) for node in nodes):
-            executor.spin_until_future_complete(woken, timeout_sec=_WAKE_S)
+            executor.spin_until_future_complete(woken, timeout_sec=NEVER_S)
             woken = Future()
             for node in nodes:
                 if error := getattr(node, "timer_error", None):

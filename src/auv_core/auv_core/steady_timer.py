@@ -21,6 +21,9 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+NEVER_S = 1e6
+"""Time-out of an executor that a timer here wakes; without any, the executor of the wheels is busy."""
+
 
 class SteadyTimer:
     """

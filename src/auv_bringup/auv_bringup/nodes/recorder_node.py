@@ -9,7 +9,6 @@ writes the bag, and closes it even if this one is killed (:mod:`auv_bringup.bag_
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -138,12 +137,11 @@ class RecorderNode(Node):
         """Take messages until none has come for a while: some may still be on their way."""
         limit = time.monotonic() + DRAIN_LIMIT_S
         quiet_at = time.monotonic() + QUIET_BEFORE_CLOSE_S
-        pause = threading.Event()
         while time.monotonic() < min(quiet_at, limit) and not self.done:
             if self._record():
                 quiet_at = time.monotonic() + QUIET_BEFORE_CLOSE_S
             else:
-                pause.wait(0.01)
+                time.sleep(0.01)
 
     def _batch(self, is_checkpoint: bool) -> Batch:
         """Take all messages that wait, topic by topic."""
