@@ -1,7 +1,7 @@
 /*
  * Steps the system clock of who preloads it, as a time service does: by the seconds (a 64-bit number) in the file
  * $CLOCK_SHIFT_FILE, at once. Steady clocks stay. Waits until a time of the system clock follow, as the kernel's do;
- * only those under way at the step do not.
+ * only those under way at the step do not. With WITHOUT_WAITS none does, which no step of a real clock brings about.
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -34,12 +34,6 @@ static void *next(const char *name) {
   return found ? found : dlsym(RTLD_NEXT, name);
 }
 
-static struct timespec real_time(const struct timespec *deadline) {
-  struct timespec result = *deadline;
-  if (result.tv_sec > SYSTEM_TIME) result.tv_sec -= shift_s();
-  return result;
-}
-
 int clock_gettime(clockid_t clock, struct timespec *now) {
   static int (*real)(clockid_t, struct timespec *);
   if (!real) real = (int (*)(clockid_t, struct timespec *))next("clock_gettime");
@@ -64,6 +58,13 @@ time_t time(time_t *result) {
   return precise.tv_sec;
 }
 
+#ifndef WITHOUT_WAITS
+static struct timespec real_time(const struct timespec *deadline) {
+  struct timespec result = *deadline;
+  if (result.tv_sec > SYSTEM_TIME) result.tv_sec -= shift_s();
+  return result;
+}
+
 int pthread_cond_timedwait(pthread_cond_t *condition, pthread_mutex_t *mutex, const struct timespec *deadline) {
   static int (*real)(pthread_cond_t *, pthread_mutex_t *, const struct timespec *);
   if (!real) real = (int (*)(pthread_cond_t *, pthread_mutex_t *, const struct timespec *))next("pthread_cond_timedwait");
@@ -84,3 +85,4 @@ int sem_timedwait(sem_t *semaphore, const struct timespec *deadline) {
   struct timespec shifted = real_time(deadline);
   return real(semaphore, &shifted);
 }
+#endif

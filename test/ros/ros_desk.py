@@ -26,10 +26,10 @@ def domain_id() -> int:
     return int(os.environ.setdefault("ROS_DOMAIN_ID", str(60 + os.getpid() % 40)))
 
 
-def clock_library(folder: Path) -> Path:
+def clock_library(folder: Path, *flags: str) -> Path:
     """Return the library, made in a folder, that shifts the system clock of who preloads it."""
     made = folder / "clock_shift.so"
-    subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", made, _CLOCK_SHIFT, "-ldl"], check=True)
+    subprocess.run(["cc", "-shared", "-fPIC", "-O1", *flags, "-o", made, _CLOCK_SHIFT, "-ldl"], check=True)
     return made
 
 

@@ -1,4 +1,8 @@
-"""Claim: a step of the system clock, as a time service makes it, is one warning and changes no flight."""
+"""
+Claim: a step of the system clock, as a time service makes it, is one warning and changes no flight.
+
+It is so in real time even where the waits of the middleware follow the clock that was stepped no more.
+"""
 
 import os
 import struct
@@ -25,6 +29,11 @@ CASES = [
     for mode in ("realtime", "lockstep")
     for step_s in (-3600, -20, 20, 3600)
 ]
+LAYOUTS_WITHOUT_WAITS = [
+    pytest.param(layout, step_s, marks=() if (layout, step_s) == ("single", -3600) else pytest.mark.slow)
+    for layout in ("single", "vehicle", "node")
+    for step_s in (-3600, -20, 20, 3600)
+]
 DURATION_S = {"realtime": 3.0, "lockstep": 120.0}
 
 
@@ -32,6 +41,12 @@ DURATION_S = {"realtime": 3.0, "lockstep": 120.0}
 def library(tmp_path_factory):
     """Return the library that shifts the system clock of who preloads it."""
     return clock_library(tmp_path_factory.mktemp("clock"))
+
+
+@pytest.fixture(scope="module")
+def library_without_waits(tmp_path_factory):
+    """Return the one that leaves waits where they are: one step makes them too short or too long for ever."""
+    return clock_library(tmp_path_factory.mktemp("clock"), "-DWITHOUT_WAITS")
 
 
 @pytest.fixture
@@ -45,12 +60,12 @@ def scenario_file(tmp_path):
     return path
 
 
-def fly_through_a_step(scenario_file, library, mode, step_s):
+def fly_through_a_step(scenario_file, library, mode, step_s, layout="single"):
     """Fly, step the clock once all nodes are up; return status, console and results folder."""
     shift, console, out = (scenario_file.parent / name for name in ("shift", "console", "results"))
     shift.write_bytes(struct.pack("=q", 0))
     command = [sys.executable, "-m", "auv_bringup.cli", str(scenario_file), "--mode", mode, "--no-figures"]
-    command += ["--layout", "single", "--duration", str(DURATION_S[mode]), "--out", str(out)]
+    command += ["--layout", layout, "--duration", str(DURATION_S[mode]), "--out", str(out)]
     environ = {**os.environ, "LD_PRELOAD": str(library), "CLOCK_SHIFT_FILE": str(shift)}
     with console.open("wb") as stream:
         run = subprocess.Popen(command, env=environ, stdout=stream, stderr=stream)
@@ -72,7 +87,19 @@ def fly_through_a_step(scenario_file, library, mode, step_s):
 
 @pytest.mark.parametrize(("mode", "step_s"), CASES)
 def test_a_flight_goes_on_over_a_step_of_the_system_clock(mode, step_s, scenario_file, library):
-    status, console, folder = fly_through_a_step(scenario_file, library, mode, step_s)
+    check(*fly_through_a_step(scenario_file, library, mode, step_s), mode, step_s)
+
+
+@pytest.mark.parametrize(("layout", "step_s"), LAYOUTS_WITHOUT_WAITS)
+def test_a_flight_in_real_time_needs_no_timed_wait_of_the_middleware(
+    layout, step_s, scenario_file, library_without_waits
+):
+    flown = fly_through_a_step(scenario_file, library_without_waits, "realtime", step_s, layout)
+    check(*flown, "realtime", step_s)
+
+
+def check(status, console, folder, mode, step_s):
+    """Check that the flight came to its end, and that the step was one warning."""
     assert status == 0, console
     assert console.count("the system clock was stepped by") == 1
     assert f"stepped by {step_s:+.1f} s; the run goes on by the steady clock" in console

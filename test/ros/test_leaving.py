@@ -58,6 +58,30 @@ def make_nodes():
 
 raise SystemExit(node_main.main_loop(make_nodes))
 """
+STEPPED = """
+import os, threading, time
+from rclpy.node import Node
+
+wall_s, is_stepped = time.time, threading.Event()
+time.time = lambda: wall_s() - 3600.0 * is_stepped.is_set()
+from auv_core.node_main import main_loop
+
+class Endless(Node):
+    exit_code = 3
+
+    def on_stop(self):
+        is_stepped.set()
+        print("stopped", end="")
+
+    def destroy_node(self):
+        threading.Event().wait()
+
+def make_nodes():
+    os.write(1, b"up\\n")
+    return [Endless("endless", enable_rosout=False, start_parameter_services=False)]
+
+raise SystemExit(main_loop(make_nodes))
+"""
 
 
 @pytest.mark.parametrize("late", [signal.SIGINT, signal.SIGTERM])
@@ -84,3 +108,12 @@ def test_a_sigterm_after_another_signal_ends_the_wait_for_readers_that_are_dead(
         child.send_signal(signal.SIGTERM)
         _, errors = child.communicate(timeout=LIMIT_S)
         assert (child.returncode, errors) == (0, "")
+
+
+def test_after_a_step_of_the_system_clock_nobody_waits_for_the_middleware_to_end(tmp_path):
+    (tmp_path / "stepped.py").write_text(STEPPED)
+    with process("stepped", cwd=tmp_path) as child:
+        assert child.stdout.readline() == "up\n"
+        child.send_signal(signal.SIGINT)
+        output, errors = child.communicate(timeout=LIMIT_S)
+        assert (child.returncode, output, errors) == (3, "stopped", "")
