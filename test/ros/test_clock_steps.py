@@ -13,6 +13,9 @@ import time
 
 import pytest
 import yaml
+
+pytest.importorskip("rclpy")
+
 from ros_desk import clock_library
 
 from auv_bringup.bag import Bag
