@@ -90,6 +90,20 @@ def test_an_end_after_which_the_run_goes_on_ends_no_node(monkeypatch):
         assert run_end.is_past()
 
 
+def test_an_end_before_the_first_word_of_the_run_ends_no_node_either(monkeypatch):
+    monkeypatch.setattr(run_watch, "_GRACE_S", 0.0)
+    with desk() as at:
+        run_end = RunEnd([at.node])
+        publisher = at.publisher(FlockStatus, "/flock/status", latched=True)
+        at.until(lambda: publisher.get_subscription_count() == 1, "the node hears")
+        say = partial(publish, at, publisher, at.listen(FlockStatus, "/flock/status"))
+        say(status(FlockStatus.WAITING, 0.0, epoch_s=0))
+        say(status(FlockStatus.FINISHED, 30.0))
+        assert run_end.is_past()
+        say(status(FlockStatus.RUNNING, 1.0))
+        assert not run_end.is_past()
+
+
 def test_the_process_of_the_clock_believes_no_end_but_its_own():
     with desk() as at:
         ends, warnings = [], []

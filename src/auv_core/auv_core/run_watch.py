@@ -83,12 +83,12 @@ class RunEnd:
         point = run_point(decoded(FlockStatus, data))
         is_over = point.state in _OVER
         self._has_run |= not is_over
+        if self._run is None and point.state == FlockStatus.RUNNING:
+            self._run = point
         if self._end_heard is not None and not is_over:
             self._go_on(self._end_heard[0], point)
         elif self._end_heard is None and is_over and self._has_run:
             self._end(point)
-        elif self._run is None and point.state == FlockStatus.RUNNING:
-            self._run = point
 
     def _end(self, point: RunPoint) -> None:
         is_foreign = self._run is not None and not follows(self._run, point)
