@@ -13,10 +13,10 @@ from rclpy.executors import SingleThreadedExecutor
 from ros_desk import desk, process
 from std_msgs.msg import Int64
 
+from auv_core import strangers
 from auv_core.hearing import Hearing
 from auv_core.node_main import make_executor
 from auv_core.qos import EVERY_TICK, OWN_DEPTH, own_qos
-from auv_core import strangers
 from auv_core.strangers import StrangerWatch
 from auv_sim.nodes.link_reports import LinkReports
 
