@@ -66,16 +66,16 @@ class Joining:
             How far the own clock is ahead (s), 0 where it fits; nothing as long as that is not known.
 
         """
-        limit_s = self._limit_s
+        is_soon = not steady_s - self._since_s >= JOIN_S
+        if math.isnan(self._since_s):
+            self._since_s = steady_s
         if time_s <= 0.0:
             time_s = LOOK_S * max(self._repeats - 1, 0) - START_LEAD_S
             self._repeats += 1
-            if not self._has_waited:
-                limit_s += START_LEAD_S
-        if math.isnan(self._since_s):
-            self._since_s = steady_s
+            if is_soon and not self._has_waited:
+                return None  # it may be the first such status or the third; the next one with a tick tells
         off_s = own_s - time_s
         self._off_s = min(self._off_s, off_s)
-        if -_TOLERANCE_S <= off_s <= limit_s:
+        if -_TOLERANCE_S <= off_s <= self._limit_s:
             return 0.0
-        return self._off_s if steady_s - self._since_s >= JOIN_S else None
+        return None if is_soon else self._off_s
