@@ -1,5 +1,6 @@
-"""What holds in every test: no modem hears while it transmits."""
+"""What holds in every test: no modem hears while it transmits; and what tests of several packages share."""
 
+import signal
 from collections.abc import Iterator
 
 import pytest
@@ -29,3 +30,12 @@ def _half_duplex(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     yield
     for medium, log in logs.items():
         assert half_duplex_violations([*log, *take_events(medium)]) == []
+
+
+@pytest.fixture
+def keep_signal_handlers() -> Iterator[None]:
+    """Give back the handlers that a command which is called in this process replaces."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)

@@ -23,16 +23,16 @@ from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 from visualization_msgs.msg import MarkerArray
 
-from auv_bringup.compose import NodeSpec
-from auv_bringup.nodes.recorder_node import TICKS_PER_BATCH
-from auv_bringup.recorded_topics import CLOCK_TOPIC, topics_of_graph
-from auv_bringup.ros_types import message_class
-from auv_core import conversions as convert
-from auv_core.acoustic_bytes import inbox_bytes, outbox_bytes
-from auv_core.markers import HULL, MARKER_TICKS, sphere
+from auv_bag.nodes.recorder_node import TICKS_PER_BATCH
+from auv_bag.ros_types import message_class
+from auv_bag.topics import CLOCK_TOPIC, topics_of_graph
+from auv_bringup.launching.node_specs import NodeSpec
 from auv_core.messages import Inbox
-from auv_core.node_main import Audience, Rendezvous, main_loop, publishes_bytes
-from auv_core.qos import EVERY_TICK, LATCHED
+from auv_ros.lifecycle import Audience, Rendezvous, main_loop, publishes_bytes
+from auv_ros.qos import EVERY_TICK, LATCHED
+from auv_ros.wire import conversions as convert
+from auv_ros.wire.acoustics import inbox_bytes, outbox_bytes
+from auv_ros.wire.markers import HULL, MARKER_TICKS, sphere
 
 RELAY, RECORDER = "/acoustic_relay_node", "/recorder_node"
 DIAGNOSTIC_TICKS = 10

@@ -16,16 +16,16 @@ from pathlib import Path
 
 import numpy as np
 
-from auv_bringup.compose import vehicle_configs
-from auv_bringup.experiment import run_in_process
-from auv_bringup.metrics import compute_metrics
-from auv_bringup.reproduction import RunSpec
-from auv_bringup.reproduction.runner import fly_all
-from auv_bringup.reproduction.store import Store
-from auv_bringup.scenario import Scenario, load_scenario
-from auv_bringup.tally import Tally
+from auv_core.cli.tally import Tally
 from auv_core.compiled import use_compiler
+from auv_experiment.compose import vehicle_configs
+from auv_experiment.inprocess.sampled import run_in_process
+from auv_experiment.metrics.run import compute_metrics
+from auv_experiment.scenario.schema import Scenario, load_scenario
 from auv_sim.vehicle import Vehicle
+from auv_thesis.items import RunSpec
+from auv_thesis.runs.runner import fly_all
+from auv_thesis.runs.store import Store
 from benchmarks.rows import Row, cpu_seconds, spread, taking_turns
 
 JOB = ("flock_acoustic", ("dt_s=0.01",))

@@ -2,9 +2,10 @@
 The kernel alone, on one thread: hulls in six degrees of freedom, RK4, PI velocity loop, flocking law, pair
 forces and consensus, all evaluated in each of the four stages of a step.
 
-It is the loop that flies the scenario ``swarm`` (`auv_bringup.fleet_loop`), without the record of a run.  A
-peer is asked for less: one forward Euler step of every vehicle's dynamics, no neighbours, no controller.
-Rates are vehicle-steps per second of processor time, which other work on the machine disturbs least.
+It is the loop that flies the scenario ``swarm`` (`auv_experiment.inprocess.fleet_loop`), without the record
+of a run.  A peer is asked for less: one forward Euler step of every vehicle's dynamics, no neighbours, no
+controller. Rates are vehicle-steps per second of processor time, which other work on the machine disturbs
+least.
 """
 
 from __future__ import annotations
@@ -18,10 +19,10 @@ from pathlib import Path
 
 import numpy as np
 
-from auv_bringup.continuous import run_continuous
-from auv_bringup.continuous_fleet import Fleet
-from auv_bringup.scenario import load_scenario
 from auv_core.compiled import use_compiler
+from auv_experiment.inprocess.continuous import run_continuous
+from auv_experiment.inprocess.fleet import Fleet
+from auv_experiment.scenario.schema import load_scenario
 from benchmarks.peers import PEERS, Peer
 from benchmarks.rows import Row, cpu_seconds, spread, taking_turns
 

@@ -20,11 +20,12 @@ from typing import Any
 
 import yaml
 
-from auv_bringup.compose import NodeSpec, compile_ahead, node_specs
-from auv_bringup.layout import process_specs
-from auv_bringup.node_start import Part, adopt, log_name, node_environment, parts_of
-from auv_bringup.processes import ChildProcesses, schedule_as_batch
-from auv_bringup.scenario import SCENARIOS_DIR, Scenario, load_scenario
+from auv_bringup.launching.layout import process_specs
+from auv_bringup.launching.node_specs import NodeSpec, node_specs
+from auv_bringup.launching.node_start import Part, adopt, log_name, node_environment, parts_of
+from auv_core.machine.processes import ChildProcesses, schedule_as_batch
+from auv_experiment.compose import compile_ahead
+from auv_experiment.scenario.schema import SCENARIOS_DIR, Scenario, load_scenario
 
 MAIN_JOB = "flock_acoustic"
 OURS, PLAIN, LEAN = "ours", "plain", "lean"

@@ -20,9 +20,9 @@ from pathlib import Path
 
 import numpy as np
 
-from auv_bringup.layout import LAYOUTS
-from auv_bringup.node_start import ONE_THREAD
-from auv_bringup.scenario import Scenario, load_scenario
+from auv_bringup.launching.layout import LAYOUTS
+from auv_bringup.launching.node_start import ONE_THREAD
+from auv_experiment.scenario.schema import Scenario, load_scenario
 from benchmarks.ros_flights import (
     DURATION_S,
     LEAN,
@@ -128,7 +128,16 @@ def starts(layout: str, count: int) -> Iterator[Row]:
 def _start(layout: str) -> tuple[float, float]:
     """Return the time to the first tick (s) and the most memory at any time (MiB) of a short main job."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "auv_bringup.cli", MAIN_JOB, "--duration", "20", "--layout", layout]
+        command = [
+            sys.executable,
+            "-m",
+            "auv_bringup.tools.run",
+            MAIN_JOB,
+            "--duration",
+            "20",
+            "--layout",
+            layout,
+        ]
         began_s, first_tick_s, most_mib = time.monotonic(), 0.0, 0.0
         errors = Path(folder) / "errors"
         with errors.open("wb") as stream:

@@ -6,7 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from auv_bringup.h_infinity_synthesis import Weights, preset_axes, preset_file, preset_text
+from auv_control.synthesis.h_infinity import Weights, preset_axes, preset_file, preset_text
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

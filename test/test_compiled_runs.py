@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 
-from auv_bringup.recording import Recording
+from auv_experiment.recording import Recording
 
 # Between them these use every function that is compiled: both filters, sonar, bursts, levels, every model.
 RUNS = {
@@ -18,8 +18,8 @@ RUNS = {
 
 _PROGRAM = """
 import sys
-from auv_bringup.experiment import run_in_process
-from auv_bringup.scenario import load_scenario
+from auv_experiment.inprocess.sampled import run_in_process
+from auv_experiment.scenario.schema import load_scenario
 folder, pairs = sys.argv[1], sys.argv[2:]
 for pair in pairs:
     name, *overrides = pair.split()

@@ -18,8 +18,8 @@ from auv_core.params import ConfigError, dump, load, load_section
 from auv_core.plugins import find_plugin, list_plugins
 from auv_flocking.codec import Field, Layout
 from auv_flocking.consensus import Heard
-from auv_flocking.estimates import NeighbourEstimate
 from auv_flocking.flocking import NOTHING_HEARD, View
+from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.report import Report, ReportError
 from auv_flocking.separation import mathematical
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from auv_bringup.reproduction import ChapterError, chapters
-from auv_bringup.reproduction.documents import documents, write_documents
-from auv_bringup.reproduction.equations import EQUATIONS_FILE, load_equations, numbers_in, problems
+from auv_thesis.items import ChapterError, chapters
+from auv_thesis.page.documents import documents, write_documents
+from auv_thesis.page.equations import EQUATIONS_FILE, load_equations, numbers_in, problems
 
 ROOT = Path(__file__).parents[1]
 LISTED = load_equations(ROOT)

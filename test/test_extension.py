@@ -23,7 +23,15 @@ def environment(tmp_path_factory):
 
 
 def fly(environment, out_dir, *arguments):
-    command = [sys.executable, "-m", "auv_bringup.cli", *arguments, "--mode", "inprocess", "--no-figures"]
+    command = [
+        sys.executable,
+        "-m",
+        "auv_bringup.tools.run",
+        *arguments,
+        "--mode",
+        "inprocess",
+        "--no-figures",
+    ]
     command += ["--out", str(out_dir)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from auv_bringup.experiment import run_in_process
-from auv_bringup.metrics import compute_metrics
-from auv_bringup.recording import acoustic_log
-from auv_bringup.scenario import load_scenario
+from auv_experiment.inprocess.sampled import run_in_process
+from auv_experiment.metrics.run import compute_metrics
+from auv_experiment.recording import acoustic_log
+from auv_experiment.scenario.schema import load_scenario
 from auv_sim.acoustics.event_log import half_duplex_violations
 
 GOLDEN = sorted((Path(__file__).parent / "golden").glob("*.json"))

@@ -9,10 +9,10 @@ from xml.etree import ElementTree
 
 import pytest
 import yaml
+from source_tree import ORDER
+from source_tree import PACKAGES as PYTHON_PACKAGES
 
 ROOT = Path(__file__).parents[1]
-PYTHON_PACKAGES = ("auv_core", "auv_sim", "auv_control", "auv_flocking", "auv_bringup")
-PACKAGES = ("auv_msgs", *PYTHON_PACKAGES)
 
 # Keys of the official rosdep lists, by the module that is imported.
 OFFICIAL_KEYS = {
@@ -91,7 +91,7 @@ def test_keys_that_the_official_lists_lack_are_in_our_own():
             assert re.search(f"^{name}==", pinned, re.MULTILINE)
 
 
-@pytest.mark.parametrize("package", PACKAGES)
+@pytest.mark.parametrize("package", ORDER)
 def test_it_names_author_maintainer_and_license_and_no_page_that_does_not_exist(package):
     root = manifest(package)
     for kind in ("author", "maintainer"):

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import auv_flocking.separation
-from auv_bringup.experiment import run_in_process
-from auv_bringup.scenario import list_scenarios, load_scenario
+from auv_experiment.inprocess.sampled import run_in_process
+from auv_experiment.scenario.schema import list_scenarios, load_scenario
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -52,6 +52,6 @@ def test_links_lead_somewhere(target):
 
 @pytest.mark.parametrize("option", sorted(set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", README))))
 def test_options_named_in_the_readme_exist(option):
-    sources = [*(ROOT / "scripts").iterdir(), *(ROOT / "src/auv_bringup/auv_bringup").rglob("*.py")]
+    sources = [*(ROOT / "scripts").iterdir(), *ROOT.glob("src/*/auv_*/**/*.py")]
     ours = any(f'"{option}"' in path.read_text(encoding="utf-8") for path in sources if path.is_file())
     assert ours or option in {"--help", "--ros-args", "--params-file"}

@@ -4,8 +4,9 @@ import re
 
 import pytest
 
-from auv_bringup.reproduction import chapters, cli
-from auv_bringup.reproduction.store import plan_run
+from auv_thesis import cli
+from auv_thesis.items import chapters
+from auv_thesis.runs.store import plan_run
 
 CHAPTERS = {chapter.key: chapter for chapter in chapters()}
 FIGURES = {

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from auv_bringup.node_start import command_line
+from auv_bringup.launching.node_start import command_line
 
 ROOT = Path(__file__).parents[1]
 STARTS_PYTHON = re.compile(r"""(?:\bpython3?|"\$(?:base_)?python")\s+(?P<options>.*)""")

@@ -10,7 +10,6 @@ setup(
     name=package_name,
     version="0.1.0",
     packages=find_packages(include=[package_name, f"{package_name}.*"]),
-    package_data={package_name: ["scenarios/*.yaml", "studies/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
@@ -22,17 +21,14 @@ setup(
     zip_safe=False,
     maintainer="The Shoal authors",
     maintainer_email="shoal@example.org",
-    description="Composition of Shoal: scenarios, launcher, recorder, replay, metrics, report",
+    description="Commands of Shoal that need ROS 2: launcher, replay, topic command, launch file",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
             "node_container = auv_bringup.nodes.node_container:main",
-            "recorder_node = auv_bringup.nodes.recorder_node:main",
-            "run = auv_bringup.cli:main",
-            "replay = auv_bringup.replay:main",
-            "reproduce = auv_bringup.reproduction.cli:main",
-            "sweep = auv_bringup.sweeps.cli:main",
-            "topic = auv_bringup.topic:main",
+            "run = auv_bringup.tools.run:main",
+            "replay = auv_bringup.tools.replay:main",
+            "topic = auv_bringup.tools.topic:main",
         ],
     },
 )

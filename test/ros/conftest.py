@@ -1,7 +1,6 @@
-"""Lets the tests of this folder share its modules and the synthetic bags."""
+"""Lets the tests of this folder share the modules in it."""
 
 import sys
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parents[1] / "src" / "auv_bringup" / "test")]
+sys.path.insert(0, str(Path(__file__).resolve().parent))

@@ -34,10 +34,10 @@ def status_publisher():
     import rclpy
     from rclpy.signals import SignalHandlerOptions
 
-    from auv_core import conversions as convert
-    from auv_core.qos import LATCHED
-    from auv_core.run_config import LOCKSTEP_EPOCH_S
     from auv_msgs.msg import FlockStatus
+    from auv_ros.qos import LATCHED
+    from auv_ros.run_config import LOCKSTEP_EPOCH_S
+    from auv_ros.wire import conversions as convert
 
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("clock_node")

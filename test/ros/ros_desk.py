@@ -14,8 +14,8 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from auv_bringup.node_start import node_environment
-from auv_core.qos import own_qos
+from auv_bringup.launching.node_start import node_environment
+from auv_ros.qos import own_qos
 
 LIMIT_S = 30.0
 _CLOCK_SHIFT = Path(__file__).with_name("clock_shift.c")

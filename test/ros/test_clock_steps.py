@@ -18,9 +18,9 @@ pytest.importorskip("rclpy")
 
 from ros_desk import clock_library
 
-from auv_bringup.bag import Bag
-from auv_bringup.bag_reader import read_recording
-from auv_bringup.scenario import SCENARIOS_DIR, load_scenario
+from auv_bag.bag import Bag
+from auv_experiment.recording_from_bag import read_recording
+from auv_experiment.scenario.schema import SCENARIOS_DIR, load_scenario
 
 pytestmark = pytest.mark.ros
 
@@ -67,7 +67,15 @@ def fly_through_a_step(scenario_file, library, mode, step_s, layout="single"):
     """Fly, step the clock once all nodes are up; return status, console and results folder."""
     shift, console, out = (scenario_file.parent / name for name in ("shift", "console", "results"))
     shift.write_bytes(struct.pack("=q", 0))
-    command = [sys.executable, "-m", "auv_bringup.cli", str(scenario_file), "--mode", mode, "--no-figures"]
+    command = [
+        sys.executable,
+        "-m",
+        "auv_bringup.tools.run",
+        str(scenario_file),
+        "--mode",
+        mode,
+        "--no-figures",
+    ]
     command += ["--layout", layout, "--duration", str(DURATION_S[mode]), "--out", str(out)]
     environ = {**os.environ, "LD_PRELOAD": str(library), "CLOCK_SHIFT_FILE": str(shift)}
     with console.open("wb") as stream:

@@ -15,10 +15,10 @@ from geometry_msgs.msg import WrenchStamped
 from ros_desk import desk, domain_id, process
 from rosgraph_msgs.msg import Clock
 
-from auv_bringup.bag_compare import compare_bags
-from auv_bringup.scenario import SCENARIOS_DIR
-from auv_core import conversions as convert
+from auv_bag.compare import compare_bags
+from auv_experiment.scenario.schema import SCENARIOS_DIR
 from auv_msgs.msg import FlockStatus, VehicleState
+from auv_ros.wire import conversions as convert
 
 pytestmark = pytest.mark.ros
 
@@ -44,7 +44,7 @@ def scenario_file(tmp_path):
 def fly(scenario_file, name, *arguments):
     """Start a run whose results go to a folder."""
     command = [
-        "auv_bringup.cli",
+        "auv_bringup.tools.run",
         scenario_file,
         "--no-figures",
         "--out",
@@ -156,7 +156,7 @@ def test_a_forged_end_ends_no_flight(scenario_file, state, mode, layout):
 @pytest.mark.parametrize("layout", ["node", "vehicle", "single"])
 def test_a_reader_that_stalls_holds_no_flight(scenario_file, layout):
     run = fly(scenario_file, "beside", "--layout", layout, "--duration", "900")
-    with process("auv_bringup.topic", "--wait", 60, "hz", "/auv_1/state") as echo:
+    with process("auv_bringup.tools.topic", "--wait", 60, "hz", "/auv_1/state") as echo:
         assert echo.stdout.readline().startswith("average rate")
         os.kill(echo.pid, signal.SIGSTOP)
         status, said = finished(run)

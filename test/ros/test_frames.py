@@ -10,7 +10,7 @@ import pytest
 import yaml
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from auv_bringup.bag import Bag
+from auv_bag.bag import Bag
 
 pytestmark = pytest.mark.ros
 
@@ -24,7 +24,7 @@ DRIFT = (
 def messages(tmp_path_factory):
     """Return what a flight with a bad navigation recorded: decoded messages by topic and stamp (ns)."""
     out = tmp_path_factory.mktemp("frames")
-    command = [sys.executable, "-m", "auv_bringup.cli", "flock_acoustic", "--mode", "lockstep"]
+    command = [sys.executable, "-m", "auv_bringup.tools.run", "flock_acoustic", "--mode", "lockstep"]
     command += ["--duration", "3", "--no-figures", "--layout", "single", "--out", str(out)]
     command += ["--set", f"environment.navigation={DRIFT}", "--set", "answer_timeout_s=30"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)

@@ -21,14 +21,12 @@ from geometry_msgs.msg import WrenchStamped
 from rclpy.serialization import serialize_message
 from ros_desk import desk, process
 
-from auv_bringup.bag_reader import read_recording
-from auv_bringup.compose import node_specs
-from auv_bringup.layout import process_specs
-from auv_bringup.node_start import CONTAINER_MODULE, container_arguments, parts_of
-from auv_bringup.scenario import SCENARIOS_DIR, load_scenario
-from auv_core import conversions as convert
-from auv_core.acoustic_bytes import inbox_bytes, outbox_bytes
+from auv_bringup.launching.layout import process_specs
+from auv_bringup.launching.node_specs import node_specs
+from auv_bringup.launching.node_start import CONTAINER_MODULE, container_arguments, parts_of
 from auv_core.messages import Inbox, Packet, Reception, SonarContact
+from auv_experiment.recording_from_bag import read_recording
+from auv_experiment.scenario.schema import SCENARIOS_DIR, load_scenario
 from auv_msgs.msg import (
     AcousticInbox,
     AcousticOutbox,
@@ -38,6 +36,8 @@ from auv_msgs.msg import (
     RecorderStatus,
     VehicleState,
 )
+from auv_ros.wire import conversions as convert
+from auv_ros.wire.acoustics import inbox_bytes, outbox_bytes
 
 pytestmark = pytest.mark.ros
 

@@ -10,14 +10,15 @@ from pathlib import Path
 
 import pytest
 
-from auv_bringup import processes, supervision
-from auv_bringup.compose import node_specs
-from auv_bringup.launcher import fly_nodes
-from auv_bringup.layout import process_specs
-from auv_bringup.node_start import node_environment
-from auv_bringup.processes import Interrupts
-from auv_bringup.progress import Progress
-from auv_bringup.scenario import load_scenario
+from auv_bringup.launching import supervision
+from auv_bringup.launching.launcher import fly_nodes
+from auv_bringup.launching.layout import process_specs
+from auv_bringup.launching.node_specs import node_specs
+from auv_bringup.launching.node_start import node_environment
+from auv_core.cli.progress import Progress
+from auv_core.machine import processes
+from auv_core.machine.processes import Interrupts
+from auv_experiment.scenario.schema import load_scenario
 
 pytestmark = pytest.mark.ros
 
@@ -219,8 +220,8 @@ def test_silence_from_the_start_ends_the_wait(stage, monkeypatch):
 
 
 def test_processes_of_a_lost_run_are_told_soon_to_wait_for_nobody(stage, monkeypatch):
-    monkeypatch.setattr("auv_bringup.launcher.SIGINT_GRACE_S", 100.0)
-    monkeypatch.setattr("auv_bringup.launcher.RECORDER_GRACE_S", 100.0)
+    monkeypatch.setattr("auv_bringup.launching.launcher.SIGINT_GRACE_S", 100.0)
+    monkeypatch.setattr("auv_bringup.launching.launcher.RECORDER_GRACE_S", 100.0)
     lost_at_s = []
     stop = supervision.Supervisor._stop
 
@@ -277,7 +278,7 @@ def test_ctrl_c_twice_hurries_stubborn_nodes(stage):
 
 
 def test_a_recorder_that_does_not_close_its_bag_spoils_the_flight(stage, monkeypatch):
-    monkeypatch.setattr("auv_bringup.launcher.RECORDER_GRACE_S", 0.3)
+    monkeypatch.setattr("auv_bringup.launching.launcher.RECORDER_GRACE_S", 0.3)
     monkeypatch.setattr(processes, "SIGTERM_GRACE_S", 0.3)
     flight = stage.fly(recorder="stubborn")
     assert flight.exit_status == 3

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.ros
 LINGERS = """
 import os, time
 from rclpy.node import Node
-from auv_core.node_main import main_loop
+from auv_ros.lifecycle import main_loop
 
 class Lingers:
     def __del__(self, say=os.write, wait=time.sleep):
@@ -32,7 +32,7 @@ raise SystemExit(main_loop(make_nodes))
 UNHEARD = """
 import os, time
 from rclpy.node import Node
-from auv_core import node_main
+from auv_ros import lifecycle as node_main
 
 node_main._HAND_OVER_S = 1000.0
 
@@ -64,7 +64,7 @@ from rclpy.node import Node
 
 wall_s, is_stepped = time.time, threading.Event()
 time.time = lambda: wall_s() - 3600.0 * is_stepped.is_set()
-from auv_core.node_main import main_loop
+from auv_ros.lifecycle import main_loop
 
 class Endless(Node):
     exit_code = 3

@@ -31,11 +31,11 @@ def readers():
     """Return by name what reads a kind of message, and messages of that kind."""
     from rclpy.serialization import serialize_message
 
-    from auv_core import conversions as convert
-    from auv_core.acoustic_bytes import inbox_bytes, outbox_bytes, read_inbox, read_outbox
-    from auv_core.hearing import decoded
     from auv_core.messages import Inbox, Packet, Reception, SonarContact
     from auv_msgs.msg import FlockStatus
+    from auv_ros.hearing import decoded
+    from auv_ros.wire import conversions as convert
+    from auv_ros.wire.acoustics import inbox_bytes, outbox_bytes, read_inbox, read_outbox
 
     packet = Packet(3, 1, 0, 2, b"0123456789")
     inbox = Inbox(4, True, (Reception(packet, 0.1, 0.2, 9.0),) * 2, (SonarContact(1.0, 0.1, 0.2),) * 2)
@@ -77,7 +77,7 @@ def test_bytes_that_are_no_message_are_never_more_than_a_value_error(name):
 
 
 def test_a_message_of_the_run_with_padding_at_its_end_is_read():
-    from auv_core import conversions as convert
+    from auv_ros.wire import conversions as convert
 
     state = convert.state_stencil().filled(1.0, 7, True, *[0.5] * 15)
     assert convert.state_from_bytes(state + bytes(3)) == convert.state_from_bytes(state)
@@ -86,10 +86,10 @@ def test_a_message_of_the_run_with_padding_at_its_end_is_read():
 def test_a_node_counts_what_it_leaves_out_and_hears_what_follows():
     from ros_desk import desk
 
-    from auv_core import conversions as convert
-    from auv_core.hearing import Hearing
-    from auv_core.qos import EVERY_TICK
     from auv_msgs.msg import VehicleState
+    from auv_ros.hearing import Hearing
+    from auv_ros.qos import EVERY_TICK
+    from auv_ros.wire import conversions as convert
 
     state = convert.state_stencil().filled(1.0, 7, True, *[0.5] * 15)
     with desk() as at:

@@ -13,7 +13,7 @@ pytest.importorskip("rclpy")
 
 from ros_desk import desk, domain_id
 
-from auv_bringup.node_start import node_environment
+from auv_bringup.launching.node_start import node_environment
 
 pytestmark = pytest.mark.ros
 

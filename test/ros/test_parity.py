@@ -10,13 +10,13 @@ import sys
 import numpy as np
 import pytest
 
-from auv_bringup.bag_compare import compare_bags
-from auv_bringup.bag_reader import read_recording
-from auv_bringup.experiment import run_in_process
-from auv_bringup.layout import LAYOUTS
-from auv_bringup.recording import acoustic_log
-from auv_bringup.scenario import list_scenarios, load_scenario
+from auv_bag.compare import compare_bags
+from auv_bringup.launching.layout import LAYOUTS
 from auv_core.messages import Outcome
+from auv_experiment.inprocess.sampled import run_in_process
+from auv_experiment.recording import acoustic_log
+from auv_experiment.recording_from_bag import read_recording
+from auv_experiment.scenario.schema import list_scenarios, load_scenario
 from auv_sim.acoustics.event_log import half_duplex_violations
 from auv_sim.acoustics.propagation import bellhop
 
@@ -63,7 +63,16 @@ WATER = (
 
 def fly(scenario, out_dir, duration_s, *options):
     """Fly in lock-step with real processes and return the results folder."""
-    command = [sys.executable, "-m", "auv_bringup.cli", scenario, "--mode", "lockstep", "--out", str(out_dir)]
+    command = [
+        sys.executable,
+        "-m",
+        "auv_bringup.tools.run",
+        scenario,
+        "--mode",
+        "lockstep",
+        "--out",
+        str(out_dir),
+    ]
     command += ["--duration", str(duration_s), "--no-figures", "--set", "answer_timeout_s=30", *options]
     done = subprocess.run(command, capture_output=True, text=True, timeout=240, env=os.environ, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

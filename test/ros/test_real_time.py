@@ -16,11 +16,11 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from ros_desk import desk, domain_id
 
-from auv_bringup.bag import Bag
-from auv_bringup.bag_reader import read_recording
-from auv_bringup.experiment import run_in_process
-from auv_bringup.metrics import compute_metrics
-from auv_bringup.scenario import list_scenarios, load_scenario
+from auv_bag.bag import Bag
+from auv_experiment.inprocess.sampled import run_in_process
+from auv_experiment.metrics.run import compute_metrics
+from auv_experiment.recording_from_bag import read_recording
+from auv_experiment.scenario.schema import list_scenarios, load_scenario
 
 pytestmark = pytest.mark.ros
 
@@ -36,7 +36,16 @@ SHIPPED = [name for name, _ in list_scenarios()]
 
 def fly(name, out_dir, duration_s=None):
     """Fly in real time and return the finished command and the results folder."""
-    command = [sys.executable, "-m", "auv_bringup.cli", name, "--mode", "realtime", "--layout", "single"]
+    command = [
+        sys.executable,
+        "-m",
+        "auv_bringup.tools.run",
+        name,
+        "--mode",
+        "realtime",
+        "--layout",
+        "single",
+    ]
     command += ["--no-figures", "--out", str(out_dir)]
     if duration_s is not None:
         command += ["--duration", str(duration_s)]
@@ -81,7 +90,7 @@ def check_time_base(folder, scenario):
 
 def check_replay(folder, scenario):
     """Publish the bag quickly, and find it as long as the run."""
-    command = [sys.executable, "-m", "auv_bringup.replay", str(folder), "--rate", "20", "--delay", "0"]
+    command = [sys.executable, "-m", "auv_bringup.tools.replay", str(folder), "--rate", "20", "--delay", "0"]
     limit_s = PATIENCE_S + scenario.duration_s
     done = subprocess.run(command, capture_output=True, text=True, timeout=limit_s, check=False)
     assert done.returncode == 0, done.stderr
@@ -150,7 +159,16 @@ def values_to_set():
 
 
 def test_no_parameter_of_a_node_that_flies_can_be_set_and_the_flight_goes_on(tmp_path):
-    command = [sys.executable, "-m", "auv_bringup.cli", "ch2_pfpd", "--mode", "realtime", "--duration", "6"]
+    command = [
+        sys.executable,
+        "-m",
+        "auv_bringup.tools.run",
+        "ch2_pfpd",
+        "--mode",
+        "realtime",
+        "--duration",
+        "6",
+    ]
     command += ["--no-figures", "--out", str(tmp_path / "results")]
     environ = {**os.environ, "ROS_DOMAIN_ID": str(domain_id())}
     console = tmp_path / "console"

@@ -21,16 +21,16 @@ from rosbags.highlevel import AnyReader
 from rosgraph_msgs.msg import Clock
 from tf2_msgs.msg import TFMessage
 
-from auv_bringup.bag import Bag
-from auv_bringup.cdr_padding import padding_zeroer
-from auv_bringup.message_definitions import load_message_type
-from auv_bringup.node_start import CONTAINER_MODULE, Part, container_arguments
-from auv_bringup.recorded_topics import topics_of_graph
+from auv_bag.bag import Bag
+from auv_bag.definitions import load_message_type
+from auv_bag.padding import padding_zeroer
+from auv_bag.topics import topics_of_graph
+from auv_bringup.launching.node_start import CONTAINER_MODULE, Part, container_arguments
 from auv_msgs.msg import FlockingCentre, RecorderStatus, VehicleState
 
 pytestmark = pytest.mark.ros
 
-RECORDER = "auv_bringup.nodes.recorder_node"
+RECORDER = "auv_bag.nodes.recorder_node"
 TICK_NS = 100_000_000
 
 

@@ -48,8 +48,8 @@ def test_an_idle_executor_wakes_for_what_comes(ros):
     from rclpy.task import Future
     from std_msgs.msg import Int64
 
-    from auv_core.node_main import make_executor
-    from auv_core.qos import EVERY_TICK
+    from auv_ros.lifecycle import make_executor
+    from auv_ros.qos import EVERY_TICK
 
     node, spin_until = ros
     talker = node("talker")
@@ -76,8 +76,8 @@ def test_an_idle_executor_wakes_for_what_comes(ros):
 def test_a_reader_that_asks_for_more_than_is_offered_keeps_nobody_waiting(ros):
     from std_msgs.msg import Int64
 
-    from auv_core.node_main import Audience, Rendezvous
-    from auv_core.qos import EVERY_TICK, LATCHED
+    from auv_ros.lifecycle import Audience, Rendezvous
+    from auv_ros.qos import EVERY_TICK, LATCHED
 
     node, spin_until = ros
     talker, listener, stranger = node("talker"), node("listener"), node("stranger")
@@ -100,8 +100,8 @@ def test_nodes_that_wait_do_not_ask_the_graph(ros, monkeypatch):
     """In a process of hundreds of nodes these questions were most of the start."""
     from std_msgs.msg import Int64
 
-    from auv_core.node_main import Audience, Rendezvous
-    from auv_core.qos import EVERY_TICK
+    from auv_ros.lifecycle import Audience, Rendezvous
+    from auv_ros.qos import EVERY_TICK
 
     node, spin_until = ros
     talker, listener = node("talker"), node("listener")
@@ -122,7 +122,7 @@ def test_nodes_that_wait_do_not_ask_the_graph(ros, monkeypatch):
 
 @pytest.mark.parametrize(("count", "has_services"), [(11, True), (257, False)])
 def test_a_process_of_many_nodes_has_no_services_of_parameters(monkeypatch, count, has_services):
-    from auv_bringup.node_start import Part
+    from auv_bringup.launching.node_start import Part
     from auv_bringup.nodes import node_container
 
     made = []
@@ -140,7 +140,8 @@ def test_a_fleet_of_128_vehicles_flies_in_one_process(tmp_path):
     """It ended with status 3 before: its start took longer than the launcher waited."""
     run = subprocess.run(
         [
-            sys.executable, "-m", "auv_bringup.cli", "swarm", "--mode", "lockstep", "--layout", "single",
+            sys.executable, "-m", "auv_bringup.tools.run", "swarm", "--mode", "lockstep", "--layout",
+            "single",
             "--duration", "1", "--no-figures", "--out", str(tmp_path),
             "--set", "vehicles.count=128", "--set", "random_starts.radius_m=60",
         ],
@@ -155,9 +156,9 @@ def test_readers_of_another_type_and_readers_that_never_match_do_not_keep_a_node
     import rclpy
     from std_msgs.msg import Int64, String
 
-    from auv_core import node_main
-    from auv_core.node_main import Audience, Rendezvous
-    from auv_core.qos import EVERY_TICK
+    from auv_ros import lifecycle as node_main
+    from auv_ros.lifecycle import Audience, Rendezvous
+    from auv_ros.qos import EVERY_TICK
 
     node, spin_until = ros
     talker, listener = node("talker"), node("listener")

@@ -16,13 +16,13 @@ from nav_msgs.msg import Path as PathMessage
 from ros_desk import desk, finish, process
 from rosgraph_msgs.msg import Clock
 
-from auv_bringup.bag_writer import Topic
-from auv_bringup.domains import claim_domain
+from auv_bag.writer import Topic
+from auv_bringup.launching.domains import claim_domain
 from auv_msgs.msg import VehicleState
 
 pytestmark = pytest.mark.ros
 
-REPLAY = "auv_bringup.replay"
+REPLAY = "auv_bringup.tools.replay"
 ENOUGH = ("--delay", 4)  # for discovery on a machine that is busy with other tests
 N_TICKS = 30
 KINDS = {"/clock": Clock, "/auv_1/state": VehicleState, "/auv_2/reference": TwistStamped}

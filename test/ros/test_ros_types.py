@@ -8,8 +8,8 @@ pytest.importorskip("rclpy")
 
 from nav_msgs.msg import Odometry
 
-from auv_bringup.bag_writer import BagError
-from auv_bringup.ros_types import message_class
+from auv_bag.ros_types import message_class
+from auv_bag.writer import BagError
 from auv_msgs.msg import VehicleState
 
 pytestmark = pytest.mark.ros

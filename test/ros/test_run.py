@@ -17,9 +17,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from auv_bringup.bag import Bag
-from auv_bringup.bag_reader import read_recording
-from auv_bringup.scenario import SCENARIOS_DIR, load_scenario
+from auv_bag.bag import Bag
+from auv_experiment.recording_from_bag import read_recording
+from auv_experiment.scenario.schema import SCENARIOS_DIR, load_scenario
 
 pytestmark = pytest.mark.ros
 
@@ -76,7 +76,14 @@ class Run:
         self.errors = scenario_file.parent / f"stderr-{time.monotonic_ns()}.txt"
         with self.errors.open("wb") as stream:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "auv_bringup.cli", str(scenario_file), *arguments, *self.options],
+                [
+                    sys.executable,
+                    "-m",
+                    "auv_bringup.tools.run",
+                    str(scenario_file),
+                    *arguments,
+                    *self.options,
+                ],
                 stdout=subprocess.PIPE,
                 stderr=stream,
                 text=True,
@@ -307,7 +314,7 @@ def test_a_closed_terminal_ends_the_run_in_order_and_leaves_its_status(scenario_
     words = [
         sys.executable,
         "-m",
-        "auv_bringup.cli",
+        "auv_bringup.tools.run",
         str(scenario_file),
         "--layout",
         layout,
@@ -355,8 +362,8 @@ def test_results_that_are_moved_in_flight_are_one_line_at_its_end(start):
 def test_a_stopped_writer_of_the_bag_is_named_and_does_not_hold_the_end(start):
     run = start("--layout", "single").wait_until_up()
     stopped_at_s = time.monotonic()
-    os.kill(run.node("bag_process"), signal.SIGSTOP)
-    run.wait_for_word("auv_bringup.bag_process, started by /node_container, is stopped by a signal")
+    os.kill(run.node("auv_bag.process"), signal.SIGSTOP)
+    run.wait_for_word("auv_bag.process, started by /node_container, is stopped by a signal")
     assert time.monotonic() - stopped_at_s < 5.0
     status, _, errors = run.wait()
     assert time.monotonic() - stopped_at_s < 20.0  # 38 s before

@@ -10,9 +10,9 @@ from builtin_interfaces.msg import Time
 from ros_desk import desk
 from std_msgs.msg import Header
 
-from auv_core import run_watch
-from auv_core.run_watch import RunEnd
 from auv_msgs.msg import FlockStatus
+from auv_ros import run_watch
+from auv_ros.run_watch import RunEnd
 
 pytestmark = pytest.mark.ros
 

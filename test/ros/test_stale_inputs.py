@@ -15,13 +15,13 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
 from ros_desk import desk, finish, process
 
-from auv_bringup.compose import node_specs
-from auv_bringup.node_start import write_params_file
-from auv_bringup.scenario import load_scenario
-from auv_core import conversions as convert
+from auv_bringup.launching.node_specs import node_specs
+from auv_bringup.launching.node_start import write_params_file
 from auv_core.messages import VehicleState as State
-from auv_core.qos import own_qos
+from auv_experiment.scenario.schema import load_scenario
 from auv_msgs.msg import AcousticInbox, VehicleState
+from auv_ros.qos import own_qos
+from auv_ros.wire import conversions as convert
 
 pytestmark = pytest.mark.ros
 
@@ -203,7 +203,7 @@ def test_a_flight_goes_on_after_stops_and_its_metrics_count_them(tmp_path):
         (log,) = tmp_path.glob(f"*/logs/{name}.log")
         until(lambda: words in log.read_text(), f"{name} says {words}")
 
-    with process("auv_bringup.cli", *flight, "--no-figures", "--out", tmp_path) as run:
+    with process("auv_bringup.tools.run", *flight, "--no-figures", "--out", tmp_path) as run:
         until(lambda: any(p.stat().st_size > 300_000 for p in tmp_path.glob("*/bag/*.mcap")), "it flies")
         for stopped, told, held, freed in (
             ("auv_1.vehicle_node", "auv_1.agent_node", "stale navigation", "acts again"),

@@ -36,8 +36,8 @@ def assert_stamped(header, t_s, frame_id):
 
 
 def test_a_state_survives_the_way_through_its_message():
-    from auv_core import conversions as convert
     from auv_msgs.msg import VehicleState
+    from auv_ros.wire import conversions as convert
 
     stencil = convert.state_stencil()
 
@@ -61,7 +61,7 @@ def test_a_state_survives_the_way_through_its_message():
 def test_odometry_has_the_estimate_with_its_covariance_in_the_axes_of_rep_103():
     from nav_msgs.msg import Odometry
 
-    from auv_core import conversions as convert
+    from auv_ros.wire import conversions as convert
 
     odometry = convert.odometry_stencil("auv_1/odom", "auv_1/base_link")
 
@@ -84,7 +84,7 @@ def test_odometry_has_the_estimate_with_its_covariance_in_the_axes_of_rep_103():
 def test_transforms_have_the_poses_of_all_frames():
     from tf2_msgs.msg import TFMessage
 
-    from auv_core.transform_stencil import TransformStencil
+    from auv_ros.wire.transform_stencil import TransformStencil
 
     poses = st.tuples(*[numbers] * 7)
 
@@ -114,7 +114,7 @@ def test_a_pose_is_the_same_in_east_north_up(attitude, position):
     """The matrix of the pose, with the axes of both ends exchanged."""
     from scipy.spatial.transform import Rotation
 
-    from auv_core import conversions as convert
+    from auv_ros.wire import conversions as convert
 
     w, x, y, z = (number / math.hypot(*attitude) for number in attitude)
     east, north, up, *quaternion = convert.enu_pose(position, (w, x, y, z))
@@ -128,9 +128,9 @@ def test_a_pose_is_the_same_in_east_north_up(attitude, position):
 def test_commands_survive_the_way_through_their_messages():
     from geometry_msgs.msg import TwistStamped, WrenchStamped
 
-    from auv_core import conversions as convert
     from auv_core.messages import VelocityCommand, Wrench, command_numbers
-    from auv_core.stencil import header_stamp_s
+    from auv_ros.wire import conversions as convert
+    from auv_ros.wire.stencil import header_stamp_s
 
     @settings(deadline=None)
     @given(tau=st.tuples(*[st.floats(-1e9, 1e9)] * 6), t_s=times_s)
@@ -151,7 +151,7 @@ def test_commands_survive_the_way_through_their_messages():
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300, -2e9])
 def test_a_command_that_is_not_finite_is_refused(bad):
-    from auv_core import conversions as convert
+    from auv_ros.wire import conversions as convert
 
     data = convert.command_stencil("a", takes_velocity=False).filled(1.0, 0.0, 0.0, bad, 0.0, 0.0, 0.0)
     with pytest.raises(ValueError, match="not finite"):
@@ -160,7 +160,7 @@ def test_a_command_that_is_not_finite_is_refused(bad):
 
 @given(data=st.binary(max_size=100))
 def test_bytes_that_are_no_message_are_refused_and_nothing_else_happens(data):
-    from auv_core import conversions as convert
+    from auv_ros.wire import conversions as convert
 
     with pytest.raises(ValueError, match=r"bytes (where|that are no)"):
         convert.state_from_bytes(data)
@@ -168,8 +168,8 @@ def test_bytes_that_are_no_message_are_refused_and_nothing_else_happens(data):
 
 @pytest.mark.parametrize("count", [0, 1, 2, 5])
 def test_neighbour_estimates_hold_every_number(count):
-    from auv_core import conversions as convert
     from auv_msgs.msg import NeighbourEstimates
+    from auv_ros.wire import conversions as convert
 
     rows = np.arange(60.0 * count).reshape(count, 60)[:, 5:49]
     stencil = convert.neighbours_stencil(range(1, count + 1))
@@ -185,8 +185,8 @@ def test_neighbour_estimates_hold_every_number(count):
 
 
 def test_a_flocking_centre_holds_every_number():
-    from auv_core import conversions as convert
     from auv_msgs.msg import FlockingCentre
+    from auv_ros.wire import conversions as convert
 
     message = read(convert.centre_stencil().filled(2.5, 25, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0), FlockingCentre)
     position, velocity = message.position, message.velocity
@@ -216,11 +216,11 @@ def again(data, kind):
 
 
 def test_inbox_and_outbox_survive_the_way_through_their_messages():
-    from auv_bringup.cdr_padding import padding_zeroer
-    from auv_bringup.message_definitions import load_message_type
-    from auv_core.acoustic_bytes import inbox_bytes, outbox_bytes, read_inbox, read_outbox
+    from auv_bag.definitions import load_message_type
+    from auv_bag.padding import padding_zeroer
     from auv_core.messages import Inbox, SonarContact
     from auv_msgs.msg import AcousticInbox, AcousticOutbox
+    from auv_ros.wire.acoustics import inbox_bytes, outbox_bytes, read_inbox, read_outbox
 
     contacts = st.builds(SonarContact, numbers, numbers, numbers)
     few = st.lists(receptions(), max_size=2).map(tuple)
@@ -264,11 +264,11 @@ def test_inbox_and_outbox_survive_the_way_through_their_messages():
 
 
 def test_the_acoustic_log_holds_every_number():
-    from auv_bringup.cdr_padding import padding_zeroer
-    from auv_bringup.message_definitions import load_message_type
-    from auv_core.acoustic_bytes import events_bytes
+    from auv_bag.definitions import load_message_type
+    from auv_bag.padding import padding_zeroer
     from auv_core.messages import AcousticEvent, Outcome
     from auv_msgs.msg import AcousticEvents
+    from auv_ros.wire.acoustics import events_bytes
 
     events = [AcousticEvent(Outcome(k + 1), k, 9, 7 + k, 1.0 + k, 2.0 + k, 3.0 + k, 32) for k in range(3)]
     for count in range(4):
@@ -288,8 +288,8 @@ def test_the_acoustic_log_holds_every_number():
 
 @given(data=st.binary(max_size=60))
 def test_bytes_that_are_no_inbox_or_outbox_are_refused(data):
-    from auv_core.acoustic_bytes import inbox_bytes, outbox_bytes, read_inbox, read_outbox
     from auv_core.messages import Inbox, Packet, Reception
+    from auv_ros.wire.acoustics import inbox_bytes, outbox_bytes, read_inbox, read_outbox
 
     reception = Reception(Packet(1, 2, 0, 3, b"payload"), 1.0, 2.0, 3.0)
     inbox = inbox_bytes("a", Inbox(1, True, (reception,), ()), 1.0, 0)
@@ -302,8 +302,8 @@ def test_bytes_that_are_no_inbox_or_outbox_are_refused(data):
 
 @pytest.mark.parametrize("size", [0, 1, 4])
 def test_a_control_status_holds_what_the_law_remembers(size):
-    from auv_core import conversions as convert
     from auv_msgs.msg import ControlStatus
+    from auv_ros.wire import conversions as convert
 
     memory = [1.5 * k for k in range(1, size + 1)]
     data = convert.control_stencil("auv_1", size).filled(2.5, 25, 1, 0, size, *memory)
@@ -316,7 +316,7 @@ def test_a_sphere_filled_in_is_the_sphere_built():
     from rclpy.serialization import serialize_message
     from visualization_msgs.msg import MarkerArray
 
-    from auv_core.markers import HULL, sphere, sphere_stencil
+    from auv_ros.wire.markers import HULL, sphere, sphere_stencil
 
     stencil = sphere_stencil("auv_1", 3, 1.5, HULL)
     for centre in ((1.0, -2.0, 3.0), (0.0, 0.0, 0.0)):
@@ -328,8 +328,8 @@ def assert_serialises_to(data, message):
     """Hold bytes against what ROS makes of a message, but for the padding, where ROS leaves what it finds."""
     from rclpy.serialization import serialize_message
 
-    from auv_bringup.cdr_padding import padding_zeroer
-    from auv_bringup.message_definitions import load_message_type
+    from auv_bag.definitions import load_message_type
+    from auv_bag.padding import padding_zeroer
 
     package, kind = type(message).__module__.split(".")[0], type(message).__name__
     zeroed = padding_zeroer(load_message_type(f"{package}/msg/{kind}"))
@@ -340,9 +340,9 @@ def assert_serialises_to(data, message):
 def test_counters_of_links_hold_every_number(count):
     from dataclasses import asdict
 
-    from auv_core import conversions as convert
-    from auv_core.acoustic_bytes import stats_bytes
     from auv_msgs.msg import AcousticLinkStats, AcousticStats
+    from auv_ros.wire import conversions as convert
+    from auv_ros.wire.acoustics import stats_bytes
     from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
 
     links = [LinkCounters(*range(k, k + 8), [k + n for n in range(12)]) for k in range(count)]
@@ -358,8 +358,8 @@ def test_counters_of_links_hold_every_number(count):
 def test_diagnostics_hold_every_text(texts):
     from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-    from auv_core import conversions as convert
-    from auv_core.diagnostic_bytes import Status, diagnostics_bytes
+    from auv_ros.wire import conversions as convert
+    from auv_ros.wire.diagnostics import Status, diagnostics_bytes
 
     warn = DiagnosticStatus.WARN
     ours = [Status(warn, text, "message", "id", [(each, text) for each in texts]) for text in texts]
@@ -380,7 +380,7 @@ def test_diagnostics_hold_every_text(texts):
 def test_lines_filled_in_are_the_lines_built():
     from visualization_msgs.msg import MarkerArray
 
-    from auv_core.markers import LINK, LineList, lines
+    from auv_ros.wire.markers import LINK, LineList, lines
 
     line_list = LineList("links", 3, LINK)
     for points in ([], [(1.0, -2.0, 3.0), (0.0, 0.0, 0.0)], [(float(k), 0.5, -1.0) for k in range(6)]):

@@ -13,11 +13,11 @@ from rclpy.executors import SingleThreadedExecutor
 from ros_desk import desk, process
 from std_msgs.msg import Int64
 
-from auv_core import strangers
-from auv_core.hearing import Hearing
-from auv_core.node_main import make_executor
-from auv_core.qos import EVERY_TICK, OWN_DEPTH, own_qos
-from auv_core.strangers import StrangerWatch
+from auv_ros import strangers
+from auv_ros.hearing import Hearing
+from auv_ros.lifecycle import make_executor
+from auv_ros.qos import EVERY_TICK, OWN_DEPTH, own_qos
+from auv_ros.strangers import StrangerWatch
 from auv_sim.nodes.link_reports import LinkReports
 
 pytestmark = pytest.mark.ros
@@ -31,7 +31,7 @@ def test_a_reader_that_stalls_holds_no_writer(tmp_path):
         publisher = at.publisher(Int64, "said")
         heard = []
         at.node.create_subscription(Int64, "said", heard.append, EVERY_TICK, raw=True)
-        with process("auv_bringup.topic", "hz", "/said") as echo:
+        with process("auv_bringup.tools.topic", "hz", "/said") as echo:
             at.until(lambda: publisher.get_subscription_count() == 2, "both readers are found")
             os.kill(echo.pid, signal.SIGSTOP)
             longest_s = 0.0

@@ -13,7 +13,7 @@ from auv_msgs.msg import AcousticInbox, AcousticPacket, AcousticReception
 
 pytestmark = pytest.mark.ros
 
-TOPIC = "auv_bringup.topic"
+TOPIC = "auv_bringup.tools.topic"
 NAME = "/auv_1/acoustic/rx"
 
 

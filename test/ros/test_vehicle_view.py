@@ -22,8 +22,8 @@ def flown():
     """Fly a vehicle with noise, without a valid navigation in tick 3; return states, navs and messages."""
     from rclpy.serialization import deserialize_message
 
-    from auv_bringup.compose import vehicle_configs
-    from auv_bringup.scenario import load_scenario
+    from auv_experiment.compose import vehicle_configs
+    from auv_experiment.scenario.schema import load_scenario
     from auv_sim.nodes.vehicle_view import VehicleView
     from auv_sim.vehicle import Vehicle
 

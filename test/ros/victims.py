@@ -104,7 +104,7 @@ class HitRun:
             words = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
             # A forked node has written its command line over its environment.
             is_node = "node_container" in words and self._folder in words
-            is_writer = "bag_process" in words and self._mark in (entry / "environ").read_text(
+            is_writer = "auv_bag.process" in words and self._mark in (entry / "environ").read_text(
                 errors="replace"
             )
         except OSError:
@@ -123,7 +123,7 @@ class HitRun:
 
 def _command(*arguments: object) -> list[str]:
     """Return the run command with these arguments, without figures."""
-    return [sys.executable, "-m", "auv_bringup.cli", *map(str, arguments), "--no-figures"]
+    return [sys.executable, "-m", "auv_bringup.tools.run", *map(str, arguments), "--no-figures"]
 
 
 def until(condition, limit_s: float) -> bool:
@@ -188,8 +188,8 @@ def _names_of(words: str) -> list[str]:
     """Return the words by which a process may be named, the first one for the table."""
     if words == "launcher":
         return ["launcher"]
-    if "bag_process" in words:
-        return ["bag_process", "recorder_node", "the bag"]
+    if "auv_bag.process" in words:
+        return ["auv_bag.process", "recorder_node", "the bag"]
     parts = words.split("--node ")[1:]
     nodes = [part.split()[:2] for part in parts]
     names = [f"{namespace.rstrip('/')}/{module.rsplit('.', 1)[1]}" for module, namespace in nodes]

@@ -1,1 +1,1 @@
-"""Composition: scenarios, in-process runner, launcher, recorder, replay, metrics, figures and report."""
+"""Commands and launcher: from a scenario to ROS 2 processes, and from a bag back to topics."""

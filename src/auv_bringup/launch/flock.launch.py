@@ -35,12 +35,10 @@ from launch.events.process import ProcessExited, ProcessIO, ShutdownProcess
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from auv_bringup import results
-from auv_bringup.compose import NodeSpec, node_specs
-from auv_bringup.domains import DomainClaim, claim_domain
-from auv_bringup.failures import DONE, INTERRUPTED
-from auv_bringup.layout import DEFAULT_LAYOUT, LAYOUTS, ProcessSpec, process_specs
-from auv_bringup.node_start import (
+from auv_bringup.launching.domains import DomainClaim, claim_domain
+from auv_bringup.launching.layout import DEFAULT_LAYOUT, LAYOUTS, ProcessSpec, process_specs
+from auv_bringup.launching.node_specs import NodeSpec, node_specs
+from auv_bringup.launching.node_start import (
     container_arguments,
     export_line,
     log_name,
@@ -49,10 +47,12 @@ from auv_bringup.node_start import (
     reach_notes,
     write_params_file,
 )
-from auv_bringup.plan import DEFAULT_SCENARIO, ROS_MODES, Plan, make_plan, start_results
-from auv_bringup.shared_memory import clear_shared_memory
-from auv_bringup.verdict import LOST, verdict
+from auv_bringup.launching.plan import DEFAULT_SCENARIO, ROS_MODES, Plan, make_plan, start_results
+from auv_bringup.launching.shared_memory import clear_shared_memory
+from auv_bringup.launching.verdict import LOST, verdict
+from auv_core.cli.failures import DONE, INTERRUPTED
 from auv_core.params import ConfigError
+from auv_experiment import results
 
 # A node hands over what it has published, the recorder closes the bag: launch's own 5 s could be too short.
 TIME_TO_LEAVE = {"sigterm_timeout": "30", "sigkill_timeout": "30"}
@@ -254,7 +254,7 @@ class Ending:
         self._status, self._fault = DONE, ""
         self._report = (
             ExecuteProcess(
-                cmd=[sys.executable, "-m", "auv_bringup.cli", "--report", str(folder)],
+                cmd=[sys.executable, "-m", "auv_bringup.tools.run", "--report", str(folder)],
                 name="report",
                 output="screen",
             )

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import synthetic_bag as synthetic
 
-from auv_bringup import replay
-from auv_bringup.bag import Bag
-from auv_bringup.re_estimate import re_estimate
-from auv_bringup.scenario import load_scenario, scenario_to_yaml
+from auv_bag.bag import Bag
+from auv_bringup.tools import replay
+from auv_experiment.re_estimate import re_estimate
+from auv_experiment.scenario.schema import load_scenario, scenario_to_yaml
 from auv_flocking.input_limits import InputLimits
-from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
+from auv_flocking.neighbours.table import NeighbourConfig, NeighbourTable
 from auv_flocking.report import Report
 from auv_flocking.reports import exact
 

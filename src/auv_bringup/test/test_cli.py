@@ -13,9 +13,13 @@ import pytest
 import yaml
 from full_disk import files_of_at_most
 
-from auv_bringup import cli, experiment, launcher, law_figures, results
-from auv_bringup.plan import make_plan
-from auv_bringup.scenario import SCENARIOS_DIR, list_scenarios, load_scenario
+from auv_bringup.launching import launcher
+from auv_bringup.launching.plan import make_plan
+from auv_bringup.tools import run as cli
+from auv_experiment import results
+from auv_experiment.inprocess import sampled as experiment
+from auv_experiment.report import by_law as law_figures
+from auv_experiment.scenario.schema import SCENARIOS_DIR, list_scenarios, load_scenario
 
 SOURCES = [str(path) for path in Path(__file__).parents[2].iterdir() if path.name.startswith("auv_")]
 
@@ -299,7 +303,15 @@ def test_results_that_are_moved_or_removed_in_flight_are_one_line(tmp_path, caps
 
 def test_an_interrupted_run_in_one_process_leaves_no_folder(tmp_path):
     process = subprocess.Popen(
-        [sys.executable, "-m", "auv_bringup.cli", "--mode", "inprocess", "--out", str(tmp_path / "results")],
+        [
+            sys.executable,
+            "-m",
+            "auv_bringup.tools.run",
+            "--mode",
+            "inprocess",
+            "--out",
+            str(tmp_path / "results"),
+        ],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from auv_bringup.domains import SAFE_DOMAIN_IDS, DomainError, asked_domain, claim_domain
+from auv_bringup.launching.domains import SAFE_DOMAIN_IDS, DomainError, asked_domain, claim_domain
 
 HOLDER = """
 import sys
-from auv_bringup.domains import claim_domain
+from auv_bringup.launching.domains import claim_domain
 claim = claim_domain({"ROS_DOMAIN_ID": "7"}, sys.argv[1])
 print(claim.domain_id, flush=True)
 sys.stdin.read()

@@ -10,12 +10,13 @@ from pathlib import Path
 import pytest
 from full_disk import files_of_at_most
 
-from auv_bringup import cli, replay, topic
-from auv_bringup.failures import BAD_INPUT, DONE, FAILED, NOT_WRITTEN, answered, internal_error
-from auv_bringup.progress import Progress
-from auv_bringup.reproduction import cli as reproduction
-from auv_bringup.sweeps import cli as sweeps
-from auv_bringup.whole_files import write_text
+from auv_bringup.tools import replay, topic
+from auv_bringup.tools import run as cli
+from auv_core.cli.failures import BAD_INPUT, DONE, FAILED, NOT_WRITTEN, answered, internal_error
+from auv_core.cli.progress import Progress
+from auv_core.machine.whole_files import write_text
+from auv_experiment.sweeps import cli as sweeps
+from auv_thesis import cli as reproduction
 
 SOURCES = ":".join(str(path) for path in Path(__file__).parents[2].iterdir() if path.name.startswith("auv_"))
 
@@ -63,7 +64,7 @@ def test_an_internal_error_survives_a_full_disk(tmp_path, monkeypatch, folder):
 PRINTS_AND_WRITES = """
 import sys
 from pathlib import Path
-from auv_bringup.failures import answered
+from auv_core.cli.failures import answered
 def command():
     sys.stdin.readline()
     for _ in range(3):

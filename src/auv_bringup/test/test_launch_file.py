@@ -12,7 +12,7 @@ from types import ModuleType, SimpleNamespace
 import pytest
 import yaml
 
-from auv_bringup.domains import DomainError, claim_domain
+from auv_bringup.launching.domains import DomainError, claim_domain
 
 LAUNCH_FILE = Path(__file__).parents[1] / "launch" / "flock.launch.py"
 
@@ -139,7 +139,7 @@ def test_it_starts_the_nodes_of_the_run_command(start, tmp_path):
         *(("auv_sim", "vehicle_node", namespace) for namespace in vehicles),
         *(("auv_flocking", "agent_node", namespace) for namespace in vehicles),
         ("auv_sim", "acoustic_relay_node", "/"),
-        ("auv_bringup", "recorder_node", "/"),
+        ("auv_bag", "recorder_node", "/"),
     }
     folder = tmp_path / "results" / "flock_acoustic-4-lockstep"
     assert json.loads((folder / "provenance.json").read_text())["seed"] == 4
@@ -334,7 +334,7 @@ def test_the_flight_ends_in_order(start, tmp_path):
     assert told(flight.end(flight.others[-1])) == {recorder}
     (report,) = flight.end(recorder)
     folder = tmp_path / "results" / "flock_acoustic-1-lockstep"
-    assert report.options["cmd"] == [sys.executable, "-m", "auv_bringup.cli", "--report", str(folder)]
+    assert report.options["cmd"] == [sys.executable, "-m", "auv_bringup.tools.run", "--report", str(folder)]
     assert shuts_down(flight.end(report))
     assert flight.last_line() == f"report: {folder / 'report.html'}"
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from auv_bringup import replay, topic
+from auv_bringup.tools import replay, topic
 
 REFUSED = [
     (replay, ["x", "--rate", "abc"], "--rate: 'abc' is not allowed; allowed: a number from 0.001 to 1e+06"),

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from auv_bringup.node_start import config_file, node_environment, reach_notes
+from auv_bringup.launching.node_start import config_file, node_environment, reach_notes
 
 RANGE, FILE = "ROS_AUTOMATIC_DISCOVERY_RANGE", "FASTRTPS_DEFAULT_PROFILES_FILE"
 

@@ -4,7 +4,7 @@ import tempfile
 
 import pytest
 
-from auv_bringup import replay
+from auv_bringup.tools import replay
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from full_disk import on_a_tiny_disk
 
-from auv_bringup import results
-from auv_bringup.plan import make_plan, start_results
-from auv_bringup.results import (
+from auv_bringup.launching.plan import make_plan, start_results
+from auv_experiment import results
+from auv_experiment.results import (
     ResultsError,
     git_state,
     make_results_dir,
@@ -19,7 +19,7 @@ from auv_bringup.results import (
     results_name,
     write_json,
 )
-from auv_bringup.scenario import load_scenario
+from auv_experiment.scenario.schema import load_scenario
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not needed, and not here")
 
@@ -153,9 +153,9 @@ def test_on_a_full_disk_the_provenance_of_a_flight_still_says_how_it_ended(tmp_p
         tmp_path,
         """
 import json
-from auv_bringup import results
-from auv_bringup.plan import make_plan, start_results
-from auv_bringup.plan import make_plan, start_results
+from auv_experiment import results
+from auv_bringup.launching.plan import make_plan, start_results
+from auv_bringup.launching.plan import make_plan, start_results
 
 folder = start_results(make_plan("flock_acoustic", mode="lockstep"), disk)
 fill()

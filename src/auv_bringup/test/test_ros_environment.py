@@ -7,8 +7,8 @@ import tempfile
 
 import pytest
 
-from auv_bringup.node_start import node_environment
-from auv_bringup.ros_environment import check_ros_environment, log_folder, private_folder
+from auv_bringup.launching.node_start import node_environment
+from auv_bringup.launching.ros_environment import check_ros_environment, log_folder, private_folder
 from auv_core.params import ConfigError
 
 
@@ -64,13 +64,13 @@ def test_a_temporary_folder_of_somebody_else_is_not_used(tmp_path, monkeypatch):
 @pytest.mark.parametrize("command", ["run", "replay", "topic"])
 def test_every_command_with_nodes_refuses_before_it_writes_anything(command, tmp_path):
     words = {
-        "run": ["cli", "--out", str(tmp_path / "r")],
+        "run": ["run", "--out", str(tmp_path / "r")],
         "replay": ["replay", "."],
         "topic": ["topic", "list"],
     }
     module, *arguments = words[command]
     done = subprocess.run(
-        ["python", "-P", "-m", f"auv_bringup.{module}", *arguments],
+        ["python", "-P", "-m", f"auv_bringup.tools.{module}", *arguments],
         env={**os.environ, "ROS_LOG_DIR": "/proc/nolog"},
         cwd=tmp_path,
         capture_output=True,

@@ -7,12 +7,14 @@ import sys
 import numpy as np
 import pytest
 
-from auv_bringup import cli, free_memory, run_memory
-from auv_bringup.experiment import run_in_process
-from auv_bringup.plan import make_plan
-from auv_bringup.recording import Recording, bytes_per_tick
-from auv_bringup.scenario import load_scenario
+from auv_bringup.launching.plan import make_plan
+from auv_bringup.tools import run as cli
+from auv_core.machine import free_memory
 from auv_core.params import ConfigError
+from auv_experiment import run_memory
+from auv_experiment.inprocess.sampled import run_in_process
+from auv_experiment.recording import Recording, bytes_per_tick
+from auv_experiment.scenario.schema import load_scenario
 
 LARGE = ["vehicles.count=64", "random_starts.radius_m=60", "sampling=sampled"]
 
@@ -101,7 +103,7 @@ def test_limits_of_control_groups_and_of_the_process_count(monkeypatch, tmp_path
 
 _PEAK = """
 import resource, sys
-from auv_bringup import cli
+from auv_bringup.tools import run as cli
 words = ["swarm", "--mode", "inprocess", "--no-bag", "--no-figures", "--out", sys.argv[1], *sys.argv[2:]]
 status = cli.main(words)
 print(status, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)

@@ -2,10 +2,10 @@
 
 import pytest
 
-from auv_bringup import cli
-from auv_bringup.scenario import load_scenario
-from auv_bringup.verdict import LOST
+from auv_bringup.launching.verdict import LOST
+from auv_bringup.tools import run as cli
 from auv_core.params import ConfigError
+from auv_experiment.scenario.schema import load_scenario
 
 REFUSED = [
     (

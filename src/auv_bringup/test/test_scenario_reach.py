@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from auv_bringup import cli
-from auv_bringup.metrics_surface import surface_metrics, surface_warning
-from auv_bringup.recording import Recording
-from auv_bringup.scenario import load_scenario
+from auv_bringup.tools import run as cli
 from auv_control.references import circle, spiral
 from auv_core.geometry import Box
 from auv_core.params import ConfigError
+from auv_experiment.metrics.surface import surface_metrics, surface_warning
+from auv_experiment.recording import Recording
+from auv_experiment.scenario.schema import load_scenario
 from auv_flocking.report import Report
 from auv_flocking.reports import compact, exact
 

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from auv_bringup.shared_memory import clear_shared_memory
+from auv_bringup.launching.shared_memory import clear_shared_memory
 
 HOLD = """
 import fcntl, sys

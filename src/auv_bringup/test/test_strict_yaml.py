@@ -9,10 +9,10 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from auv_bringup.plan import make_plan
-from auv_bringup.scenario import SCENARIOS_DIR, load_scenario
-from auv_bringup.strict_yaml import MOST_BYTES, MOST_VALUES, parse_yaml, to_yaml
+from auv_bringup.launching.plan import make_plan
 from auv_core.params import ConfigError
+from auv_experiment.scenario.schema import SCENARIOS_DIR, load_scenario
+from auv_experiment.scenario.strict_yaml import MOST_BYTES, MOST_VALUES, parse_yaml, to_yaml
 
 SIGNS = st.sampled_from(["", "-", "+"])
 DIGITS = st.text("0123456789", min_size=1, max_size=9)

@@ -4,14 +4,14 @@ import math
 
 import pytest
 
-from auv_bringup import layout, supervision
-from auv_bringup.compose import node_specs
-from auv_bringup.flight_status import Status
-from auv_bringup.launcher import Flight, of_asked_length
-from auv_bringup.layout import process_specs
-from auv_bringup.processes import Exit
-from auv_bringup.scenario import load_scenario
-from auv_bringup.supervision import Supervisor
+from auv_bringup.launching import layout, supervision
+from auv_bringup.launching.flight_status import Status
+from auv_bringup.launching.launcher import Flight, of_asked_length
+from auv_bringup.launching.layout import process_specs
+from auv_bringup.launching.node_specs import node_specs
+from auv_bringup.launching.supervision import Supervisor
+from auv_core.machine.processes import Exit
+from auv_experiment.scenario.schema import load_scenario
 
 SCENARIO = load_scenario("flock_acoustic")
 AGENT_2, VEHICLE_2 = "/auv_2/agent_node", "/auv_2/vehicle_node"
@@ -253,8 +253,8 @@ def test_a_stopped_process_is_named_within_5_s_from_the_start_on(layout, heard):
 def test_what_a_process_has_started_is_named_with_it():
     supervisor = make(layout="single")
     for _ in range(3):
-        supervisor.processes_stopped({"/node_container": "auv_bringup.bag_process"}, 1.0)
-    assert supervisor.reason == "auv_bringup.bag_process, started by /node_container, is stopped by a signal"
+        supervisor.processes_stopped({"/node_container": "auv_bag.process"}, 1.0)
+    assert supervisor.reason == "auv_bag.process, started by /node_container, is stopped by a signal"
 
 
 def test_a_process_that_goes_on_soon_is_not_lost():

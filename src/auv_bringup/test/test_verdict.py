@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from auv_bringup.scenario import load_scenario
-from auv_bringup.verdict import verdict
+from auv_bringup.launching.verdict import verdict
+from auv_experiment.scenario.schema import load_scenario
 
 SCENARIO = load_scenario("flock_acoustic")
 FLOWN_S = SCENARIO.ticks * SCENARIO.period_s

@@ -1,4 +1,4 @@
-"""Claims about the adaptive law of chapter 3, one instant at a time; its flights: auv_bringup/test."""
+"""Claims about the adaptive law of chapter 3, one instant at a time; its flights: auv_experiment/test."""
 
 import math
 from dataclasses import replace

@@ -27,14 +27,14 @@ from auv_core.messages import (
 from auv_core.params import Section, param
 from auv_core.plugins import find_plugin
 from auv_core.state_checks import is_command
-from auv_flocking.estimates import Estimates
 from auv_flocking.flock_task import FlockTask, Obstacles
 from auv_flocking.flocking import FlockVelocity
 from auv_flocking.holding import NO_FINITE_COMMAND, OUT_OF_REPORT
 from auv_flocking.input_limits import InputJudge, InputLimits
 from auv_flocking.motion_task import MotionTask
-from auv_flocking.neighbour_filter import with_rounding
-from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
+from auv_flocking.neighbours.estimates import Estimates
+from auv_flocking.neighbours.filter import with_rounding
+from auv_flocking.neighbours.table import NeighbourConfig, NeighbourTable
 from auv_flocking.packet_judge import PacketJudge, Refusal
 from auv_flocking.report import Report, ReportError, why_not_carried
 from auv_flocking.reports import compact

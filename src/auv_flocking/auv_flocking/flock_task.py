@@ -9,8 +9,8 @@ from auv_control.controllers import VelocityReference
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
 from auv_core.messages import Command, VehicleState
-from auv_flocking.estimates import Estimates, NeighbourEstimate, Positions
 from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View
+from auv_flocking.neighbours.estimates import Estimates, NeighbourEstimate, Positions
 
 Obstacles = tuple[tuple[Vec3, float], ...]
 

@@ -11,9 +11,9 @@ from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Command, Vec6, VehicleState, Wrench
-from auv_flocking.estimates import Estimates, NeighbourEstimate
 from auv_flocking.flock_task import Obstacles
 from auv_flocking.flocking import NOTHING_HEARD
+from auv_flocking.neighbours.estimates import Estimates, NeighbourEstimate
 
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
 

@@ -18,16 +18,16 @@ from auv_core.geometry import (
     quaternion_product,
 )
 from auv_core.messages import SonarContact, VehicleState
-from auv_flocking.association import associate, chi_square_gate
-from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
-from auv_flocking.report import Report
-from auv_flocking.sonar_contact import (
+from auv_flocking.neighbours.association import associate, chi_square_gate
+from auv_flocking.neighbours.sonar_contact import (
     contact_jacobian,
     contact_of,
     point_jacobian,
     relative_of,
     sighting,
 )
+from auv_flocking.neighbours.table import NeighbourConfig, NeighbourTable
+from auv_flocking.report import Report
 
 MODERATE = settings(max_examples=50, deadline=None)
 LEVEL = st.floats(-10.0, 10.0).filter(lambda x: abs(x) > 0.3)

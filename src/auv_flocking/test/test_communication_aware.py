@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_control.references import PathPoint
-from auv_flocking.correction import SPACING, outlook
-from auv_flocking.estimates import Estimates, NeighbourEstimate
 from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View, potential
+from auv_flocking.flocking._correction import SPACING, outlook
 from auv_flocking.flocking.communication_aware import Flocking, Params
+from auv_flocking.neighbours.estimates import Estimates, NeighbourEstimate
 from auv_flocking.separation import mathematical
 
 MODERATE = settings(max_examples=60, deadline=None)

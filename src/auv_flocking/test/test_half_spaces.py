@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from auv_flocking import half_spaces as projection
+from auv_flocking.flocking import _half_spaces as projection
 
 MODERATE = settings(max_examples=80, deadline=None)
 SPEEDS = st.floats(-2.0, 2.0)

@@ -6,7 +6,7 @@ from filterpy.kalman import ExtendedKalmanFilter
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from auv_flocking.kalman import predicted, updated
+from auv_flocking.neighbours.kalman import predicted, updated
 
 MODERATE = settings(max_examples=50, deadline=None)
 

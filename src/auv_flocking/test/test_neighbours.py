@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from scipy import stats
 from scipy.linalg import expm
 
-from auv_flocking.neighbour_motion import process_noise, transition_matrix
-from auv_flocking.neighbours import NeighbourConfig, NeighbourTable
+from auv_flocking.neighbours.motion import process_noise, transition_matrix
+from auv_flocking.neighbours.table import NeighbourConfig, NeighbourTable
 from auv_flocking.report import Report
 
 CONFIG = NeighbourConfig(acceleration_psd=4e-3, position_std_m=0.05, velocity_std_mps=0.02, timeout_s=30.0)

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_control.references import PathPoint
-from auv_flocking.estimates import NeighbourEstimate
 from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View
 from auv_flocking.flocking.potential import Flocking, Params
+from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.separation import mathematical
 
 MODERATE = settings(max_examples=60, deadline=None)

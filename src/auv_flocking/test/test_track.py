@@ -10,15 +10,15 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from auv_core.messages import VehicleState
-from auv_flocking import navigation_offset as offset
-from auv_flocking.navigation_offset import OwnFix, Stated
-from auv_flocking.neighbour_filter import NeighbourConfig, NeighbourFilter
-from auv_flocking.neighbour_motion import grown, process_noise, transition_matrix
-from auv_flocking.neighbours import NeighbourTable
+from auv_flocking.neighbours import navigation_offset as offset
+from auv_flocking.neighbours.filter import NeighbourConfig, NeighbourFilter
+from auv_flocking.neighbours.motion import grown, process_noise, transition_matrix
+from auv_flocking.neighbours.navigation_offset import OwnFix, Stated
+from auv_flocking.neighbours.sonar_contact import contact_of, sighting
+from auv_flocking.neighbours.synthetic_neighbour import Setting, fly
+from auv_flocking.neighbours.table import NeighbourTable
+from auv_flocking.neighbours.track import HISTORY_S, HeardReport, Track
 from auv_flocking.report import Report
-from auv_flocking.sonar_contact import contact_of, sighting
-from auv_flocking.synthetic_neighbour import Setting, fly
-from auv_flocking.track import HISTORY_S, HeardReport, Track
 
 CONFIG = NeighbourConfig()
 RATE = CONFIG.drift_rate_mps

@@ -13,9 +13,9 @@ from importlib import import_module
 from rclpy.node import Node
 from rclpy.utilities import remove_ros_args
 
-from auv_bringup.node_start import Part
-from auv_bringup.one_line_parser import OneLineParser
-from auv_core.node_main import main_loop
+from auv_bringup.launching.node_start import Part
+from auv_core.cli.one_line_parser import OneLineParser
+from auv_ros.lifecycle import main_loop
 
 _GLOBAL_ARGUMENTS = ("--ros-args", "--disable-external-lib-logs")
 """The log of a process is what it prints; ROS keeps a second one elsewhere unless told not to."""

@@ -34,7 +34,7 @@ class Heard:
 
     position and centre (m), flock_velocity (m/s): NED; `shared`: the filter's own numbers as they stood in
     the neighbour's newest packet, which was made at `time_s` and is `age_s` old.  The agent hands over the
-    estimates of `auv_flocking.estimates`, which have all of these.
+    estimates of `auv_flocking.neighbours.estimates`, which have all of these.
     """
 
     address: int

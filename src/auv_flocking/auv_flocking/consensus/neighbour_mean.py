@@ -18,7 +18,7 @@ from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
 from auv_flocking.consensus import Heard
-from auv_flocking.estimates import position_rows
+from auv_flocking.neighbours.estimates import position_rows
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
-from auv_flocking.estimates import NeighbourEstimate
+from auv_flocking.neighbours.estimates import NeighbourEstimate
 
 
 class FlockVelocity(NamedTuple):

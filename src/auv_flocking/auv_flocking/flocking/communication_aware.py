@@ -27,7 +27,8 @@ and the hull's lag where the sonar sees it; A: mean of the packets' A_j over the
    from vehicle to vehicle with the leader's time stamp, so that the newest wins and who does not hear the
    leader still follows.
 5. The barrier bounds the approach to every neighbour, each vehicle taking half, so that two that keep to it
-   do not come closer than D plus margin whatever the sum of attractions asks (`auv_flocking.half_spaces`).
+   do not come closer than D plus margin whatever the sum of attractions asks
+   (`auv_flocking.flocking._half_spaces`).
 
 Deviation: thesis Eqs. (5.22)-(5.24) have g = g_j = 1 and d_j = d, a leader that steers itself, and followers
 that are not told w.  With all information fresh, one leader and no margin this law is that law with u_max.
@@ -48,7 +49,8 @@ from auv_control.references import PathPoint
 from auv_core.compiled import fastest, specialised
 from auv_core.geometry import Vec3, limited
 from auv_core.params import param
-from auv_flocking.correction import (
+from auv_flocking.flocking import FlockVelocity, View
+from auv_flocking.flocking._correction import (
     SPACING,
     Gains,
     correction,
@@ -57,9 +59,8 @@ from auv_flocking.correction import (
     outlook,
     remember_ages,
 )
-from auv_flocking.estimates import FLOCK_STAMP, FLOCK_VELOCITY, Estimates, NeighbourEstimate
-from auv_flocking.flocking import FlockVelocity, View
 from auv_flocking.flocking.potential import SeparationLaw
+from auv_flocking.neighbours.estimates import FLOCK_STAMP, FLOCK_VELOCITY, Estimates, NeighbourEstimate
 
 Matrix = NDArray[np.float64]
 Obstacles = tuple[tuple[Vec3, float], ...]
@@ -283,7 +284,7 @@ def _correction(separation: Any) -> Callable[..., Vec3]:
 
 
 def _gains(p: Params) -> Gains:
-    """Return the numbers of `auv_flocking.correction`."""
+    """Return the numbers of `auv_flocking.flocking._correction`."""
     return (
         p.spacing_m,
         p.cohesion_gain_ps,

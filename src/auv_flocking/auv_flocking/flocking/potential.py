@@ -33,8 +33,8 @@ from auv_control.references import PathPoint
 from auv_core.compiled import inlined
 from auv_core.geometry import Vec3, added, limited
 from auv_core.params import param
-from auv_flocking.estimates import NeighbourEstimate
 from auv_flocking.flocking import FlockVelocity, View
+from auv_flocking.neighbours.estimates import NeighbourEstimate
 
 UNLIMITED_MPS = 1e9
 

@@ -6,11 +6,11 @@ import math
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from auv_core.diagnostic_bytes import Status
 from auv_flocking.agent import Agent, AgentConfig
-from auv_flocking.estimates import AGE
 from auv_flocking.mail import Mail
+from auv_flocking.neighbours.estimates import AGE
 from auv_flocking.packet_judge import refusal_words, vehicle_name
+from auv_ros.wire.diagnostics import Status
 
 _OLD_S = 10.0
 _MOST_NAMES = 5

@@ -16,33 +16,14 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from visualization_msgs.msg import MarkerArray
 
-from auv_core import conversions as convert
-from auv_core.acoustic_bytes import outbox_bytes, read_inbox
 from auv_core.alarm import Alarm
-from auv_core.diagnostic_bytes import Status, diagnostics_bytes
 from auv_core.geometry import Vec3
-from auv_core.hearing import Hearing
-from auv_core.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere, sphere_stencil
 from auv_core.messages import Inbox, command_numbers
 from auv_core.messages import VehicleState as State
-from auv_core.node_main import (
-    WAITS_FOR_RUN,
-    Audience,
-    Rendezvous,
-    main_loop,
-    publishes_bytes,
-    tick_clock,
-    when_running,
-)
-from auv_core.node_params import declare_config
-from auv_core.qos import EVERY_TICK, LATCHED, own_qos
-from auv_core.run_config import AGENT_PHASE, RunConfig
-from auv_core.run_watch import Standstill
-from auv_core.steady_timer import SteadyTimer
 from auv_flocking.agent import Agent, AgentConfig
-from auv_flocking.estimates import CENTRE
 from auv_flocking.holding import cause_number
 from auv_flocking.mail import Mail
+from auv_flocking.neighbours.estimates import CENTRE
 from auv_flocking.nodes.agent_diagnostics import agent_statuses
 from auv_msgs.msg import (
     AcousticInbox,
@@ -52,6 +33,25 @@ from auv_msgs.msg import (
     NeighbourEstimates,
     VehicleState,
 )
+from auv_ros.hearing import Hearing
+from auv_ros.lifecycle import (
+    WAITS_FOR_RUN,
+    Audience,
+    Rendezvous,
+    main_loop,
+    publishes_bytes,
+    tick_clock,
+    when_running,
+)
+from auv_ros.parameters import declare_config
+from auv_ros.qos import EVERY_TICK, LATCHED, own_qos
+from auv_ros.run_config import AGENT_PHASE, RunConfig
+from auv_ros.run_watch import Standstill
+from auv_ros.steady_timer import SteadyTimer
+from auv_ros.wire import conversions as convert
+from auv_ros.wire.acoustics import outbox_bytes, read_inbox
+from auv_ros.wire.diagnostics import Status, diagnostics_bytes
+from auv_ros.wire.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere, sphere_stencil
 
 _DIAGNOSTIC_TICKS = 10
 _NOT_THIS_TICK = "not of this tick of lock-step"

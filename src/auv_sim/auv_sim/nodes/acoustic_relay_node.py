@@ -20,22 +20,22 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from visualization_msgs.msg import Marker
 
-from auv_core import conversions as convert
-from auv_core.acoustic_bytes import events_bytes, inbox_bytes, read_outbox
 from auv_core.alarm import Alarm
-from auv_core.hearing import Hearing
-from auv_core.markers import LOST_HULL, MARKER_TICKS, sphere
 from auv_core.messages import Packet, VehicleState
-from auv_core.node_main import Audience, Rendezvous, main_loop, publishes_bytes, tick_clock
-from auv_core.node_params import declare_config
 from auv_core.params import param
-from auv_core.qos import EVERY_TICK, own_qos
-from auv_core.run_config import RELAY_PHASE, RunConfig
-from auv_core.run_watch import Standstill, listed
-from auv_core.steady_timer import SteadyTimer
-from auv_core.strangers import StrangerWatch
 from auv_msgs.msg import AcousticEvents, AcousticInbox, AcousticOutbox
 from auv_msgs.msg import VehicleState as VehicleStateMsg
+from auv_ros.hearing import Hearing
+from auv_ros.lifecycle import Audience, Rendezvous, main_loop, publishes_bytes, tick_clock
+from auv_ros.parameters import declare_config
+from auv_ros.qos import EVERY_TICK, own_qos
+from auv_ros.run_config import RELAY_PHASE, RunConfig
+from auv_ros.run_watch import Standstill, listed
+from auv_ros.steady_timer import SteadyTimer
+from auv_ros.strangers import StrangerWatch
+from auv_ros.wire import conversions as convert
+from auv_ros.wire.acoustics import events_bytes, inbox_bytes, read_outbox
+from auv_ros.wire.markers import LOST_HULL, MARKER_TICKS, sphere
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
 from auv_sim.barrier import Barrier
 from auv_sim.nodes.clock_node import ClockNode, WatchConfig

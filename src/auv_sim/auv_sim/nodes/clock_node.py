@@ -17,15 +17,15 @@ from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from tf2_msgs.msg import TFMessage
 
-from auv_core import conversions as convert
-from auv_core.hearing import Hearing
-from auv_core.joining import LOOK_S
-from auv_core.node_main import publishes_bytes
 from auv_core.params import param
-from auv_core.qos import EVERY_TICK, LATCHED
-from auv_core.run_config import TickClock, WallWatch
-from auv_core.steady_timer import SteadyTimer
 from auv_msgs.msg import FlockStatus, RecorderStatus
+from auv_ros.hearing import Hearing
+from auv_ros.joining import LOOK_S
+from auv_ros.lifecycle import publishes_bytes
+from auv_ros.qos import EVERY_TICK, LATCHED
+from auv_ros.run_config import TickClock, WallWatch
+from auv_ros.steady_timer import SteadyTimer
+from auv_ros.wire import conversions as convert
 
 _REPEAT_S = 0.5
 _STATUS_TICKS = 20

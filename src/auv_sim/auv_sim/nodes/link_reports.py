@@ -9,15 +9,15 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
 from visualization_msgs.msg import Marker, MarkerArray
 
-from auv_core.acoustic_bytes import stats_bytes
-from auv_core.diagnostic_bytes import Status, diagnostics_bytes
 from auv_core.geometry import Vec3
-from auv_core.markers import LINK, MARKER_TICKS, LineList, lines
 from auv_core.messages import Inbox, VehicleState
-from auv_core.node_main import publishes_bytes
-from auv_core.qos import EVERY_TICK
-from auv_core.strangers import Stranger
 from auv_msgs.msg import AcousticStats
+from auv_ros.lifecycle import publishes_bytes
+from auv_ros.qos import EVERY_TICK
+from auv_ros.strangers import Stranger
+from auv_ros.wire.acoustics import stats_bytes
+from auv_ros.wire.diagnostics import Status, diagnostics_bytes
+from auv_ros.wire.markers import LINK, MARKER_TICKS, LineList, lines
 from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
 from auv_sim.state_watch import StateWatch
 

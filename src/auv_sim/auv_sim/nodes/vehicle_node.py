@@ -12,13 +12,12 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import TwistStamped, WrenchStamped
 from rclpy.node import Node
 
-from auv_core import conversions as convert
 from auv_core.alarm import Alarm
 from auv_core.cdr import MalformedError
-from auv_core.diagnostic_bytes import Status, diagnostics_bytes
-from auv_core.hearing import Hearing
 from auv_core.messages import Command
-from auv_core.node_main import (
+from auv_msgs.msg import VehicleState
+from auv_ros.hearing import Hearing
+from auv_ros.lifecycle import (
     WAITS_FOR_RUN,
     Audience,
     Rendezvous,
@@ -27,13 +26,14 @@ from auv_core.node_main import (
     tick_clock,
     when_running,
 )
-from auv_core.node_params import declare_config
-from auv_core.qos import EVERY_TICK, own_qos
-from auv_core.run_config import VEHICLE_PHASE, RunConfig
-from auv_core.run_watch import Standstill
-from auv_core.steady_timer import SteadyTimer
-from auv_core.stencil import header_stamp_s
-from auv_msgs.msg import VehicleState
+from auv_ros.parameters import declare_config
+from auv_ros.qos import EVERY_TICK, own_qos
+from auv_ros.run_config import VEHICLE_PHASE, RunConfig
+from auv_ros.run_watch import Standstill
+from auv_ros.steady_timer import SteadyTimer
+from auv_ros.wire import conversions as convert
+from auv_ros.wire.diagnostics import Status, diagnostics_bytes
+from auv_ros.wire.stencil import header_stamp_s
 from auv_sim.command_watch import CommandWatch
 from auv_sim.nodes.vehicle_view import VehicleView
 from auv_sim.vehicle import DivergedError, Vehicle, VehicleConfig

@@ -8,13 +8,13 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from auv_core import conversions as convert
 from auv_core.geometry import Vec3
-from auv_core.markers import HULL, MARKER_TICKS, sphere_stencil
-from auv_core.node_main import publishes_bytes
 from auv_core.odom_frame import OdomFrame
-from auv_core.qos import EVERY_TICK, LATCHED
-from auv_core.robot_description import robot_description
+from auv_ros.lifecycle import publishes_bytes
+from auv_ros.qos import EVERY_TICK, LATCHED
+from auv_ros.robot_description import robot_description
+from auv_ros.wire import conversions as convert
+from auv_ros.wire.markers import HULL, MARKER_TICKS, sphere_stencil
 from auv_sim.vehicle import Vehicle, VehicleConfig
 
 _EXACT = (0.0,) * 6

@@ -1,0 +1,166 @@
+"""
+The recorder's end of the line to the process that writes its bag.
+
+That process (:mod:`auv_bag.process`) takes batches of raw messages and answers each with what the bag
+holds by then, or with the error that ended it. Nothing is waited for but room in the line: answers are read
+when the next batch goes. It is started anew, not forked, since the recorder has the middleware's threads, and
+in a session of its own, so that nothing which ends the recorder reaches it: it sees the end of the line then,
+and closes the bag.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+import time
+from contextlib import suppress
+from multiprocessing.connection import Pipe
+from pathlib import Path
+from typing import NamedTuple
+
+from auv_bag.topics import TopicSpec
+from auv_bag.writer import BagError
+from auv_core.machine.process_states import is_stopped
+from auv_core.machine.processes import Exit
+
+BAG_PROCESS_MODULE = "auv_bag.process"
+_ANSWER_LIMIT_S = 30.0
+_STOPPED_LIMIT_S = 3.0
+_LOOK_S = 0.5
+
+
+class Opening(NamedTuple):
+    """
+    The first word to the process.
+
+    `bag_dir` is created and must not exist; `topics` are those to come, in the order of the bag.
+    """
+
+    bag_dir: Path
+    topics: tuple[TopicSpec, ...]
+    lockstep: bool
+
+
+class Batch(NamedTuple):
+    """
+    Messages taken at one time, by topic, in the order of the topics.
+
+    `is_checkpoint` asks to bring the files up to date.
+    """
+
+    messages: dict[str, list[bytes]]
+    is_checkpoint: bool = False
+
+
+class Written(NamedTuple):
+    """What a bag holds: ticks of /clock, messages and bytes; and the scenario time reached (ns)."""
+
+    ticks: int = 0
+    now_ns: int = 0
+    messages: int = 0
+    bytes: int = 0
+    closed: bool = False
+
+
+class BagLink:
+    """
+    Starts the process that writes a bag, and talks to it.
+
+    Parameters
+    ----------
+    opening
+        What the process is told first.
+
+    Attributes
+    ----------
+    written : Written
+        The newest answer.
+    """
+
+    def __init__(self, opening: Opening) -> None:
+        self._bag_dir = opening.bag_dir
+        self._line, far_end = Pipe()
+        with far_end:
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-m", BAG_PROCESS_MODULE, str(far_end.fileno())],
+                stdin=subprocess.DEVNULL,
+                pass_fds=[far_end.fileno()],
+                start_new_session=True,
+            )
+        self.written = Written()
+        self._was_stopped = False
+        threading.Thread(target=self._end_if_stopped, daemon=True).start()
+        self._send(opening)
+
+    def wait_until_open(self) -> None:
+        """
+        Wait for the first answer.
+
+        Raises
+        ------
+        BagError
+            If the folder exists already or cannot be made, or a message type is not installed.
+        """
+        self._hear()
+
+    def write(self, batch: Batch) -> None:
+        """
+        Send a batch and read the answers that have come.
+
+        Raises
+        ------
+        BagError
+            If a batch before could not be written, or the process has ended.
+        """
+        self._send(batch)
+        while self._line.poll():
+            self._hear()
+
+    def close(self) -> None:
+        """
+        Wait until everything is written, the bag closed and the process gone.
+
+        Raises
+        ------
+        BagError
+            As for :meth:`write`.
+        """
+        self._send(None)
+        while not self.written.closed:
+            self._hear()
+        self._process.wait(_ANSWER_LIMIT_S)
+
+    def _end_if_stopped(self) -> None:
+        """Kill the process if a signal has stopped it: whoever waits for it would wait for ever."""
+        looks = 0
+        while self._process.poll() is None:
+            time.sleep(_LOOK_S)
+            looks = looks + 1 if is_stopped(self._process.pid) else 0
+            if looks * _LOOK_S >= _STOPPED_LIMIT_S:
+                self._was_stopped = True
+                self._process.kill()
+                return
+
+    def _send(self, word: Opening | Batch | None) -> None:
+        with suppress(ConnectionError):  # it has ended: its last answer says why, or there is none
+            self._line.send(word)
+
+    def _hear(self) -> None:
+        """Wait for one answer."""
+        if not self._line.poll(_ANSWER_LIMIT_S):
+            self._process.kill()
+            raise BagError(
+                f"cannot write the bag {self._bag_dir}: no answer of its process in {_ANSWER_LIMIT_S:g} s"
+            )
+        try:
+            answer = self._line.recv()
+        except (EOFError, OSError):
+            how = Exit(BAG_PROCESS_MODULE, self._process.wait(_ANSWER_LIMIT_S)).words
+            if self._was_stopped:
+                how = f"a signal had stopped it for {_STOPPED_LIMIT_S:g} s"
+            raise BagError(f"cannot write the bag {self._bag_dir}: its process has ended ({how})") from None
+        if isinstance(answer, BagError):
+            self._process.wait(_ANSWER_LIMIT_S)
+            raise answer
+        self.written = answer

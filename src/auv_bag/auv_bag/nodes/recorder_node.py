@@ -1,0 +1,206 @@
+"""
+Node that records every topic of the graph into a rosbag2 bag, without deserialising anything.
+
+Messages wait in the middleware until the recorder takes many at once, topic by topic: at every so many ticks
+of `/clock`, and once a second.  Taken one by one, each as an event of its own, they would cost several times
+as much processor time, which in lock-step is the flight's.  They go as they are to a process of its own that
+writes the bag, and closes it even if this one is killed (:mod:`auv_bag.process`).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import HistoryPolicy
+from rclpy.subscription import Subscription
+from rclpy.time import Time
+
+from auv_bag.link import BagLink, Batch, Opening
+from auv_bag.ros_types import message_class
+from auv_bag.topics import CLOCK_TOPIC, LOG_TOPIC, TopicSpec, topics_of_graph
+from auv_bag.writer import BagError
+from auv_core.params import ConfigError, param
+from auv_msgs.msg import RecorderStatus
+from auv_ros.lifecycle import main_loop
+from auv_ros.parameters import declare_config, refuse_unknown_parameters
+from auv_ros.qos import LATCHED, own_qos
+from auv_ros.run_watch import listed
+from auv_ros.steady_timer import SteadyTimer
+
+EXIT_INTERNAL = 1
+TICKS_PER_BATCH = 20
+CHECKPOINT_PERIOD_S = 1.0
+QUIET_BEFORE_CLOSE_S = 0.3
+_OWN_LOGGERS = ("acoustic_relay_node", "clock_node", "recorder_node")
+_LOGGER_AT = 20
+"""Place of the logger's name in a log line: behind stamp, level, and the length of the name."""
+DRAIN_LIMIT_S = 20.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecorderConfig:
+    """What to record, and where to."""
+
+    bag_dir: str = param("folder of the bag; it must not exist yet")
+    topics_vehicles: tuple[str, ...] = param("ids of the vehicles whose topics are recorded")
+    kinematic: bool = param("whether the vehicles take cmd_vel instead of cmd_wrench", default=False)
+    publishers: str = param(
+        "whom it hears: own, the nodes of this project only; any, also a modem's driver or a navigation",
+        default="own",
+        choices=("own", "any"),
+    )
+    mode: str = param("how the run keeps time", default="realtime", choices=("lockstep", "realtime"))
+
+
+class RecorderNode(Node):
+    """Records until it is told to stop, then takes what has already arrived and closes the bag."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("recorder_node", **options)
+        self.done = False
+        self.exit_code = 0
+        config = declare_config(self, RecorderConfig)
+        refuse_unknown_parameters([self])
+        self._admits_strangers = config.publishers == "any"
+        self._vehicle_ids = config.topics_vehicles
+        self._own_loggers = (*_OWN_LOGGERS, *(f"{name}." for name in config.topics_vehicles))
+        self._status = self.create_publisher(RecorderStatus, "/recorder/status", LATCHED)
+        self._heard_ticks: list[bytes] = []
+        self._topics_met: set[str] = set()
+        lockstep = config.mode == "lockstep"
+        topics = topics_of_graph(config.topics_vehicles, kinematic=config.kinematic, lockstep=lockstep)
+        self._bag = BagLink(Opening(Path(config.bag_dir), tuple(topics), lockstep))
+        self._by_topic = {spec.name: self._subscription(spec) for spec in topics}
+        try:
+            self._bag.wait_until_open()
+        except BagError as error:
+            raise ConfigError(str(error)) from None
+        SteadyTimer(self, CHECKPOINT_PERIOD_S, self._checkpoint)
+        self._publish_status()
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription]:
+        """The subscriptions that the executor shall serve: that of the clock, and what is not recorded."""
+        recorded = {id(each) for topic, each in self._by_topic.items() if topic != CLOCK_TOPIC}
+        yield from (each for each in super().subscriptions if id(each) not in recorded)
+
+    def waits_for(self) -> str:
+        """Return for what the node waits, in words, or nothing."""
+        return listed(
+            [
+                f"/{each}/vehicle_node"
+                for each in self._vehicle_ids
+                if f"/{each}/state" not in self._topics_met
+            ]
+        )
+
+    def on_stop(self) -> None:
+        """Record what has arrived, close the bag, say so."""
+        self._drain()
+        self._guarded(self._bag.close)
+        if not self.done:
+            self._publish_status()
+
+    def _subscription(self, spec: TopicSpec) -> Subscription:
+        """Subscribe to a topic, raw; of all topics the executor serves the clock's only."""
+        kind = message_class(spec.type_name)
+        admits = self._admits_strangers or spec.name == LOG_TOPIC
+        qos = own_qos(latched=spec.latched, history=HistoryPolicy.KEEP_ALL, admits_strangers=admits)
+        return self.create_subscription(kind, spec.name, self._hear_clock, qos, raw=True)
+
+    def _hear_clock(self, data: bytes) -> None:
+        """Keep a tick, and now and then record everything, saying how far the recorder is."""
+        self._heard_ticks.append(data)
+        if len(self._heard_ticks) >= TICKS_PER_BATCH:
+            self._record()
+            self._publish_status()
+
+    def _checkpoint(self) -> None:
+        """Take everything and have the files brought up to date."""
+        self._record(is_checkpoint=True)
+        self._publish_status()
+
+    def _record(self, *, is_checkpoint: bool = False) -> int:
+        """Take all messages that wait and have them written; return how many."""
+        batch = self._batch(is_checkpoint)
+        if batch.messages or is_checkpoint:
+            self._guarded(lambda: self._bag.write(batch))
+        return sum(map(len, batch.messages.values()))
+
+    def _drain(self) -> None:
+        """Take messages until none has come for a while: some may still be on their way."""
+        limit = time.monotonic() + DRAIN_LIMIT_S
+        quiet_at = time.monotonic() + QUIET_BEFORE_CLOSE_S
+        while time.monotonic() < min(quiet_at, limit) and not self.done:
+            if self._record():
+                quiet_at = time.monotonic() + QUIET_BEFORE_CLOSE_S
+            else:
+                time.sleep(0.01)
+
+    def _batch(self, is_checkpoint: bool) -> Batch:
+        """Take all messages that wait, topic by topic."""
+        batch = Batch({}, is_checkpoint)
+        for topic, subscription in self._by_topic.items():
+            messages = _waiting(subscription)
+            if topic == LOG_TOPIC:
+                messages = [each for each in messages if _logger_of(each).startswith(self._own_loggers)]
+            if topic == CLOCK_TOPIC:
+                messages = self._heard_ticks + messages
+                self._heard_ticks = []
+            if messages:
+                batch.messages[topic] = messages
+                self._topics_met.add(topic)
+        return batch
+
+    def _guarded(self, write: Callable[[], None]) -> None:
+        """Write; where that cannot be, end with one error: what is in the file stays readable."""
+        if self.done:
+            return
+        try:
+            write()
+        except BagError as error:
+            self.get_logger().error(str(error))
+            self.exit_code = EXIT_INTERNAL
+            self.done = True
+
+    def _publish_status(self) -> None:
+        """Say what the bag holds: what is still on its way there does not count."""
+        written = self._bag.written
+        status = RecorderStatus(
+            ticks=written.ticks, messages=written.messages, bytes=written.bytes, closed=written.closed
+        )
+        status.header.stamp = Time(nanoseconds=written.now_ns).to_msg()
+        self._status.publish(status)
+
+
+def _waiting(subscription: Subscription) -> list[bytes]:
+    """Take every message that waits in a subscription."""
+    handle = subscription.handle
+    with handle:
+        take = partial(handle.take_message, subscription.msg_type, True)
+        return [data for data, _ in iter(take, None)]
+
+
+def _logger_of(line: bytes) -> str:
+    """Return the name of the logger in a serialised rcl_interfaces/Log."""
+    return line[_LOGGER_AT:].partition(b"\0")[0].decode(errors="replace")
+
+
+def make_nodes(**options: Any) -> Sequence[Node]:
+    """Return the node; `options` are those of `rclpy.node.Node`."""
+    return [RecorderNode(**options)]
+
+
+def main() -> None:
+    """Record until stopped."""
+    raise SystemExit(main_loop(make_nodes))
+
+
+if __name__ == "__main__":
+    main()

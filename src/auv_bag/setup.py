@@ -1,0 +1,27 @@
+"""Build and installation of auv_bag."""
+
+from setuptools import find_packages, setup
+
+package_name = "auv_bag"
+
+setup(
+    name=package_name,
+    version="0.1.0",
+    packages=find_packages(include=[package_name, f"{package_name}.*"]),
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
+        (f"share/{package_name}", ["package.xml"]),
+    ],
+    install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
+    zip_safe=False,
+    maintainer="The Shoal authors",
+    maintainer_email="shoal@example.org",
+    description="Bags of Shoal: rosbag2 in MCAP, written, read, compared and mended",
+    license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "recorder_node = auv_bag.nodes.recorder_node:main",
+        ],
+    },
+)

@@ -1,0 +1,1 @@
+"""Processes of nodes: which, how they are started, watched and ended."""

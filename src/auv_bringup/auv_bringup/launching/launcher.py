@@ -1,0 +1,298 @@
+"""
+Flying a scenario as ROS 2 nodes: start them, watch them, end them.
+
+Which nodes share a process is the layout's word. The launcher starts all processes at once, listens to
+``/flock/status`` with a small node of its own, asks the `Supervisor` what to make of what it sees, and ends
+the processes in order: vehicles, agents and relay first, which hand over their last messages, then the
+recorder, which writes what it has received and closes the bag. No wait in here is without an end.
+
+The processes are forked from this one after it has imported what they need, once for all of them, and before
+it has anything of ROS running: that is most of their start-up and half of their memory. Where this process
+has threads, which a fork would lose, they are started anew from their command lines.
+"""
+
+from __future__ import annotations
+
+import gc
+import math
+import os
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+
+from setproctitle import setproctitle, setthreadtitle
+
+from auv_bringup.launching.flight_status import LOST_STATUS
+from auv_bringup.launching.layout import ProcessSpec, process_specs, start_patience_s, vehicles_of
+from auv_bringup.launching.node_specs import node_specs
+from auv_bringup.launching.node_start import (
+    CONTAINER_MODULE,
+    Part,
+    adopt,
+    command_line,
+    log_name,
+    node_environment,
+    parts_of,
+)
+from auv_bringup.launching.shared_memory import clear_shared_memory
+from auv_bringup.launching.status_listener import StatusListener
+from auv_bringup.launching.supervision import Supervisor
+from auv_core.cli.progress import Progress
+from auv_core.machine.processes import (
+    SIGINT_GRACE_S,
+    ChildProcesses,
+    Interrupts,
+    last_lines,
+    schedule_as_batch,
+    threads_allow_fork,
+)
+from auv_experiment.compose import compile_ahead
+from auv_experiment.results import BAG, LOGS
+from auv_experiment.scenario.schema import Scenario
+from auv_ros.run_config import WallWatch
+
+INTERRUPTED_STATUS = 130
+RECORDER_GRACE_S = 30.0
+"""The recorder drains for at most 20 s before it closes the bag."""
+LOST_HAND_OVER_S = 1.5
+"""So long the processes of a lost run wait for acknowledgements: those of a dead one never come."""
+_STOPPED_LOOK_S = 0.5
+_MOST_AWAKE_S = 0.5
+"""Longer pauses mean that the launcher itself was suspended; the nodes are not to blame for them."""
+
+
+@dataclass(frozen=True)
+class Flight:
+    """
+    How a flight ended.
+
+    `exit_status` is 0, 3 (vehicle or node lost, flight stopped) or 130 (interrupted); `reason` says why it
+    was stopped; `real_time_factor` counts the flight only and is NaN when it was too short to tell;
+    `strangers` says who else published on topics of the run, a line each.
+    """
+
+    exit_status: int
+    reason: str
+    lost_vehicles: tuple[str, ...]
+    simulated_s: float
+    real_time_factor: float
+    start_up_s: float
+    strangers: tuple[str, ...] = ()
+
+
+def fly(
+    scenario: Scenario,
+    *,
+    mode: str,
+    layout: str,
+    results_dir: Path,
+    with_bag: bool,
+    domain_id: int,
+    discovery: str,
+    interrupts: Interrupts,
+    progress: Progress,
+) -> Flight:
+    """
+    Fly a scenario with ROS 2 nodes and return how it ended.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Resolved, sampled scenario.
+    mode : str
+        'lockstep' or 'realtime'.
+    layout : str
+        Which nodes share a process, one of `layout.LAYOUTS`.
+    results_dir : Path
+        The run's folder, which gets `bag/` and `logs/`.
+    with_bag : bool
+        Whether a recorder runs.
+    domain_id, discovery
+        ROS domain held for this run, and 'localhost' or 'subnet'.
+    interrupts : Interrupts
+        Entered; its count asks for the end.
+    progress : Progress
+        Where to show how far it is, and messages.
+
+    """
+    bag_dir = results_dir / BAG if with_bag else None
+    nodes = node_specs(scenario, mode=mode, bag_dir=bag_dir)
+    environ = node_environment(os.environ, domain_id=domain_id, discovery=discovery)
+    if threads_allow_fork():
+        compile_ahead(scenario, progress.message)
+    if mode == "lockstep":
+        schedule_as_batch()
+    clear_shared_memory()  # of runs that were killed
+    try:
+        flight = fly_nodes(
+            process_specs(nodes, layout),
+            on_vehicle_loss=scenario.on_vehicle_loss,
+            logs_dir=results_dir / LOGS,
+            environ=environ,
+            interrupts=interrupts,
+            progress=progress,
+        )
+    finally:
+        clear_shared_memory()
+    return of_asked_length(flight, scenario, mode)
+
+
+def of_asked_length(flight: Flight, scenario: Scenario, mode: str) -> Flight:
+    """Return a flight that is good only if it is as long as asked; in real time ticks may be left out."""
+    more_s = 0.5 * scenario.period_s if mode == "lockstep" else scenario.answer_timeout_s
+    over_s = flight.simulated_s - scenario.duration_s
+    if flight.exit_status or -0.5 * scenario.period_s <= over_s <= more_s:
+        return flight
+    reason = f"the flight ended at {flight.simulated_s:.1f} s, not at the {scenario.duration_s:g} s asked for"
+    return replace(flight, exit_status=LOST_STATUS, reason=reason)
+
+
+def start_process(
+    children: ChildProcesses, process: ProcessSpec, parts: Sequence[Part], log: Path, environ: dict[str, str]
+) -> None:
+    """Start a process of nodes, by a fork where that can be."""
+    if threads_allow_fork():
+        children.fork(process.name, partial(_run_nodes, process.name, parts, environ), log=log)
+    else:
+        children.start(process.name, command_line(parts), log=log, environ=environ)
+
+
+def fly_nodes(
+    processes: Sequence[ProcessSpec],
+    *,
+    on_vehicle_loss: str,
+    logs_dir: Path,
+    environ: dict[str, str],
+    interrupts: Interrupts,
+    progress: Progress,
+    start: Callable[
+        [ChildProcesses, ProcessSpec, Sequence[Part], Path, dict[str, str]], None
+    ] = start_process,
+) -> Flight:
+    """Start processes of nodes, watch them until the flight is over, end them; `start` starts one."""
+    params_dir = logs_dir / "params"
+    params_dir.mkdir(parents=True, exist_ok=True)
+    start_s = time.monotonic()
+    _import_nodes(processes)
+    with ChildProcesses() as children:
+        for process in processes:
+            log = logs_dir / f"{log_name(process.name)}.log"
+            start(children, process, parts_of(process, params_dir), log, environ)
+        supervisor = Supervisor(processes, on_vehicle_loss=on_vehicle_loss)
+        # A node of its own comes after the children are started: it brings threads, and a fork loses them.
+        with StatusListener(environ, processes) as listener:
+            start_up_s = _watch(supervisor, children, listener, interrupts, progress, start_s)
+            was_interrupted = interrupts.count > 0 and not supervisor.is_over
+            if was_interrupted:
+                progress.message("ending the run; press Ctrl-C again to hurry it")
+            elif supervisor.reason:
+                progress.message(f"{supervisor.reason}: ending the run")
+            bag_is_closed = _end_in_order(processes, children, interrupts, progress, supervisor)
+    flight = _flight(supervisor, was_interrupted, bag_is_closed, start_up_s)
+    return replace(flight, strangers=(*listener.strangers, *listener.refused_writers()))
+
+
+def _import_nodes(processes: Sequence[ProcessSpec]) -> None:
+    """Import once what the processes to be forked need; their memory is then shared, too."""
+    for module in sorted({node.module for process in processes for node in process.nodes}):
+        import_module(module)
+    import_module(CONTAINER_MODULE)
+    gc.collect()
+    gc.freeze()
+
+
+def _run_nodes(name: str, parts: Sequence[Part], environ: dict[str, str]) -> int:
+    """Be a process of nodes."""
+    from auv_bringup.nodes.node_container import run
+
+    setproctitle(" ".join(command_line(parts)))  # finds its place by the environment: before that changes
+    setthreadtitle(log_name(name))
+    adopt(environ)
+    return run(parts)
+
+
+def _watch(
+    supervisor: Supervisor,
+    children: ChildProcesses,
+    listener: StatusListener,
+    interrupts: Interrupts,
+    progress: Progress,
+    start_s: float,
+) -> float:
+    """Watch until the flight is over or interrupted; return how long the start took (s, NaN: no start)."""
+    start_up_s = math.nan
+    last_s = looked_s = time.monotonic()
+    wall = WallWatch(time.monotonic, time.time)
+    while not supervisor.is_over and not interrupts.count:
+        for status in listener.listen():
+            supervisor.status_arrived(status, time.monotonic())
+        for exit_ in children.collect_exits():
+            log = children.log(exit_.name)
+            supervisor.process_ended(exit_, last_lines(log), str(log))
+        now_s = time.monotonic()
+        if supervisor.has_begun:
+            if math.isnan(start_up_s):
+                start_up_s = now_s - start_s
+                progress.message(f"all nodes are up after {start_up_s:.1f} s")
+            progress.update(supervisor.simulated_s)
+        supervisor.time_passed(min(now_s - last_s, _MOST_AWAKE_S))
+        last_s = now_s
+        if now_s - looked_s > _STOPPED_LOOK_S:
+            supervisor.processes_stopped(children.stopped(), min(now_s - looked_s, 2.0 * _STOPPED_LOOK_S))
+            looked_s = now_s
+        for words in [wall.warning(), *listener.new_strangers(at_once=supervisor.is_over)]:
+            if words:
+                progress.message(f"warning: {words}")
+        for line in supervisor.take_messages():
+            progress.message(line if line.startswith(" ") else f"warning: {line}")
+        children.kill(supervisor.take_processes_to_end())
+    return start_up_s
+
+
+def _end_in_order(
+    processes: Sequence[ProcessSpec],
+    children: ChildProcesses,
+    interrupts: Interrupts,
+    progress: Progress,
+    supervisor: Supervisor,
+) -> bool:
+    """End all nodes, the recorder last; return whether every recorder closed its bag."""
+    first = [process.name for process in processes if not process.records]
+    recorders = [process.name for process in processes if process.records]
+    longer_s = start_patience_s(vehicles_of(processes))
+    end = partial(
+        children.end,
+        sigterm_after_s=LOST_HAND_OVER_S + longer_s if supervisor.exit_status == LOST_STATUS else None,
+        is_hurried=lambda: interrupts.is_hurried,
+    )
+    exits = end(first, grace_s=SIGINT_GRACE_S + longer_s)
+    recorder_exits = end(recorders, grace_s=RECORDER_GRACE_S + longer_s)
+    killed = children.end_orphans(grace_s=RECORDER_GRACE_S, is_hurried=lambda: interrupts.is_hurried)
+    if killed:
+        progress.message("warning: the process that writes the bag did not end, and was killed")
+    for exit_ in exits + recorder_exits:
+        if exit_.returncode not in (0, LOST_STATUS) and exit_.name not in supervisor.stopped_processes:
+            progress.message(
+                f"warning: {exit_.name} did not end cleanly: {exit_.words}; "
+                f"its log is {children.log(exit_.name)}"
+            )
+    return all(children.returncodes.get(name) == 0 for name in recorders)
+
+
+def _flight(supervisor: Supervisor, was_interrupted: bool, bag_is_closed: bool, start_up_s: float) -> Flight:
+    exit_status, reason = supervisor.exit_status, supervisor.reason
+    if was_interrupted:
+        exit_status, reason = INTERRUPTED_STATUS, f"interrupted at {supervisor.simulated_s:.1f} s"
+    elif exit_status == 0 and not bag_is_closed:
+        exit_status, reason = LOST_STATUS, "/recorder_node did not close its bag"
+    return Flight(
+        exit_status=exit_status,
+        reason=reason,
+        lost_vehicles=tuple(supervisor.lost_vehicles),
+        simulated_s=supervisor.simulated_s,
+        real_time_factor=supervisor.real_time_factor,
+        start_up_s=start_up_s,
+    )

@@ -1,0 +1,1 @@
+"""How the numbers of a control law are found, before any flight."""

@@ -1,0 +1,96 @@
+"""Claims about the synthesis: Riccati equation, smallest gain, norm of the loop, and the preset."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+import yaml
+from scipy.linalg import expm
+
+from auv_control.controllers.h_infinity import Params
+from auv_control.synthesis.h_infinity import (
+    Weights,
+    axis_plant,
+    closed_loop,
+    feedback,
+    hamiltonian_norm,
+    preset_axes,
+    preset_file,
+    preset_params,
+    riccati_solution,
+    sweep_norm,
+    synthesise,
+)
+from auv_core.params import dump, load
+
+WEIGHTS = Weights()
+SURGE, SWAY = (215.0, 70.0, 100.0), (265.0, 100.0, 200.0)
+both_axes = pytest.mark.parametrize("numbers", [SURGE, SWAY], ids=["surge", "sway"])
+
+
+@cache
+def _axes():
+    return dict(zip((SURGE, SWAY), preset_axes(WEIGHTS), strict=True))
+
+
+def test_preset_is_what_the_synthesis_gives():
+    stored = yaml.safe_load(preset_file().read_text(encoding="utf-8"))
+    computed = preset_params((_axes()[SURGE], _axes()[SWAY]))
+    assert stored["kind"] == "h_infinity"
+    assert stored["params"].keys() == computed.keys()
+    for key, values in computed.items():
+        assert stored["params"][key] == pytest.approx(values, rel=1e-6), key
+    defaults = dump(load(Params, {}, "law"))
+    assert {key: list(defaults[key]) for key in computed} == stored["params"]
+
+
+@both_axes
+def test_riccati_solution_solves_its_equation(numbers):
+    plant = axis_plant(*numbers, WEIGHTS)
+    gamma = 0.9
+    p = riccati_solution(plant, gamma)
+    quadratic = plant.b1 @ plant.b1.T / gamma**2 - plant.b2 @ plant.b2.T / plant.r
+    residual = plant.a.T @ p + p @ plant.a + plant.c.T @ plant.c + p @ quadratic @ p
+    assert np.abs(residual).max() < 1e-6 * np.abs(p).max()
+    loop, _, _ = closed_loop(plant, feedback(plant, p))
+    assert np.linalg.eigvalsh(loop.T @ p + p @ loop).max() < 0.0, "x^T P x falls"
+
+
+@both_axes
+def test_smallest_gain_is_where_the_disturbance_must_be_answered(numbers):
+    result = _axes()[numbers]
+    assert result.gamma_best == pytest.approx(WEIGHTS.disturbance_n / WEIGHTS.force_n, rel=1e-4)
+    assert riccati_solution(axis_plant(*numbers, WEIGHTS), 0.99 * result.gamma_best) is None
+
+
+@both_axes
+def test_norm_of_the_loop_found_twice_is_below_gamma(numbers):
+    result = _axes()[numbers]
+    assert result.norm_hamiltonian == pytest.approx(result.norm_sweep, rel=1e-5)
+    assert result.gamma_best <= result.norm_hamiltonian <= result.gamma
+
+
+def test_norms_by_hand():
+    # 1 / (s + 2): 1/2 at w = 0; 1 / (s^2 + 0.2 s + 1): 1 / (0.2 sqrt(1 - 0.01)) at resonance
+    first = (np.array([[-2.0]]), np.array([[1.0]]), np.array([[1.0]]))
+    assert hamiltonian_norm(*first) == pytest.approx(0.5, rel=1e-4)
+    second = (np.array([[0.0, 1.0], [-1.0, -0.2]]), np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]]))
+    peak = 1.0 / (0.2 * np.sqrt(0.99))
+    assert hamiltonian_norm(*second) == pytest.approx(peak, rel=1e-5)
+    assert sweep_norm(*second) == pytest.approx(peak, rel=1e-4)
+
+
+@both_axes
+@pytest.mark.parametrize("factor", [0.7, 1.0, 1.3])
+def test_sampled_loop_is_stable_for_vehicles_that_differ(numbers, factor):
+    gain = _axes()[numbers].gain
+    plant = axis_plant(*(factor * number for number in numbers), WEIGHTS)
+    period_s = 0.1
+    held = expm(np.block([[plant.a, plant.b2], [np.zeros((1, 4))]]) * period_s)
+    loop = held[:3, :3] + held[:3, 3:] @ gain
+    assert np.abs(np.linalg.eigvals(loop)).max() < 1.0
+
+
+def test_a_margin_below_one_is_refused():
+    with pytest.raises(ValueError, match=r"^margin: 0\.9 is not allowed; allowed: a number above 1"):
+        synthesise(axis_plant(*SURGE, WEIGHTS), 0.9)

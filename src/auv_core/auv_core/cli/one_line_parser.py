@@ -1,0 +1,47 @@
+"""What the commands share to refuse their arguments in one line."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import NoReturn
+
+from auv_core.cli.printable import printable
+from auv_core.params import shown
+
+BAD_ARGUMENTS = 2
+"""Exit status of a command whose arguments are not allowed."""
+MOST_WORKERS = 256
+"""Most processes that a command starts on this machine."""
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """A parser whose complaints are one line; so are those of its subcommands."""
+
+    def error(self, message: str) -> NoReturn:
+        """End the program with a complaint."""
+        self.exit(BAD_ARGUMENTS, f"error: {' '.join(message.split())} ({self.prog} --help says more)\n")
+
+
+def refusal(text: str, allowed: str) -> argparse.ArgumentTypeError:
+    """Return what an argument's type function raises: the value that was given, and what is allowed."""
+    return argparse.ArgumentTypeError(f"{shown(text)} is not allowed; allowed: {allowed}")
+
+
+def whole_number(text: str, most: int) -> int:
+    """Return a whole number from 1 to `most`; for the type function of an argument."""
+    allowed = f"a whole number from 1 to {most}"
+    try:
+        value = int(text)
+    except ValueError:
+        raise refusal(text, allowed) from None
+    if not 1 <= value <= most:
+        raise refusal(text, allowed)
+    return value
+
+
+def fail(status: int, line: str) -> int:
+    """Print a complaint of one line on standard error; return `status`, the exit status that it gives."""
+    sys.stderr.write(f"error: {printable(line)}\n")
+    sys.stderr.flush()
+    return status

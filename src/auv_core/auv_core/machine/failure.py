@@ -1,0 +1,24 @@
+"""What went wrong with one of many jobs, while the others go on."""
+
+from __future__ import annotations
+
+import traceback
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A job that raised: what in one line, and its traceback."""
+
+    line: str
+    traceback: str
+
+    @classmethod
+    def of(cls, error: BaseException) -> Failure:
+        """Return what to remember of an exception."""
+        return cls(one_line(error), "".join(traceback.format_exception(error)))
+
+
+def one_line(error: BaseException) -> str:
+    """Return kind and message of an exception on one line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split()) or 'no message'}"

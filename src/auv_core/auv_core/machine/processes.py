@@ -1,0 +1,386 @@
+"""
+Child processes that never outlive their parent.
+
+Every child leads a session of its own: Ctrl-C in a terminal reaches only the parent, which then ends its
+children in order. If the parent is killed, the kernel kills the children (PR_SET_PDEATHSIG, Linux). Nothing
+here knows ROS.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType, TracebackType
+from typing import Any, NoReturn
+
+from auv_core.machine.interrupts import SIGNALS, heeded_signals
+from auv_core.machine.process_states import adopt_orphans, family_of, is_stopped, module_of, orphans
+
+SIGINT_GRACE_S = 6.0
+SIGTERM_GRACE_S = 2.0
+HURRY_GRACE_S = 1.0
+_WAIT_SLICE_S = 0.05
+_LOOK_S = 0.02
+_KILL_TIMEOUT_S = 10.0
+_PR_SET_PDEATHSIG = 1
+_libc = ctypes.CDLL(None, use_errno=True)
+
+
+@dataclass(frozen=True)
+class Exit:
+    """A child that has ended: its name and how (exit status, or minus the number of the signal)."""
+
+    name: str
+    returncode: int
+
+    @property
+    def words(self) -> str:
+        """How it ended, for people."""
+        if self.returncode < 0:
+            return f"killed by {signal_name(-self.returncode)}"
+        return f"exit status {self.returncode}"
+
+
+class _Fork(multiprocessing.get_context("fork").Process):  # type: ignore[misc]
+    """A forked child in the words of `subprocess.Popen`."""
+
+    def poll(self) -> int | None:
+        return self.exitcode
+
+    def wait(self, timeout: float) -> int:
+        self.join(timeout)
+        if self.exitcode is None:
+            raise subprocess.TimeoutExpired(self.name, timeout)
+        return int(self.exitcode)
+
+
+class ChildProcesses:
+    """
+    The children of this process, by name.
+
+    A context manager: on leaving, whatever still runs is killed, and so is what children that have ended
+    have left running.
+
+    Attributes
+    ----------
+    returncodes : dict
+        How each child has ended that was seen to, by name.
+
+    """
+
+    def __init__(self) -> None:
+        self._running: dict[str, subprocess.Popen[bytes] | _Fork] = {}
+        self._logs: dict[str, Path] = {}
+        self._of_others: frozenset[int] = frozenset()
+        self.returncodes: dict[str, int] = {}
+
+    def start(self, name: str, arguments: Sequence[str], *, log: Path, environ: Mapping[str, str]) -> None:
+        """Start a child whose output goes to the file `log`."""
+        with log.open("ab") as output:
+            self._running[name] = subprocess.Popen(
+                list(arguments),
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=dict(environ),
+                start_new_session=True,
+                preexec_fn=_child_setup(os.getpid()),
+            )
+        self._logs[name] = log
+
+    def fork(self, name: str, run: Callable[[], int], *, log: Path) -> None:
+        """
+        Start a child that has imported already what this process has; `run` gives its exit status.
+
+        This process must have no threads that could hold a lock, see `threads_allow_fork`.
+        """
+        process = _Fork(target=_run_forked, args=(run, os.getpid(), log), name=name)
+        process.start()
+        self._running[name] = process
+        self._logs[name] = log
+
+    @property
+    def running(self) -> list[str]:
+        """Names of the children that have not been seen to end."""
+        return list(self._running)
+
+    def pid(self, name: str) -> int:
+        """Return the process id of a running child."""
+        return self._running[name].pid
+
+    def log(self, name: str) -> Path:
+        """Return the log of a child, running or not."""
+        return self._logs[name]
+
+    def collect_exits(self) -> list[Exit]:
+        """Return the children that have ended since the last call, each once."""
+        exits = []
+        for name, process in list(self._running.items()):
+            returncode = process.poll()
+            if returncode is not None:
+                exits.append(self._ended(name, returncode))
+        return exits
+
+    def end(
+        self,
+        names: Iterable[str],
+        *,
+        grace_s: float = SIGINT_GRACE_S,
+        sigterm_after_s: float | None = None,
+        is_hurried: Callable[[], bool] = lambda: False,
+    ) -> list[Exit]:
+        """
+        End children: SIGINT, after a grace SIGTERM, after another SIGKILL.
+
+        Parameters
+        ----------
+        names : iterable of str
+            Children; those that have ended already are passed over.
+        grace_s : float
+            Time between SIGINT and SIGTERM (s).
+        sigterm_after_s : float, optional
+            Send SIGTERM so much after SIGINT (s), and then leave `grace_s` until SIGKILL: for children that
+            take SIGTERM as the word to wait for nobody.
+        is_hurried : callable
+            Asked all the time; once True the graces shrink to `HURRY_GRACE_S`.
+
+        Returns
+        -------
+        exits : list of Exit
+            One per child that was still running.
+
+        """
+        wanted = [name for name in names if name in self._running]
+        exits: list[Exit] = []
+        self._kill_stopped(wanted)
+        sigint_s, sigterm_s = grace_s, SIGTERM_GRACE_S
+        if sigterm_after_s is not None:
+            sigint_s, sigterm_s = sigterm_after_s, grace_s
+        for number, patience_s in ((signal.SIGINT, sigint_s), (signal.SIGTERM, sigterm_s)):
+            self._signal(wanted, number)
+            exits += self._wait(wanted, patience_s, is_hurried)
+        return exits + self.kill(wanted)
+
+    def kill(self, names: Iterable[str]) -> list[Exit]:
+        """End children at once."""
+        wanted = [name for name in names if name in self._running]
+        self._signal(wanted, signal.SIGKILL)
+        return self._wait(wanted, _KILL_TIMEOUT_S, lambda: False)
+
+    def stopped(self) -> dict[str, str]:
+        """
+        Return the running children that are stopped by a signal, or have started what is: by their names
+        what the latter is, '' for the child itself.
+        """
+        found = {}
+        for name, process in self._running.items():
+            for member in family_of(process.pid) if process.pid is not None else ():
+                if is_stopped(member):
+                    found[name] = "" if member == process.pid else module_of(member)
+                    break
+        return found
+
+    def end_orphans(self, *, grace_s: float, is_hurried: Callable[[], bool] = lambda: False) -> list[int]:
+        """
+        Wait until what ended children have left running has ended, too; kill what takes longer or is stopped.
+
+        Parameters
+        ----------
+        grace_s : float
+            How long to wait (s).
+        is_hurried : callable
+            Asked all the time; once True `HURRY_GRACE_S` is enough.
+
+        Returns
+        -------
+        killed : list of int
+            Ids of those that had to be killed.
+
+        """
+        start_s = time.monotonic()
+        killed: list[int] = []
+        while left := self._orphans():
+            patience_s = HURRY_GRACE_S if is_hurried() else grace_s
+            is_late = time.monotonic() - start_s >= patience_s
+            for pid in left:
+                if pid not in killed and (is_late or is_stopped(pid)):
+                    os.kill(pid, signal.SIGKILL)
+                    killed.append(pid)
+            if time.monotonic() - start_s > patience_s + _KILL_TIMEOUT_S:
+                break
+            time.sleep(_LOOK_S)
+        return killed
+
+    def __enter__(self) -> ChildProcesses:
+        self._of_others = frozenset(orphans())
+        adopt_orphans()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.kill(self.running)
+        self.end_orphans(grace_s=0.0)
+
+    def _orphans(self) -> list[int]:
+        """Reap the orphans that have ended; return those that have not."""
+        known = self._of_others.union(process.pid for process in self._running.values())
+        left = []
+        for pid in orphans():
+            if pid not in known and os.waitpid(pid, os.WNOHANG)[0] == 0:
+                left.append(pid)
+        return left
+
+    def _kill_stopped(self, names: Iterable[str]) -> None:
+        """Kill every process of some children that is stopped: it hears nothing else."""
+        for name in names:
+            pid = self._running[name].pid
+            for member in list(family_of(pid)) if pid is not None else ():
+                if is_stopped(member):
+                    with suppress(ProcessLookupError):
+                        os.kill(member, signal.SIGKILL)
+
+    def _signal(self, names: Iterable[str], number: signal.Signals) -> None:
+        for name in names:
+            process = self._running.get(name)
+            # A child that was not reaped keeps its process id, so the group cannot be somebody else's.
+            if process is not None and process.poll() is None and process.pid is not None:
+                _signal_group(process.pid, number)
+
+    def _wait(self, names: Iterable[str], grace_s: float, is_hurried: Callable[[], bool]) -> list[Exit]:
+        """Wait until the children have ended, at most `grace_s`; return those that did."""
+        exits = []
+        start_s = time.monotonic()
+        for name in names:
+            process = self._running.get(name)
+            while process is not None:
+                left_s = start_s + grace_s - time.monotonic()
+                if is_hurried():
+                    left_s = min(left_s, start_s + HURRY_GRACE_S - time.monotonic())
+                try:
+                    returncode = process.wait(timeout=min(max(left_s, 0.0), _WAIT_SLICE_S))
+                except subprocess.TimeoutExpired:
+                    if left_s <= 0.0:
+                        break
+                    continue
+                exits.append(self._ended(name, returncode))
+                break
+        return exits
+
+    def _ended(self, name: str, returncode: int) -> Exit:
+        del self._running[name]
+        self.returncodes[name] = returncode
+        return Exit(name, returncode)
+
+
+class Interrupts:
+    """
+    Counts requests to end (Ctrl-C, SIGTERM, SIGHUP) while entered, in place of Python's own handling; what
+    was ignored at the start stays ignored.
+
+    The first asks for a clean end, the second for a quick one.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._previous: dict[signal.Signals, Any] = {}
+
+    @property
+    def is_hurried(self) -> bool:
+        """Whether the end was asked for more than once."""
+        return self.count > 1
+
+    def __enter__(self) -> Interrupts:
+        for number in heeded_signals():
+            self._previous[number] = signal.signal(number, self._on_signal)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        for number, handler in self._previous.items():
+            signal.signal(number, handler)
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        self.count += 1
+
+
+def schedule_as_batch() -> None:
+    """
+    Ask Linux not to interrupt this thread, nor what it starts, whenever it wakes another.
+
+    A node of a flight in lock-step wakes others with every message that it publishes; they need all of them.
+    """
+    with suppress(OSError):  # not allowed here: the flight takes longer
+        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+
+
+def threads_allow_fork() -> bool:
+    """Return whether this process has no Python thread but this one: a fork would lose the others."""
+    return threading.active_count() == 1
+
+
+def _run_forked(run: Callable[[], int], parent_pid: int, log: Path) -> NoReturn:
+    """Be a child: a session of its own, output to its log, this process's death its own."""
+    os.setsid()
+    _child_setup(parent_pid)()
+    with log.open("ab", buffering=0) as output, Path(os.devnull).open("rb") as nothing:
+        os.dup2(nothing.fileno(), 0)
+        os.dup2(output.fileno(), 1)
+        os.dup2(output.fileno(), 2)
+    sys.stdout = os.fdopen(1, "w", buffering=1, encoding="utf-8", errors="backslashreplace")
+    sys.stderr = os.fdopen(2, "w", buffering=1, encoding="utf-8", errors="backslashreplace")
+    raise SystemExit(run())
+
+
+def signal_name(number: int) -> str:
+    """Return 'SIGKILL' for 9, and so on."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
+def last_lines(log: Path, count: int = 5, most_bytes: int = 8192) -> list[str]:
+    """Return the last lines of a log that are not blank, [] if there are none."""
+    try:
+        with log.open("rb") as stream:
+            stream.seek(0, os.SEEK_END)
+            stream.seek(max(0, stream.tell() - most_bytes))
+            text = stream.read().decode("utf-8", errors="replace")
+    except OSError:
+        return []
+    return list(deque((line.rstrip() for line in text.splitlines() if line.strip()), maxlen=count))
+
+
+def _signal_group(pid: int, number: signal.Signals) -> None:
+    """Signal a child and what it has started; a fork that has no session yet gets it alone."""
+    try:
+        os.killpg(pid, number)
+    except ProcessLookupError:
+        os.kill(pid, number)
+
+
+def _child_setup(parent_pid: int) -> Callable[[], None]:
+    """Return what a child does between fork and exec."""
+
+    def setup() -> None:
+        _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent_pid:  # the parent died before the line above
+            os._exit(1)
+        # A parent started in the background by a shell ignores SIGINT, and a child would inherit that.
+        for number in SIGNALS:
+            signal.signal(number, signal.SIG_DFL)
+
+    return setup

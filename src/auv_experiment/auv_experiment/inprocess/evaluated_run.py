@@ -1,0 +1,63 @@
+"""One run in this process, with what it took."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from auv_experiment.recording import Recording
+    from auv_experiment.scenario.schema import Scenario
+
+
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """A finished run: what happened, its metrics, and the wall and processor time that it took (s)."""
+
+    recording: Recording
+    metrics: dict[str, Any]
+    wall_s: float
+    cpu_s: float
+
+
+def load_source() -> None:
+    """Load all that flights need, so that processes forked later fly with it, whatever changes on disk."""
+    import auv_experiment.inprocess.sampled
+    import auv_experiment.metrics.run  # noqa: F401
+
+
+def fly(scenario: Scenario, *, on_progress: Callable[[float], None] | None = None) -> Flight:
+    """
+    Fly a resolved scenario in this process and evaluate it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Sampled or continuous.
+    on_progress : callable, optional
+        Called now and then with the scenario time reached (s).
+
+    Raises
+    ------
+    DivergedError
+        When a motion has no finite solution.
+
+    """
+    from auv_experiment.inprocess.sampled import run_in_process
+    from auv_experiment.metrics.run import compute_metrics
+
+    start_s, cpu_start_s = time.monotonic(), time.process_time()
+    recording = run_in_process(scenario, on_progress=on_progress)
+    factor = scenario.duration_s / max(time.monotonic() - start_s, 1e-9)
+    metrics = compute_metrics(recording, scenario, mode="inprocess", real_time_factor=factor)
+    return Flight(recording, metrics, time.monotonic() - start_s, time.process_time() - cpu_start_s)
+
+
+def effort(scenario: Scenario) -> float:
+    """Return how much work a run is expected to be, in evaluations of a law."""
+    n = len(scenario.vehicles)
+    if scenario.sampling == "continuous":
+        return n * 4.0 * scenario.duration_s / scenario.dt_s
+    return n * scenario.duration_s * (1.0 / scenario.dt_s + (8.0 + 4.0 * n) / scenario.period_s)

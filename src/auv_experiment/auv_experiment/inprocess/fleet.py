@@ -1,0 +1,198 @@
+"""A flock in continuous time by the compiled loop of `fleet_loop`: from a scenario to arrays, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_control.controllers import velocity_pi
+from auv_core.compiled import fastest
+from auv_core.geometry import Vec3, quaternion_from_heading
+from auv_core.models import kinematic, six_dof
+from auv_core.pairs import near_pairs, no_pairs
+from auv_core.plugins import find_plugin
+from auv_experiment.inprocess.fleet_loop import fly, lists_pairs
+from auv_experiment.inprocess.hull_lanes import LANES, from_lanes, hull_rates, point_rates, to_lanes
+from auv_experiment.recording import Recording
+from auv_experiment.scenario.schema import Scenario, VehicleEntry
+from auv_flocking.agent import FLOCKING, REFERENCES, SEPARATION, make_consensus
+from auv_flocking.consensus import thesis
+from auv_flocking.flock_rates import FlockLaw, flock_law, flock_rates
+from auv_flocking.flocking import potential
+from auv_sim.vehicle import check_finite
+
+Floats = NDArray[np.float64]
+
+_LOGGED_ROWS = 20_000
+_MOST_TICKS = 1000
+
+
+def has_compiled_form(scenario: Scenario) -> bool:
+    """
+    Return whether the compiled loop knows all laws of a flock and its vehicles.
+
+    It knows the flocking law ``potential``, the consensus filter ``thesis``, separation laws with `strength`,
+    and points, or hulls that are all of one ``six_dof`` model under ``velocity_pi``.
+    """
+    agent = scenario.agent
+    if agent.flocking is None or agent.separation is None or agent.consensus is None:
+        return False
+    if (
+        type(agent.flocking.params) is not potential.Params
+        or type(agent.consensus.params) is not thesis.Params
+    ):
+        return False
+    law = find_plugin(SEPARATION, agent.separation.kind).Separation
+    needed = ["velocity", "obstacle_velocity"] if hasattr(law, "obstacle_velocity") else ["velocity"]
+    if not all(hasattr(law(agent.separation.params), n.replace("velocity", "strength")) for n in needed):
+        return False
+    models = [vehicle.model.params for vehicle in scenario.vehicles]
+    if all(type(params) is kinematic.Params for params in models):
+        return True
+    is_hulls = type(models[0]) is six_dof.Params and all(params == models[0] for params in models)
+    return is_hulls and type(agent.controller.params) is velocity_pi.Params
+
+
+class Fleet:
+    """
+    The arrays of a flock, and the loop that flies them.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Laws, vehicles, path and water.
+    starts : sequence of (3,) tuples, optional
+        Positions (m; NED) of any number of vehicles like the scenario's first, instead of its own vehicles.
+
+    """
+
+    def __init__(self, scenario: Scenario, starts: Sequence[Vec3] | None = None) -> None:
+        vehicles: Sequence[VehicleEntry] = scenario.vehicles
+        if starts is not None:
+            vehicles = [replace(vehicles[0], position_ned_m=start) for start in starts]
+        self.count = len(vehicles)
+        self._law = _law(scenario, [vehicle.id in scenario.leaders for vehicle in vehicles])
+        references = [vehicle.reference or scenario.reference for vehicle in vehicles]
+        distinct = [section for i, section in enumerate(references) if section not in references[:i]]
+        self._path_of = np.array([distinct.index(section) for section in references])
+        self._paths: list[Any] = [
+            find_plugin(REFERENCES, section.kind).Reference(section.params) for section in distinct if section
+        ]
+        positions = [vehicle.position_ned_m or (0.0, 0.0, 0.0) for vehicle in vehicles]
+        self.centres = np.array(positions)
+        self.is_hull = not scenario.kinematic
+        if self.is_hull:
+            params = vehicles[0].model.params
+            model = six_dof.Model(params)
+            hulls = [
+                (*model.initial_state(start, vehicle.heading_rad), 0.0, 0.0, 0.0)
+                for start, vehicle in zip(positions, vehicles, strict=True)
+            ]
+            self.motion = to_lanes(hulls)
+            gains = scenario.agent.controller.params.gains
+            numbers = (*six_dof.constants(params), *six_dof.limits(params), *gains)
+            self._constants = np.array((*numbers, *scenario.environment.current_ned_mps))
+        else:
+            self.motion, self._constants = self.centres.copy(), np.zeros(0)
+        pairs = near_pairs if lists_pairs(self.count, self._law.numbers) else no_pairs
+        rates = hull_rates if self.is_hull else point_rates
+        self._functions = (fastest(pairs), fastest(flock_rates), fastest(rates))
+        self._fly: Any = fastest(fly)
+
+    def paths(self, first_step: int, steps: int, dt_s: float) -> Floats:
+        """Return the (2 * steps + 1, P, 8) table of the paths every half step, for `fly`."""
+        halves = range(2 * first_step, 2 * (first_step + steps) + 1)
+        return np.array([[_path_row(path.at(0.5 * half * dt_s)) for path in self._paths] for half in halves])
+
+    def fly(self, ticks: int, steps: int, dt_s: float, paths: Floats) -> tuple[Floats, ...]:
+        """
+        Fly so many control periods of so many steps along a table of `paths`.
+
+        Returns
+        -------
+        motion, centres, centre_rates, velocities, wrenches : (ticks + 1, ...) arrays
+            What stands at the ticks, the first and the last included, as `fleet_loop.fly` has it.
+
+        """
+        shapes = (self.motion.shape, (self.count, 3), (self.count, 3), (self.count, 3))
+        logs = [np.empty((ticks + 1, *shape)) for shape in shapes]
+        logs.append(np.empty((ticks + 1, len(self.motion), 6 * LANES) if self.is_hull else (0, 0, 0)))
+        law = self._law.arguments
+        self._fly(
+            *self._functions, self.motion, self.centres, ticks, steps, dt_s, paths, self._path_of, *law,
+            self._constants, *logs,
+        )  # fmt: skip
+        return tuple(logs)
+
+
+def fly_fleet(scenario: Scenario, recording: Recording, on_progress: Callable[[float], None] | None) -> None:
+    """
+    Fly a flock through all its ticks and write them into `recording`.
+
+    Raises
+    ------
+    DivergedError
+        When a motion has no finite solution.
+
+    """
+    fleet = Fleet(scenario)
+    steps = round(scenario.period_s / scenario.dt_s)
+    chunk = max(1, min(_MOST_TICKS, _LOGGED_ROWS // fleet.count))
+    for tick in range(0, scenario.ticks, chunk):
+        ticks = min(chunk, scenario.ticks - tick)
+        paths = fleet.paths(tick * steps, ticks * steps, scenario.dt_s)
+        _record(recording, tick, fleet, fleet.fly(ticks, steps, scenario.dt_s, paths))
+        if on_progress is not None:
+            on_progress((tick + ticks) * scenario.period_s)
+
+
+def _record(recording: Recording, tick: int, fleet: Fleet, logs: tuple[Floats, ...]) -> None:
+    """Write a stretch of ticks that begins at `tick`; of its last one only the state."""
+    motion, centres, centre_rates, velocities, wrenches = logs
+    states = slice(tick, tick + len(motion))
+    commands = slice(tick, tick + len(motion) - 1)
+    hulls = from_lanes(motion, fleet.count) if fleet.is_hull else motion
+    _check_finite(recording, tick, hulls)
+    recording.position_ned_m[states] = hulls[..., :3]
+    recording.centre_ned_m[commands] = centres[:-1]
+    recording.centre_velocity_ned_mps[commands] = centre_rates[:-1]
+    recording.reference_velocity_ned_mps[commands] = velocities[:-1]
+    if fleet.is_hull:
+        recording.attitude_quat_wxyz[states] = hulls[..., 3:7]
+        recording.velocity_body[states] = hulls[..., 7:13]
+        recording.command[commands] = from_lanes(wrenches, fleet.count)[:-1]
+    else:
+        recording.attitude_quat_wxyz[states] = (1.0, 0.0, 0.0, 0.0)
+        recording.velocity_body[states, :, :3] = velocities
+        recording.velocity_body[states, :, 3:] = 0.0
+
+
+def _check_finite(recording: Recording, tick: int, states: Floats) -> None:
+    """Raise `DivergedError` for the first state that is not finite."""
+    bad = np.argwhere(~np.isfinite(states).all(axis=-1))
+    if bad.size:
+        late, index = bad[0]
+        name, t_s = recording.vehicle_ids[index], float(recording.t_s[tick + late])
+        check_finite(tuple(states[late, index].tolist()), name, t_s)
+
+
+def _law(scenario: Scenario, is_leader: Sequence[bool]) -> FlockLaw:
+    agent = scenario.agent
+    assert agent.flocking is not None
+    assert agent.separation is not None
+    separation = find_plugin(SEPARATION, agent.separation.kind).Separation(agent.separation.params)
+    consensus = make_consensus(agent.consensus, len(is_leader))
+    plugin = find_plugin(FLOCKING, agent.flocking.kind)
+    laws = [plugin.Flocking(agent.flocking.params, separation, leads) for leads in is_leader]
+    obstacles = tuple((o.position_ned_m, o.safety_distance_m) for o in scenario.environment.obstacles)
+    return flock_law(laws, agent.flocking.params, separation, consensus, obstacles)
+
+
+def _path_row(point: Any) -> tuple[float, ...]:
+    """Return a path point in the eight numbers that `flock_rates` knows."""
+    facing = quaternion_from_heading(point.heading_rad)
+    return (*point.position, *point.velocity, facing[0], facing[3])

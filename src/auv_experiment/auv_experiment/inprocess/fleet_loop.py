@@ -1,0 +1,180 @@
+"""
+A flock of any size in continuous time as one compiled loop: laws, vehicles and RK4 steps over arrays.
+
+Everything is evaluated in each of the four stages of a step.  Where vehicles act on near ones only, near
+pairs are kept in a list that reaches a little farther than they act, and are listed anew as soon as somebody
+has moved by half of that: no pair that acts is ever missing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_core.compiled import entry, inlined
+from auv_core.pairs import NEAR_PAIRS
+from auv_experiment.inprocess.hull_lanes import LANES, VEHICLE_RATES, normalise
+from auv_flocking.central import Numbers, Strength
+from auv_flocking.flock_rates import FLOCK_RATES, LAW
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+NearPairs = Callable[[Floats, float], tuple[Ints, Ints]]
+Rates = Callable[..., None]
+
+FEW = 32
+SKIN = 0.1
+
+
+@inlined
+def lists_pairs(count: int, numbers: Floats) -> bool:
+    """Return whether a list of near pairs is worth its while: many vehicles that act on near ones only."""
+    return bool(count > FEW and max(numbers[4], numbers[6]) < math.inf)
+
+
+@inlined
+def _along(state: Floats, span_s: float, k: Floats, stage: int, there: Floats) -> None:
+    """Write state + span * rates of a stage."""
+    for i in range(state.shape[0]):
+        for c in range(state.shape[1]):
+            there[i, c] = state[i, c] + span_s * k[stage, i, c]
+
+
+@inlined
+def _step(state: Floats, dt_s: float, k: Floats) -> None:
+    """Move the state on by one step, of whose stages `k` are the rates."""
+    for i in range(state.shape[0]):
+        for c in range(state.shape[1]):
+            state[i, c] += dt_s / 6.0 * (k[0, i, c] + 2.0 * (k[1, i, c] + k[2, i, c]) + k[3, i, c])
+
+
+@inlined
+def _copy(rows: Floats, to: Floats) -> None:
+    """Write `rows` into `to`."""
+    for i in range(rows.shape[0]):
+        for c in range(rows.shape[1]):
+            to[i, c] = rows[i, c]
+
+
+@inlined
+def _put_points(motion: Floats, points: Floats) -> None:
+    """Write where the vehicles are."""
+    is_hull = motion.shape[1] > 3
+    for i in range(len(points)):
+        for axis in range(3):
+            points[i, axis] = motion[i // LANES, i % LANES + axis * LANES] if is_hull else motion[i, axis]
+
+
+@inlined
+def _has_moved(points: Floats, listed_at: Floats, by_m: float) -> bool:
+    """Return whether a vehicle is farther than `by_m` from where it was listed, or is nowhere."""
+    for i in range(len(points)):
+        dx = points[i, 0] - listed_at[i, 0]
+        dy = points[i, 1] - listed_at[i, 1]
+        dz = points[i, 2] - listed_at[i, 2]
+        if not dx * dx + dy * dy + dz * dz <= by_m * by_m:
+            return True
+    return False
+
+
+@entry(
+    f"void(FUNCTION({NEAR_PAIRS}), FUNCTION({FLOCK_RATES}), FUNCTION({VEHICLE_RATES}), "
+    f"float64[:, ::1], float64[:, ::1], int64, int64, float64, float64[:, :, ::1], int64[::1], {LAW}, "
+    f"float64[::1], {', '.join(5 * ['float64[:, :, ::1]'])})"
+)
+def fly(
+    list_pairs: NearPairs,
+    flock_rates: Rates,
+    vehicle_rates: Rates,
+    motion: Floats,
+    centres: Floats,
+    ticks: int,
+    steps: int,
+    dt_s: float,
+    paths: Floats,
+    path_of: Ints,
+    shares: Floats,
+    numbers: Floats,
+    strength: Strength,
+    strength_numbers: Numbers,
+    obstacle_strength: Strength,
+    obstacle_numbers: Numbers,
+    obstacles: Floats,
+    constants: Floats,
+    motion_log: Floats,
+    centre_log: Floats,
+    centre_rate_log: Floats,
+    velocity_log: Floats,
+    wrench_log: Floats,
+) -> None:
+    """
+    Fly a flock of N vehicles through `ticks` control periods of `steps` RK4 steps each.
+
+    Parameters
+    ----------
+    list_pairs, flock_rates, vehicle_rates
+        `near_pairs` or `no_pairs`, `auv_flocking.flock_rates`, `hull_rates` or `point_rates`.
+    motion : (N, 3) or (B, 256) array
+        Positions of points (m; NED), or hulls as `hull_lanes` has them; overwritten.
+    centres : (N, 3) array
+        The vehicles' estimates of the flocking centre (m; NED); overwritten.
+    paths : (2 * ticks * steps + 1, P, 8) array
+        The paths at every half step, see `flock_rates`.
+    path_of : (N,) array of int64
+        The path of each vehicle.
+    shares, ..., obstacles
+        `FlockLaw.arguments`.
+    constants : (36,) array
+        Of hulls, see `hull_rates`; of points empty.
+    motion_log, centre_log, centre_rate_log : (ticks + 1, ...) arrays
+        Motion, estimates and their rates at the ticks, the first and the last included.
+    velocity_log : (ticks + 1, N, 3) array
+        What the law asks at the ticks (m/s; NED).
+    wrench_log : (ticks + 1, B, 96) array
+        What the controllers of hulls ask at the ticks (N, N m; body).
+
+    """
+    count, rows, columns = len(path_of), motion.shape[0], motion.shape[1]
+    reach_m, is_listed = max(numbers[4], numbers[6]), lists_pairs(count, numbers)
+    first, partners = np.zeros(0, np.int64), np.zeros(0, np.int64)
+    listed_at = np.full((count, 3), math.inf)
+    points, velocities = np.empty((count, 3)), np.empty((count, 3))
+    there, there_centres = np.empty((rows, columns)), np.empty((count, 3))
+    k, k_centres = np.zeros((4, rows, columns)), np.zeros((4, count, 3))
+    wanted, wrenches = np.zeros((rows, 5 * LANES)), np.zeros((rows, 6 * LANES))
+    for step in range(ticks * steps + 1):
+        _copy(motion, there)
+        _copy(centres, there_centres)
+        for stage in range(4):
+            if stage > 0:
+                span_s = dt_s if stage == 3 else 0.5 * dt_s
+                _along(motion, span_s, k, stage - 1, there)
+                _along(centres, span_s, k_centres, stage - 1, there_centres)
+            _put_points(there, points)
+            if is_listed and _has_moved(points, listed_at, 0.5 * SKIN * reach_m):
+                first, partners = list_pairs(points, (1.0 + SKIN) * reach_m)
+                _copy(points, listed_at)
+            row = 2 * step + (stage + 1) // 2
+            flock_rates(
+                points, there_centres, paths, row, path_of, is_listed, first, partners,
+                shares, numbers, strength, strength_numbers, obstacle_strength, obstacle_numbers, obstacles,
+                velocities, k_centres, stage,
+            )  # fmt: skip
+            vehicle_rates(there, velocities, paths, row, path_of, constants, wanted, wrenches, k, stage)
+            if stage == 0 and step % steps == 0:
+                tick = step // steps
+                _copy(motion, motion_log[tick])
+                _copy(centres, centre_log[tick])
+                _copy(k_centres[0], centre_rate_log[tick])
+                _copy(velocities, velocity_log[tick])
+                if columns > 3:
+                    _copy(wrenches, wrench_log[tick])
+            if step == ticks * steps:
+                return
+        _step(motion, dt_s, k)
+        _step(centres, dt_s, k_centres)
+        if columns > 3:
+            normalise(count, motion)

@@ -1,0 +1,163 @@
+"""A flock in continuous time: vehicles, velocity controllers and consensus filters as one system."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from auv_control.controllers import VelocityReference
+from auv_core.geometry import Vec3, distance
+from auv_core.integrate import State
+from auv_core.messages import Vec6
+from auv_core.plugins import find_plugin
+from auv_experiment.recording import Recording
+from auv_experiment.scenario.schema import Scenario
+from auv_flocking.agent import CONTROLLERS, Agent
+from auv_flocking.flock_task import FlockTask
+from auv_sim.vehicle import MODELS, check_finite
+
+_PLANT = 13
+
+
+class _Point:
+    """A vehicle that has the velocity that it is asked for."""
+
+    def __init__(self, start: Vec3) -> None:
+        self.start: State = start
+
+    def rate(self, state: State, reference: VelocityReference, current: Vec3) -> State:
+        """Return the rate of its position (m/s; NED)."""
+        return reference.velocity
+
+    def settled(self, state: State) -> State:
+        """Return `state` itself."""
+        return state
+
+    def record(
+        self, recording: Recording, at: tuple[int, int], state: State, reference: VelocityReference
+    ) -> None:
+        """Write attitude and velocity."""
+        recording.attitude_quat_wxyz[at] = (1.0, 0.0, 0.0, 0.0)
+        recording.velocity_body[at] = (*reference.velocity, 0.0, 0.0, 0.0)
+
+
+class _Hull:
+    """A vehicle with a velocity controller; the state is the 13 numbers of the plant and the integral."""
+
+    def __init__(self, model: Any, controller: Any, start: Vec3, heading_rad: float) -> None:
+        self._model = model
+        self._controller = controller
+        self.start: State = (*model.initial_state(start, heading_rad), 0.0, 0.0, 0.0)
+
+    def rate(self, state: State, reference: VelocityReference, current: Vec3) -> State:
+        """Return the rates of plant and integral."""
+        tau, growth = self._control(state, reference)
+        given = self._model.limited_command(tau)
+        return (*self._model.derivative(state[:_PLANT], given, current), *growth)
+
+    def settled(self, state: State) -> State:
+        """Return `state` with a quaternion of length 1."""
+        return (*self._model.normalised(state[:_PLANT]), *state[_PLANT:])
+
+    def record(
+        self, recording: Recording, at: tuple[int, int], state: State, reference: VelocityReference
+    ) -> None:
+        """Write attitude, velocity and wrench."""
+        recording.attitude_quat_wxyz[at] = state[3:7]
+        recording.velocity_body[at] = state[7:_PLANT]
+        if at[0] < recording.n_ticks:
+            recording.command[at], _ = self._control(state, reference)
+
+    def _control(self, state: State, reference: VelocityReference) -> tuple[Vec6, Vec3]:
+        _, _, _, qw, qx, qy, qz, u, v, w, p, q, r, ix, iy, iz = state
+        control: tuple[Vec6, Vec3] = self._controller.evaluate(
+            (qw, qx, qy, qz), (u, v, w, p, q, r), (ix, iy, iz), reference
+        )
+        return control
+
+
+class FlockSystem:
+    """
+    The state is that of every vehicle, one after the other, then their estimates of the centre (m; NED).
+
+    An estimate starts where its vehicle does.
+    """
+
+    def __init__(self, scenario: Scenario, agents: Sequence[Agent]) -> None:
+        self._tasks = [agent.task for agent in agents if isinstance(agent.task, FlockTask)]
+        self._paths: list[Any] = [scenario.reference_of(index) for index in range(len(agents))]
+        self._current = scenario.environment.current_ned_mps
+        consensus = scenario.agent.consensus
+        reach_m = None if consensus is None else getattr(consensus.params, "reach_m", None)
+        self._reach_m = math.inf if reach_m is None else reach_m
+        self._vehicles = _vehicles(scenario)
+        starts = [vehicle.start for vehicle in self._vehicles]
+        self._size = len(starts[0])
+        self.start: State = tuple(x for start in (*starts, *(start[:3] for start in starts)) for x in start)
+
+    def derivative(self, t_s: float, state: State) -> State:
+        """Return the rates of the vehicles and of the estimates."""
+        vehicles, centres = self._parts(state)
+        references, rates = self._rates(t_s, vehicles, centres)
+        motions = [
+            vehicle.rate(own, reference, self._current)
+            for vehicle, own, reference in zip(self._vehicles, vehicles, references, strict=True)
+        ]
+        return tuple([x for vector in (*motions, *rates) for x in vector])
+
+    def settled(self, state: State) -> State:
+        """Return `state` with quaternions of length 1."""
+        vehicles, centres = self._parts(state)
+        settled = [vehicle.settled(own) for vehicle, own in zip(self._vehicles, vehicles, strict=True)]
+        return tuple([x for vector in (*settled, *centres) for x in vector])
+
+    def record(self, recording: Recording, tick: int, t_s: float, state: State) -> None:
+        """Write vehicles, estimates and what the law asks into row `tick`."""
+        vehicles, centres = self._parts(state)
+        references, rates = self._rates(t_s, vehicles, centres)
+        for index, own in enumerate(vehicles):
+            check_finite(own, recording.vehicle_ids[index], t_s)
+            recording.position_ned_m[tick, index] = own[:3]
+            self._vehicles[index].record(recording, (tick, index), own, references[index])
+        if tick < recording.n_ticks:
+            recording.centre_ned_m[tick] = centres
+            recording.centre_velocity_ned_mps[tick] = rates
+            recording.reference_velocity_ned_mps[tick] = [reference.velocity for reference in references]
+
+    def _parts(self, state: State) -> tuple[list[State], list[Vec3]]:
+        end = self._size * len(self._tasks)
+        vehicles = [state[i : i + self._size] for i in range(0, end, self._size)]
+        return vehicles, [(state[i], state[i + 1], state[i + 2]) for i in range(end, len(state), 3)]
+
+    def _rates(
+        self, t_s: float, vehicles: list[State], centres: list[Vec3]
+    ) -> tuple[list[VelocityReference], list[Vec3]]:
+        positions = [(state[0], state[1], state[2]) for state in vehicles]
+        references, rates = [], []
+        for index, task in enumerate(self._tasks):
+            path, own = self._paths[index].at(t_s), positions[index]
+            others = (*positions[:index], *positions[index + 1 :])
+            velocity = task.velocity(path, own, centres[index], others)
+            references.append(VelocityReference(velocity, path.heading_rad))
+            heard = [
+                centre
+                for other, centre in enumerate(centres)
+                if other != index and distance(own, positions[other]) < self._reach_m
+            ]
+            rates.append(task.consensus_rate(own, centres[index], heard))
+        return references, rates
+
+
+def _vehicles(scenario: Scenario) -> list[_Point | _Hull]:
+    vehicles: list[_Point | _Hull] = []
+    for vehicle in scenario.vehicles:
+        start = vehicle.position_ned_m or (0.0, 0.0, 0.0)
+        if scenario.kinematic:
+            vehicles.append(_Point(start))
+            continue
+        model = find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params)
+        section = scenario.agent.controller
+        controller = find_plugin(CONTROLLERS, section.kind).Controller(section.params, scenario.period_s)
+        vehicles.append(_Hull(model, controller, start, vehicle.heading_rad))
+    return vehicles

@@ -1,0 +1,153 @@
+"""Takes down what happens in an in-process run, tick by tick, into a recording."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Sequence
+
+import numpy as np
+
+from auv_core.messages import AcousticEvent, Command, Inbox, Packet, VehicleState, command_numbers
+from auv_core.stamp import nanoseconds, whole_nanoseconds_s
+from auv_experiment.recording import FloatArray, Recording
+from auv_experiment.scenario.schema import Scenario
+from auv_flocking.agent import Agent
+from auv_flocking.holding import cause_number
+from auv_flocking.neighbours.estimates import AGE, COVARIANCE, POSITION, SONAR_AGE, VELOCITY, Estimates
+
+_ROWS = ("sent", "received", "delay_s", "contacts", "contact_values", "events", "event_values")
+_BLOCK_TICKS = 32
+_COLUMNS: dict[str, int | slice] = {
+    "position_ned_m": slice(0, 3),
+    "attitude_quat_wxyz": slice(3, 7),
+    "velocity_body": slice(7, 13),
+    "nav_position_ned_m": slice(13, 16),
+    "nav_position_sd_m": 16,
+    "command": slice(17, 23),
+    "reference_velocity_ned_mps": slice(23, 26),
+    "holding": 26,
+    "centre_ned_m": slice(27, 30),
+    "centre_velocity_ned_mps": slice(30, 33),
+}
+_WIDTH = 33
+_NOWHERE = (math.nan, math.nan, math.nan)
+
+
+class RunLog:
+    """
+    Collects a recording. What comes at every tick is kept in one row of numbers and written into the arrays
+    by the block: one assignment for many ticks costs little more than one for a single tick, and a block is
+    small enough to stay in the processor's cache.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        ids = [vehicle.id for vehicle in scenario.vehicles]
+        self._recording = Recording.empty(ids, scenario.tick_times())
+        self._law_rows = [array("d") for _ in ids]
+        self._law_sizes = [0] * len(ids)
+        self._rows = {name: array(getattr(self._recording, name).dtype.char) for name in _ROWS}
+        self._numbers = array("d")
+        self._known: list[tuple[int, int, Estimates]] = []
+        self._written = 0
+
+    def tick(
+        self,
+        tick: int,
+        states: Sequence[VehicleState],
+        navs: Sequence[VehicleState],
+        agents: Sequence[Agent],
+        commands: Sequence[Command],
+    ) -> None:
+        """Note the true states, what the vehicles believe of themselves, and what the agents made of it."""
+        if tick - self._written == _BLOCK_TICKS:
+            self._write(tick)
+        note = self._numbers.extend
+        for index, agent in enumerate(agents):
+            state, nav, command = states[index], navs[index], command_numbers(commands[index])
+            centre, rate = (agent.centre, agent.centre_rate) if agent.flocks else (_NOWHERE, _NOWHERE)
+            note((*state.position, *state.attitude, *state.nu, *nav.position, nav.position_sd_m, *command))
+            note((*agent.reference.velocity, cause_number(agent.holding), *centre, *rate))
+            if agent.law_state:
+                self._law_rows[index].extend((tick, *agent.law_state))
+                self._law_sizes[index] = len(agent.law_state)
+            if agent.neighbours.addresses:
+                self._known.append((tick, index, agent.neighbours))
+
+    def last_states(self, states: Sequence[VehicleState]) -> None:
+        """Note the true states after the last tick."""
+        r = self._recording
+        r.position_ned_m[-1] = [state.position for state in states]
+        r.attitude_quat_wxyz[-1] = [state.attitude for state in states]
+        r.velocity_body[-1] = [state.nu for state in states]
+
+    def water(
+        self,
+        tick: int,
+        inboxes: Sequence[Inbox],
+        handed_over: dict[int, Sequence[Packet]],
+        events: Sequence[AcousticEvent],
+    ) -> None:
+        """Note what went into the water and what came out of it."""
+        rows = self._rows
+        for packets in handed_over.values():
+            for packet in packets:
+                rows["sent"].extend((packet.tick, packet.source, packet.sequence))
+        for address, inbox in enumerate(inboxes, start=1):
+            for reception in inbox.receptions:
+                packet = reception.packet
+                rows["received"].extend((tick, packet.source, address, packet.sequence))
+                delay_ns = nanoseconds(reception.arrival_s) - nanoseconds(reception.sent_s)
+                rows["delay_s"].append(delay_ns * 1e-9)
+            for contact in inbox.contacts:
+                rows["contacts"].extend((tick, address))
+                rows["contact_values"].extend((contact.range_m, contact.bearing_rad, contact.elevation_rad))
+        for e in events:
+            rows["events"].extend((tick, e.outcome, e.source, e.destination, e.sequence, e.size_bytes))
+            times_s = whole_nanoseconds_s(e.start_s), whole_nanoseconds_s(e.end_s)
+            rows["event_values"].extend((*times_s, e.snr_db))
+
+    def finished(self) -> Recording:
+        """Return the recording."""
+        r = self._recording
+        self._write(r.n_ticks)
+        r.law_state = self._law_table()
+        for name, rows in self._rows.items():
+            empty = getattr(r, name)
+            setattr(r, name, np.frombuffer(rows, dtype=empty.dtype).reshape(-1, *empty.shape[1:]))
+        return r
+
+    def _law_table(self) -> FloatArray:
+        """Return what the laws remembered, in the form of `Recording.law_state`."""
+        r = self._recording
+        table = np.full((r.n_ticks, r.n_vehicles, max(self._law_sizes)), np.nan)
+        for index, (numbers, size) in enumerate(zip(self._law_rows, self._law_sizes, strict=True)):
+            rows = np.frombuffer(numbers).reshape(-1, 1 + size)
+            table[rows[:, 0].astype(np.int64), index, :size] = rows[:, 1:]
+        return table
+
+    def _write(self, tick: int) -> None:
+        """Write the block that ends before `tick` into the arrays."""
+        r = self._recording
+        block = slice(self._written, tick)
+        numbers = np.frombuffer(self._numbers).reshape(-1, r.n_vehicles, _WIDTH)
+        for name, columns in _COLUMNS.items():
+            getattr(r, name)[block] = numbers[..., columns]
+        self._numbers = array("d")
+        self._written = tick
+        if self._known:
+            self._write_known()
+
+    def _write_known(self) -> None:
+        """Write what vehicles believed of each other."""
+        r, known = self._recording, [estimates for _, _, estimates in self._known]
+        counts = [len(estimates) for estimates in known]
+        at, index = (np.repeat([entry[k] for entry in self._known], counts) for k in (0, 1))
+        place = (at, index, np.concatenate([estimates.who for estimates in known]) - 1)
+        numbers = np.concatenate([estimates.rows for estimates in known])
+        r.neighbour_position_ned_m[place] = numbers[:, POSITION:VELOCITY]
+        r.neighbour_velocity_ned_mps[place] = numbers[:, VELOCITY:COVARIANCE]
+        r.neighbour_covariance[place] = numbers[:, COVARIANCE:AGE].reshape(-1, 6, 6)
+        r.neighbour_age_s[place] = numbers[:, AGE]
+        r.neighbour_sonar_age_s[place] = numbers[:, SONAR_AGE]
+        self._known.clear()

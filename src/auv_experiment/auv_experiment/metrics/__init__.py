@@ -1,0 +1,1 @@
+"""Numbers that say how a run went, all from its recording."""

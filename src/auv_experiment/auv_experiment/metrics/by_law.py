@@ -1,0 +1,47 @@
+"""What a run amounts to for the law that it flew: each family of laws has numbers of its own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from auv_experiment.metrics.consensus_bound import flock_metrics
+from auv_experiment.metrics.formation import formation_metrics
+from auv_experiment.metrics.lyapunov import lyapunov_metrics
+from auv_experiment.metrics.path import path_metrics, position_error_ned_m
+from auv_experiment.metrics.region import region_metrics
+from auv_experiment.recording import Recording
+
+if TYPE_CHECKING:
+    from auv_experiment.scenario.schema import Scenario
+
+
+def law_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
+    """
+    Return the metrics of the scenario's kind of law, and whether its Lyapunov candidates fall.
+
+    `Scenario.readings` gives one metric each, ``<axis>_err_<time>_m``: path minus position of the first
+    vehicle along one NED axis at one instant (m), at the record nearest to it.
+
+    See `path_metrics`, `formation_metrics`, `region_metrics` and `flock_metrics` for their definitions.
+    """
+    if recording.n_ticks == 0:
+        return {}
+    if scenario.follows == "velocity":
+        return flock_metrics(recording, scenario)
+    if scenario.follows == "region":
+        metrics = region_metrics(recording, scenario)
+    else:
+        metrics = _readings(recording, scenario) | path_metrics(recording, scenario)
+    if scenario.agent.controller.kind == "adaptive":
+        metrics |= formation_metrics(recording, scenario)
+    return metrics | lyapunov_metrics(recording, scenario)
+
+
+def _readings(recording: Recording, scenario: Scenario) -> dict[str, float | None]:
+    error_m = position_error_ned_m(recording, scenario)[:, 0]
+    readings: dict[str, float | None] = {}
+    for reading in scenario.readings:
+        row = round(reading.time_s / scenario.period_s)
+        exists = row <= recording.n_ticks
+        readings[reading.key] = float(error_m[row, "xyz".index(reading.axis)]) if exists else None
+    return readings

@@ -1,0 +1,39 @@
+"""Hulls above the sea: what no vehicle can do, and no model of a submerged hull notices."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from auv_experiment.recording import Recording
+
+if TYPE_CHECKING:
+    from auv_experiment.scenario.schema import Scenario
+
+
+def surface_metrics(recording: Recording, scenario: Scenario) -> dict[str, float | None]:
+    """
+    Return how long and how high hulls were in the air, lost vehicles left out.
+
+    ``hull_in_air_ratio`` is the share of the states of all vehicles in which the whole hull is above the
+    surface; ``hull_in_air_height_m`` is the largest height of a hull's lowest point, None where none left the
+    water.
+    """
+    height_m = -recording.position_ned_m[..., 2] - scenario.hull_radius_m
+    is_in_air = (height_m > 0.0) & ~recording.is_gone
+    return {
+        "hull_in_air_ratio": float(is_in_air.mean()),
+        "hull_in_air_height_m": float(np.max(height_m[is_in_air])) if is_in_air.any() else None,
+    }
+
+
+def surface_warning(metrics: dict[str, object]) -> str:
+    """Return one line for the user where hulls were in the air, else nothing."""
+    share, height_m = metrics.get("hull_in_air_ratio"), metrics.get("hull_in_air_height_m")
+    if not isinstance(share, float) or not isinstance(height_m, float):
+        return ""
+    return (
+        f"hulls were above the surface, by up to {height_m:.2f} m, for {100.0 * share:.1f} % of the time "
+        "of all vehicles; no real vehicle can do that"
+    )

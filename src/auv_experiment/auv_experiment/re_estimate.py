@@ -1,0 +1,180 @@
+"""Run the neighbour filters of every agent again, from a bag's received packets and contacts, and compare.
+
+Only what an agent was given goes in, acoustic packets, sonar contacts and its own navigation: no truth, no
+simulator, no estimate of another agent.  The filters are those of :mod:`auv_flocking.neighbours.table`, set
+as in the scenario beside the bag: any difference means that the recorded estimates were not made from them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from auv_bag.bag import Bag
+from auv_bag.writer import BagError
+from auv_core.messages import Packet, SonarContact, VehicleState
+from auv_flocking.input_limits import InputJudge, InputLimits
+from auv_flocking.neighbours.estimates import NeighbourEstimate
+from auv_flocking.neighbours.filter import with_rounding
+from auv_flocking.neighbours.table import NeighbourConfig, NeighbourTable
+from auv_flocking.packet_judge import PacketJudge
+
+TOLERANCE = 1e-9
+
+
+@dataclass
+class Comparison:
+    """Largest absolute differences between recorded and repeated estimates.
+
+    Attributes
+    ----------
+    estimates, ticks
+        Number of estimates compared, and of vehicle ticks that they belong to.
+    position_m, velocity_mps
+        Per component, NED.
+    covariance
+        Over all elements (m^2, m^2/s, m^2/s^2).
+    unmatched
+        Estimates that only one side has.
+    unused_ticks
+        Recorded ticks that could not be repeated, since the packets before them are not all in the bag.
+    """
+
+    estimates: int = 0
+    ticks: int = 0
+    position_m: float = 0.0
+    velocity_mps: float = 0.0
+    covariance: float = 0.0
+    unmatched: int = 0
+    unused_ticks: int = 0
+
+    @property
+    def agrees(self) -> bool:
+        """Everything was matched, something was compared, and no difference is above 1e-9."""
+        worst = max(self.position_m, self.velocity_mps, self.covariance)
+        return self.unmatched == 0 and self.estimates > 0 and worst <= TOLERANCE
+
+
+def re_estimate(
+    bag: Bag,
+    vehicle_ids: Sequence[str],
+    config: NeighbourConfig,
+    report_format: Any,
+    period_s: float,
+    limits: InputLimits,
+) -> Comparison:
+    """Repeat the estimates of all agents.
+
+    Parameters
+    ----------
+    bag
+        The recording.
+    vehicle_ids
+        Names of the vehicles.
+    config
+        Settings of the filters.
+    report_format
+        Format of the reports (`auv_flocking.agent.make_format`).
+    period_s
+        Control period (s); the estimates of tick k are for k * period_s.
+    limits
+        What of its inputs an agent did not use.
+    """
+    result = Comparison()
+    if "/clock" not in bag.topics:
+        raise BagError(
+            f"{bag.path}: a real-time bag does not say which packets an "
+            "estimate used; allowed: a bag of a lockstep run"
+        )
+    for index in range(len(vehicle_ids)):
+        repeat = _Repeat(
+            NeighbourTable(with_rounding(config, report_format)),
+            PacketJudge(report_format, index + 1, len(vehicle_ids), limits),
+            InputJudge(limits, period_s),
+        )
+        _compare_agent(bag, vehicle_ids[index], repeat, period_s, result)
+    return result
+
+
+@dataclass
+class _Repeat:
+    """What one agent estimates with."""
+
+    table: NeighbourTable
+    packets: PacketJudge
+    navs: InputJudge
+
+    def estimates(self, t_s: float, inbox: Any, nav: VehicleState) -> Sequence[NeighbourEstimate]:
+        """Return the estimates of one tick, as `auv_flocking.agent.Agent.step` makes them."""
+        for report in self.packets.reports(t_s, [_packet(each.packet) for each in inbox.receptions]):
+            self.table.receive(report)
+        usable, _ = self.navs.navigation(t_s, nav)
+        if inbox.contacts and usable is not None:
+            contacts = [SonarContact(c.range_m, c.bearing_rad, c.elevation_rad) for c in inbox.contacts]
+            self.table.observe(t_s, usable, contacts)
+        return self.table.estimates(t_s, usable)
+
+
+def _compare_agent(bag: Bag, vehicle_id: str, repeat: _Repeat, period_s: float, result: Comparison) -> None:
+    """Repeat one agent's estimates and add their differences to the result."""
+    inboxes = _by_tick(bag, f"/{vehicle_id}/acoustic/rx")
+    navs = _by_tick(bag, f"/{vehicle_id}/nav")
+    recorded = _by_tick(bag, f"/{vehicle_id}/neighbours")
+    known = 0
+    while known in inboxes and known in navs:
+        known += 1
+    result.unused_ticks += sum(tick >= known for tick in recorded)
+    for tick in range(known):
+        estimates = repeat.estimates(tick * period_s, inboxes[tick], _navigation(navs[tick]))
+        if tick in recorded:
+            _compare_tick(recorded[tick].neighbours, estimates, result)
+
+
+def _packet(m: Any) -> Packet:
+    """Return the record of a decoded packet message."""
+    return Packet(m.tick, m.source, m.destination, m.sequence, m.payload.tobytes())
+
+
+def _navigation(message: Any) -> VehicleState:
+    """Return the record of a decoded state message."""
+    p, q, v, w = (
+        message.pose.position,
+        message.pose.orientation,
+        message.twist.linear,
+        message.twist.angular,
+    )
+    nu = (v.x, v.y, v.z, w.x, w.y, w.z)
+    sds = (message.position_sd_m, message.heading_sd_rad)
+    return VehicleState(message.tick, (p.x, p.y, p.z), (q.w, q.x, q.y, q.z), nu, message.valid, *sds)
+
+
+def _by_tick(bag: Bag, topic: str) -> dict[int, Any]:
+    """Return the decoded messages of a topic by their tick."""
+    messages = (bag.decode(message) for message in bag.messages({topic}))
+    return {message.tick: message for message in messages}
+
+
+def _compare_tick(recorded: Sequence[Any], repeated: Sequence[NeighbourEstimate], result: Comparison) -> None:
+    """Compare the estimates of one agent at one tick."""
+    result.ticks += 1
+    ours = {estimate.address: estimate for estimate in repeated}
+    theirs = {estimate.address: estimate for estimate in recorded}
+    result.unmatched += len(ours.keys() ^ theirs.keys())
+    for address in ours.keys() & theirs.keys():
+        mine, other = ours[address], theirs[address]
+        result.estimates += 1
+        theirs_m = [other.position.x, other.position.y, other.position.z]
+        theirs_mps = [other.velocity.x, other.velocity.y, other.velocity.z]
+        result.position_m = max(result.position_m, _difference(mine.position, theirs_m))
+        result.velocity_mps = max(result.velocity_mps, _difference(mine.velocity, theirs_mps))
+        covariance = np.asarray(mine.covariance).reshape(-1)
+        result.covariance = max(result.covariance, _difference(covariance, other.covariance))
+
+
+def _difference(a: ArrayLike, b: ArrayLike) -> float:
+    """Return the largest difference of two elements; what is not a number differs without bound."""
+    return float(np.nan_to_num(np.abs(np.asarray(a) - np.asarray(b)), nan=np.inf).max())

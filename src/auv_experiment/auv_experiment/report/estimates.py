@@ -1,0 +1,277 @@
+"""
+Draw what vehicles know: of themselves, of each other, how old it is, and whether their filters say so.
+
+Errors of estimates are relative to the own navigation; see `metrics_acoustics`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from auv_experiment.metrics import acoustics as metrics_acoustics
+from auv_experiment.metrics import run as metrics
+from auv_experiment.recording import FloatArray, IntArray, Recording
+from auv_experiment.report.flock import MAX_LINES, WIDTH_IN, Drawing
+from auv_experiment.report.plotting import (
+    legend_below,
+    log_scale,
+    marker,
+    plot_band,
+    plot_thinned,
+    span_time,
+    two_sigma_handle,
+    vehicle_style,
+)
+
+ZOOM_S = 30.0
+_MOST_WINDOWS = 150
+_CHI2_3_BAND = (0.2158, 9.3484)
+"""Central 95 % of a chi-square distribution with three degrees of freedom."""
+_RADIUS_95PCT_SD = 2.4477
+"""Radius that holds 95 % of a round Gaussian distribution in the plane, in standard deviations per axis."""
+
+
+def _draw_estimate_error(recording: Recording) -> Drawing | None:
+    if not recording.has_neighbours:
+        return None
+    error_m = metrics.neighbour_error_ned_m(recording)
+    if not np.isfinite(error_m).any():
+        return None
+    sigma_m = metrics.neighbour_sigma_m(recording)
+    square_m2 = (error_m * error_m).sum(axis=-1)
+    i, j = _worst_pair(square_m2)
+    t_s = recording.t_s[:-1]
+    window = _zoom_window(t_s)
+    canvas = Canvas(figsize=(WIDTH_IN, 6.6), layout="constrained")
+    grid = canvas.subplots(4, 2, width_ratios=(5, 3), sharex="col", sharey="row")
+    for row, component in enumerate(("north", "east", "down")):
+        for axes, shown in zip(grid[row], (slice(None), window), strict=True):
+            plot_band(axes, t_s[shown], 2.0 * sigma_m[shown, i, j, row])
+            plot_thinned(axes, t_s[shown], error_m[shown, i, j, row], color="black", linewidth=0.8)
+        grid[row, 0].set_ylabel(f"{component} error (m)")
+        limit_m = 1.08 * _largest_of_band(error_m[:, i, j, row], 2.0 * sigma_m[:, i, j, row], t_s)
+        grid[row, 0].set_ylim(-limit_m, limit_m)
+    rms_m = _rms_over_pairs(square_m2)
+    for axes, shown in zip(grid[3], (slice(None), window), strict=True):
+        plot_thinned(axes, t_s[shown], rms_m[shown], color="black", linewidth=0.9)
+        axes.set_xlabel("time (s)")
+        span_time(axes, t_s[shown])
+    log_scale(grid[3, 0], rms_m)
+    grid[3, 0].set_ylabel("rms, all pairs (m)")
+    ids = recording.vehicle_ids
+    grid[0, 0].set_title(f"{ids[i]} estimates {ids[j]}: the worst pair")
+    grid[0, 1].set_title(f"detail: {t_s[window][0]:.0f} to {t_s[window][-1]:.0f} s")
+    handles = [Line2D([], [], color="black", linewidth=0.9), two_sigma_handle()]
+    legend_below(canvas, handles, ["estimate minus truth", "two of the filter's own standard deviations"])
+    caption = (
+        f"What {ids[i]} believes of where {ids[j]} is relative to itself, minus the truth: the ordered pair "
+        "with the largest error. Grey is plus and minus two standard deviations as the filter itself states "
+        "them; a consistent filter stays inside about 95 % of the time. The band grows while no packet comes "
+        "and shrinks with each one. Below, the root mean square over all ordered pairs."
+    )
+    return Drawing(canvas, "Neighbour estimates", caption)
+
+
+def _draw_information_age(recording: Recording) -> Drawing | None:
+    if not recording.has_neighbours:
+        return None
+    age_s = _between_vehicles(recording, recording.neighbour_age_s)
+    if not metrics_acoustics.has_modem(recording) or not np.isfinite(age_s).any():
+        return None
+    t_s = recording.t_s[:-1]
+    sonar_age_s = _between_vehicles(recording, recording.neighbour_sonar_age_s)
+    canvas = Canvas(figsize=(WIDTH_IN, 3.2), layout="constrained")
+    left, right = canvas.subplots(1, 2, width_ratios=(1, 1))
+    middle_s, (low, median, high, most) = _in_windows(t_s, age_s, (0.05, 0.5, 0.95, 1.0))
+    left.fill_between(middle_s, low, high, facecolor="0.82", linewidth=0.0, label="5 to 95 %")
+    left.plot(middle_s, median, color="black", label="median")
+    left.plot(middle_s, most, color="black", linewidth=0.7, linestyle=(0, (1.5, 1.2)), label="largest")
+    if np.isfinite(sonar_age_s).any():
+        _, (seen,) = _in_windows(t_s, sonar_age_s, (0.5,))
+        left.plot(middle_s, seen, color="#c84b00", linestyle="dashed", label="since seen by sonar")
+    window = _zoom_window(t_s, min(max(20.0 * float(np.nanmedian(age_s)), 10.0), 60.0))
+    for j in range(1, min(recording.n_vehicles, MAX_LINES)):
+        style = {**vehicle_style(j), "marker": marker(j), "linewidth": 0.9}
+        words = f"of {recording.vehicle_ids[j]}"
+        plot_thinned(
+            right,
+            t_s[window],
+            age_s[window][:, 0, j],
+            label=words,
+            n_marks=6,
+            first_mark=j / MAX_LINES,
+            **style,
+        )
+    left.set_ylabel("age of the newest packet (s)")
+    left.set_title("all pairs: what vehicles know of each other")
+    right.set_title(f"{recording.vehicle_ids[0]} alone, {t_s[window][0]:.0f} to {t_s[window][-1]:.0f} s")
+    for axes, shown in ((left, slice(None)), (right, window)):
+        axes.set_ylim(0.0, None)
+        axes.set_xlabel("time (s)")
+        span_time(axes, t_s[shown])
+    handles, labels = left.get_legend_handles_labels()
+    more, names = right.get_legend_handles_labels()
+    legend_below(canvas, [*handles, *more], [*labels, *names])
+    caption = (
+        f"Time since the time tag of the newest packet from a neighbour: median {np.nanmedian(age_s):.2f} s, "
+        f"95 % below {np.nanquantile(age_s, 0.95):.2f} s, at most {np.nanmax(age_s):.1f} s. It grows by one "
+        "second per second and falls with each packet to that packet's delay; a lost packet is a tooth of "
+        f"twice the height. Right, what {recording.vehicle_ids[0]} alone knows of the others."
+    )
+    if np.isfinite(sonar_age_s).any():
+        caption += " Dashed: the time since the sonar last saw a neighbour, median over the pairs that did."
+    return Drawing(canvas, "Age of information", caption)
+
+
+def _draw_nees(recording: Recording) -> Drawing | None:
+    if not metrics_acoustics.has_modem(recording):
+        return None
+    ticks = metrics_acoustics.judged_ticks(recording, 0.0)
+    nees = metrics_acoustics.neighbour_nees(recording, ticks, 3)
+    if not np.isfinite(nees).any():
+        return None
+    t_s = recording.t_s[ticks]
+    middle_s, (low, high) = _in_windows(t_s, nees, (0.025, 0.975))
+    mean = _means_in_windows(t_s, nees)
+    canvas = Canvas(figsize=(WIDTH_IN, 3.2), layout="constrained")
+    axes = canvas.add_subplot()
+    axes.axhspan(*_CHI2_3_BAND, facecolor="0.88", linewidth=0.0)
+    axes.axhline(3.0, color="0.45", linewidth=1.0)
+    axes.plot(middle_s, mean, color="black", linewidth=1.3)
+    for edge in (low, high):
+        axes.plot(middle_s, edge, color="black", linewidth=0.8, linestyle=(0, (1.5, 1.2)))
+    log_scale(axes, np.concatenate([low, high, mean]))
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(min(bottom, 0.6 * _CHI2_3_BAND[0]), max(top, 1.6 * _CHI2_3_BAND[1]))
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel("NEES of relative positions")
+    span_time(axes, t_s)
+    handles = [
+        Line2D([], [], color="black", linewidth=1.3, label="mean over pairs"),
+        Line2D([], [], color="black", linewidth=0.8, linestyle=(0, (1.5, 1.2)), label="95 % of them"),
+        Line2D([], [], color="0.45", label="expected mean"),
+        Patch(facecolor="0.88", label="95 % of them expected"),
+    ]
+    legend_below(canvas, handles)
+    inside = nees[np.isfinite(nees)]
+    share = ((inside >= _CHI2_3_BAND[0]) & (inside <= _CHI2_3_BAND[1])).mean()
+    caption = (
+        "Squared error of what vehicles believe of each other's position relative to themselves, in units of "
+        "the filter's own covariance (NEES). Above the band the filters claim to know more than they do, "
+        f"below it less. {share:.1%} of all values lie inside, 95 % expected. Pairs share senders and "
+        "receivers, so their mean scatters more than that of independent ones."
+    )
+    return Drawing(canvas, "Consistency of the neighbour filters", caption)
+
+
+def _draw_navigation_drift(recording: Recording) -> Drawing | None:
+    if metrics_acoustics.is_navigation_exact(recording):
+        return None
+    error_m = np.linalg.norm(metrics_acoustics.navigation_error_ned_m(recording)[..., :2], axis=-1)
+    t_s, n = recording.t_s[:-1], recording.n_vehicles
+    canvas = Canvas(figsize=(WIDTH_IN, 3.2), layout="constrained")
+    axes = canvas.add_subplot()
+    sd_m = recording.nav_position_sd_m
+    handles = []
+    if (np.nan_to_num(sd_m) > 0.0).any():
+        radius_m = _RADIUS_95PCT_SD * np.where(np.isfinite(sd_m), sd_m, -np.inf).max(axis=1)
+        radius_m = np.where(np.isfinite(radius_m), radius_m, np.nan)
+        axes.fill_between(t_s, 0.0, radius_m, facecolor="0.88", linewidth=0.0)
+        handles = [Patch(facecolor="0.88", label="95 %, as it states")]
+    for i in range(n):
+        style = vehicle_style(i) if n <= MAX_LINES else {"color": "0.4", "linewidth": 0.4}
+        if n <= MAX_LINES:
+            style |= {
+                "marker": marker(i),
+                "n_marks": 7,
+                "first_mark": i / n,
+                "label": recording.vehicle_ids[i],
+            }
+        plot_thinned(axes, t_s, error_m[:, i], **style)
+    axes.set_ylim(0.0, None)
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel("horizontal error (m)")
+    span_time(axes, t_s)
+    legend_below(canvas, [*handles, *axes.get_legend_handles_labels()[0]])
+    caption = (
+        "Horizontal distance between where vehicles believe to be and where they are. The grey area is "
+        "what the navigation states of itself: 95 % of the errors should lie in it, over many runs; those of "
+        "one vehicle last. No law can know of this error; vehicles that drift alike stay together."
+    )
+    return Drawing(canvas, "Drift of the navigation", caption)
+
+
+def _between_vehicles(recording: Recording, values: FloatArray) -> FloatArray:
+    """Return (K, N, N) values, NaN on the diagonal and where not finite."""
+    is_own = np.eye(recording.n_vehicles, dtype=bool)
+    return np.where(np.isfinite(values) & ~is_own, values, np.nan)
+
+
+def _windows(t_s: FloatArray) -> list[IntArray]:
+    """Return the rows of each of some even pieces of a run."""
+    return np.array_split(np.arange(len(t_s)), min(_MOST_WINDOWS, max(1, len(t_s) // 4)))
+
+
+def _in_windows(
+    t_s: FloatArray, values: FloatArray, shares: tuple[float, ...]
+) -> tuple[FloatArray, list[FloatArray]]:
+    """Return the middle of each window (s), and each quantile of all finite values in it, NaN without one."""
+    windows = _windows(t_s)
+    quantiles = np.full((len(shares), len(windows)), np.nan)
+    for column, rows in enumerate(windows):
+        finite = values[rows][np.isfinite(values[rows])]
+        if finite.size:
+            quantiles[:, column] = np.quantile(finite, shares)
+    return np.array([t_s[rows].mean() for rows in windows]), list(quantiles)
+
+
+def _means_in_windows(t_s: FloatArray, values: FloatArray) -> FloatArray:
+    """Return the mean of all finite values in each window, NaN without one."""
+    finite = [values[rows][np.isfinite(values[rows])] for rows in _windows(t_s)]
+    return np.array([piece.mean() if piece.size else np.nan for piece in finite])
+
+
+def _worst_pair(square_m2: FloatArray) -> tuple[int, int]:
+    """Return the ordered pair (i, j) with the largest mean square error in the later half of its data."""
+    late = square_m2[len(square_m2) // 2 :]
+    late = late if np.isfinite(late).any() else square_m2
+    total = np.where(np.isfinite(late), late, 0.0).sum(axis=0)
+    mean = total / np.maximum(np.isfinite(late).sum(axis=0), 1)
+    i, j = np.unravel_index(int(mean.argmax()), mean.shape)
+    return int(i), int(j)
+
+
+def _rms_over_pairs(square_m2: FloatArray) -> FloatArray:
+    flat = square_m2.reshape(len(square_m2), -1)
+    count = np.isfinite(flat).sum(axis=1)
+    mean = np.where(np.isfinite(flat), flat, 0.0).sum(axis=1) / np.maximum(count, 1)
+    rms: FloatArray = np.where(count > 0, np.sqrt(mean), np.nan)
+    return rms
+
+
+def _zoom_window(t_s: FloatArray, length_s: float = ZOOM_S) -> slice:
+    """Return the rows of `length_s` from the middle of the run on, or all of a short run."""
+    start_s = float(t_s[-1]) / 2.0
+    window = np.flatnonzero((t_s >= start_s) & (t_s <= start_s + length_s))
+    return slice(window[0], window[-1] + 1) if len(window) > 2 else slice(None)
+
+
+def _largest_of_band(error_m: FloatArray, two_sigma_m: FloatArray, t_s: FloatArray) -> float:
+    """Return the largest error of all, or of the band once the first tenth has passed (m)."""
+    late = two_sigma_m[t_s >= 0.1 * t_s[-1]]
+    largest = [float(np.nanmax(x)) for x in (np.abs(error_m), late) if np.isfinite(x).any()]
+    return max([*largest, 1e-9])
+
+
+ESTIMATE_DRAWERS: dict[str, Callable[[Recording], Drawing | None]] = {
+    "estimate_error": _draw_estimate_error,
+    "nees": _draw_nees,
+    "information_age": _draw_information_age,
+    "navigation_drift": _draw_navigation_drift,
+}
+"""By name, in the order in which a report shows them."""

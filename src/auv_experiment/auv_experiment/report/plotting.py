@@ -1,0 +1,223 @@
+"""
+Parts of which figures are made: styles that can be read in grey, thinned lines, scales, legends, patches.
+
+Nothing here knows what is drawn. Positions are in map_ned (m); plan views have east to the right and north
+up.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+from matplotlib.patches import Circle, Patch
+from matplotlib.ticker import FuncFormatter, LogLocator
+from numpy.typing import NDArray
+
+from auv_core.machine.whole_files import whole_file
+from auv_experiment.recording import FloatArray
+
+MAX_COLUMNS = 1200
+STYLE = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.labelsize": 9.0,
+    "legend.fontsize": 8.0,
+    "legend.framealpha": 0.9,
+    "axes.grid": True,
+    "grid.color": "0.88",
+    "grid.linewidth": 0.5,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.0,
+    "lines.markersize": 4.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+}
+# dark to light, apart in grey as well as for colour-blind readers
+_COLOURS = ("#111111", "#0063a8", "#c84b00", "#3a9d6e", "#7b3f8c", "#b58900")
+_DASHES: tuple[Any, ...] = ("solid", (0, (5, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (1.5, 1.2)), (0, (9, 2)))
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+
+
+def colour(i: int) -> str:
+    """Return the colour of line i."""
+    return _COLOURS[i % len(_COLOURS)]
+
+
+def marker(i: int) -> str:
+    """Return the marker of line i."""
+    return _MARKERS[i % len(_MARKERS)]
+
+
+def vehicle_style(i: int) -> dict[str, Any]:
+    """Return colour and line style of line i."""
+    return {"color": colour(i), "linestyle": _DASHES[i % len(_DASHES)]}
+
+
+def save_canvas(canvas: Canvas, path: Path, dpi: int) -> None:
+    """Write a PNG file whole or not at all, the same bytes whenever it is drawn; raise WriteError."""
+    with whole_file(path) as unfinished:
+        canvas.savefig(unfinished, dpi=dpi, metadata={"Software": None})
+
+
+def plot_plan_line(axes: Any, ned_m: FloatArray, **style: Any) -> None:
+    """Plot an (n, 3) track as seen from above."""
+    axes.plot(ned_m[:, 1], ned_m[:, 0], **style)
+
+
+def mark(axes: Any, ned_m: FloatArray, i: int, *, is_filled: bool) -> None:
+    """Mark one position of vehicle i, seen from above, hollow or full."""
+    fill = colour(i) if is_filled else "white"
+    axes.plot(ned_m[1], ned_m[0], marker(i), color=colour(i), markerfacecolor=fill, markersize=6, zorder=6)
+
+
+def plot_obstacle(axes: Any, obstacle: Any) -> None:
+    """Plot an obstacle and its safety distance, seen from above."""
+    north, east, _ = obstacle.position_ned_m
+    axes.add_patch(
+        Circle(
+            (east, north),
+            obstacle.safety_distance_m,
+            facecolor="0.94",
+            edgecolor="0.45",
+            linestyle="dashed",
+            zorder=0,
+        )
+    )
+    axes.plot(east, north, "x", color="black", markersize=7, markeredgewidth=1.8, zorder=6)
+
+
+def plot_sphere(axes: Any, centre_ned_m: Any, radius_m: float) -> None:
+    """Plot a translucent sphere into axes in space."""
+    azimuth, polar = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 25), np.linspace(0.0, np.pi, 13))
+    north, east, down = centre_ned_m
+    axes.plot_surface(
+        east + radius_m * np.sin(polar) * np.cos(azimuth),
+        north + radius_m * np.sin(polar) * np.sin(azimuth),
+        down + radius_m * np.cos(polar),
+        color="0.75",
+        alpha=0.35,
+        linewidth=0,
+    )
+
+
+def equal_box(axes: Any) -> None:
+    """Give axes in space one scale on all axes."""
+    limits = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()])
+    axes.set_box_aspect(np.maximum(np.ptp(limits, axis=1), 1e-6), zoom=1.06)
+
+
+def round_step(value: float) -> float:
+    """Return the largest of 1, 2 and 5 times a power of ten that is not above the value."""
+    if value <= 0.0:
+        return 1.0
+    power = 10.0 ** math.floor(math.log10(value))
+    return power * max((m for m in (1.0, 2.0, 5.0) if m * power <= value), default=1.0)
+
+
+def span_time(axes: Any, t_s: FloatArray) -> None:
+    """Let the time axis begin and end with the data."""
+    if len(t_s) and t_s[-1] > t_s[0]:
+        axes.set_xlim(t_s[0], t_s[-1])
+
+
+def plot_thinned(
+    axes: Any, t_s: FloatArray, values: FloatArray, *, n_marks: int = 0, first_mark: float = 0.0, **style: Any
+) -> None:
+    """Plot a line with n_marks markers; first_mark (0..1) staggers those of several lines."""
+    shown = thin_indices(values)
+    if n_marks:
+        every = max(1, len(shown) // n_marks)
+        style = {**style, "markevery": (int(first_mark * every), every), "markersize": 3.8}
+    axes.plot(t_s[shown], values[shown], **style)
+
+
+def thin_indices(values: FloatArray, n_columns: int = MAX_COLUMNS) -> NDArray[np.int64]:
+    """
+    Choose the samples that a plot of n_columns pixels can show.
+
+    Parameters
+    ----------
+    values : (n,) array
+        Samples at even steps; NaN is a gap.
+    n_columns : int
+        Width of the plot (pixels).
+
+    Returns
+    -------
+    indices : (m,) array of int
+        Ascending, m <= 2 n_columns + 2: first and last sample, the smallest and the largest of every
+        column; all of them where there are few.
+
+    """
+    n = len(values)
+    if n <= 2 * n_columns:
+        return np.arange(n)
+    edges = np.linspace(0, n, n_columns + 1).astype(np.int64)
+    size = int(np.diff(edges).max())
+    index = np.minimum(edges[:-1, np.newaxis] + np.arange(size), edges[1:, np.newaxis] - 1)
+    columns = values[index]
+    exists = np.isfinite(columns)
+    lowest = np.where(exists, columns, np.inf).argmin(axis=1)
+    highest = np.where(exists, columns, -np.inf).argmax(axis=1)
+    rows = np.arange(n_columns)
+    return np.unique(np.concatenate([[0, n - 1], index[rows, lowest], index[rows, highest]]))
+
+
+def log_scale(axes: Any, values: FloatArray) -> None:
+    """Scale y logarithmically with plain numbers, three decades or as many as 98 % of the data need."""
+    positive = values[np.isfinite(values) & (values > 0.0)]
+    if not positive.size:
+        return
+    high = float(positive.max())
+    floor = min(float(np.quantile(positive, 0.02)), 1e-3 * high)
+    low = max(float(positive.min()), floor, 1e-9 * high)
+    axes.set_yscale("log")
+    axes.set_ylim(0.8 * low, 1.25 * high)
+    is_short = high < 300.0 * low
+    axes.yaxis.set_minor_locator(
+        LogLocator(subs=(2.0, 5.0) if is_short else (2.0, 4.0, 6.0, 8.0), numticks=50)
+    )
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}" if is_short else ""))
+
+
+def plot_band(axes: Any, t_s: FloatArray, two_sigma_m: FloatArray) -> None:
+    """Plot the band between minus and plus two_sigma_m."""
+    shown = thin_indices(two_sigma_m)
+    band = two_sigma_m[shown]
+    axes.fill_between(t_s[shown], -band, band, facecolor="0.78", linewidth=0.0)
+
+
+def band_handle() -> Any:
+    """Return what stands for forbidden distances in a legend."""
+    return Patch(facecolor="0.8", hatch="////", edgecolor="0.6", linewidth=0.0)
+
+
+def two_sigma_handle() -> Any:
+    """Return what stands for the band of two standard deviations in a legend."""
+    return Patch(facecolor="0.78", linewidth=0.0)
+
+
+def legend_below(
+    canvas: Canvas, handles: list[Any], labels: list[str] | None = None, *, columns: int = 4
+) -> None:
+    """Put a legend below all axes of a figure; labels default to those of the handles."""
+    if not handles:
+        return
+    names = labels if labels is not None else [str(handle.get_label()) for handle in handles]
+    is_free = canvas.get_layout_engine() is None
+    place = "lower center" if is_free else "outside lower center"
+    canvas.legend(handles, names, loc=place, ncols=min(len(names), columns))
+
+
+def wilson_interval(successes: NDArray[Any], trials: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
+    """Return the 95 % score interval of a binomial share (Wilson 1927)."""
+    z = 1.959964
+    share = successes / trials
+    middle = (share + z * z / (2.0 * trials)) / (1.0 + z * z / trials)
+    half = z * np.sqrt(share * (1.0 - share) / trials + (z / (2.0 * trials)) ** 2) / (1.0 + z * z / trials)
+    return middle - half, middle + half

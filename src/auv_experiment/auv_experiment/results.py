@@ -1,0 +1,288 @@
+"""
+Where a run leaves what it found: one folder per run, named by what was run, never overwritten.
+
+``results/<scenario>-<seed>-<mode>[-<hash of the overrides>][-2, -3, ...]/`` holds
+
+    scenario.yaml     the resolved scenario: loading it gives the same run again
+    provenance.json   seed, overrides, versions of every package, git revision, and how the flight ended
+    bag/              what the recorder wrote, or recording.npz for a run in one process
+    logs/             one file per node, and the parameters that it was started with
+    metrics.json, figures/*.png, report.html
+"""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import importlib.metadata
+import json
+import math
+import platform
+import subprocess
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from auv_core.machine.whole_files import reserve, write_reserved, write_text
+from auv_experiment.scenario.strict_yaml import parse_yaml
+
+if TYPE_CHECKING:
+    from auv_experiment.recording import Recording
+    from auv_experiment.scenario.schema import Scenario
+
+BAG = "bag"
+FIGURES = "figures"
+LOGS = "logs"
+METRICS_FILE = "metrics.json"
+PROVENANCE_FILE = "provenance.json"
+RECORDING_FILE = "recording.npz"
+REPORT_FILE = "report.html"
+SCENARIO_FILE = "scenario.yaml"
+
+_GIT_TIMEOUT_S = 5.0
+_ENDING_BYTES = 32_768
+"""Room for how a flight ended: a few numbers, a reason, and lines about strangers."""
+
+
+class ResultsError(ValueError):
+    """A results folder that cannot be made or read; the message is one line for the user."""
+
+
+def overrides_hash(overrides: Sequence[str], duration_s: float | None = None) -> str:
+    """
+    Return 8 hexadecimal digits that stand for the overrides, '' when there are none.
+
+    What matters is which key has which value in the end: the order of different keys, spaces in a value and
+    20 against 20.0 do not. `duration_s` counts as the override of that key.
+    """
+    values: dict[str, Any] = {}
+    for override in overrides:
+        path, _, text = override.partition("=")
+        values[path] = _canonical(parse_yaml(text, f"--set {path}"))
+    if duration_s is not None:
+        values["duration_s"] = _canonical(duration_s)
+    if not values:
+        return ""
+    text = json.dumps(values, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()[:8]
+
+
+def _canonical(value: Any) -> Any:
+    if isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**53:
+        return float(value)
+    if isinstance(value, list):
+        return [_canonical(item) for item in value]
+    if isinstance(value, dict):
+        return {str(key): _canonical(item) for key, item in value.items()}
+    return value
+
+
+def results_name(scenario: str, seed: int, mode: str, digest: str = "") -> str:
+    """Return the name of a run's folder, without the suffix that tells repeated runs apart."""
+    return f"{scenario}-{seed}-{mode}" + (f"-{digest}" if digest else "")
+
+
+def make_results_dir(parent: Path, name: str) -> Path:
+    """
+    Make and return a new folder `name` in `parent`; `name`-2, `name`-3, ... when it exists.
+
+    Two runs that start at the same moment never get the same folder.
+
+    Raises
+    ------
+    ResultsError
+        When the folder cannot be made.
+
+    """
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        number = 1
+        while True:
+            folder = parent / (name if number == 1 else f"{name}-{number}")
+            try:
+                folder.mkdir()
+            except FileExistsError:
+                number += 1
+            else:
+                return folder
+    except OSError as error:
+        raise ResultsError(f"--out {str(parent)!r}: cannot be written ({error.strerror or error})") from None
+
+
+def make_folder(folder: Path) -> None:
+    """Make the folder that `--out` names, if it is not there; raise ResultsError if it cannot be written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".writable"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise ResultsError(f"--out {str(folder)!r}: cannot be written ({error.strerror or error})") from None
+
+
+def provenance(
+    scenario: Scenario, *, mode: str, overrides: Sequence[str] = (), duration_s: float | None = None
+) -> dict[str, Any]:
+    """Return what somebody needs, besides the resolved scenario, to repeat a run."""
+    return {
+        "scenario": scenario.name,
+        "seed": scenario.seed,
+        "mode": mode,
+        "overrides": list(overrides),
+        "duration_s": scenario.duration_s,
+        "duration_was_set": duration_s is not None,
+        "started_at": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        "git": git_state(Path(__file__).resolve()),
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "packages": package_versions(),
+    }
+
+
+def package_versions() -> dict[str, str]:
+    """Return the version of every installed Python distribution, by name."""
+    found = ((d.metadata["Name"], d.version) for d in importlib.metadata.distributions())
+    return dict(sorted((str(name), str(version)) for name, version in found if name))
+
+
+def git_state(file: Path) -> dict[str, Any] | None:
+    """
+    Return revision and cleanness of the checkout that tracks `file`.
+
+    None where there is no git, no checkout, or where `file` is only a guest in one (installed, not tracked).
+    """
+    try:
+        _git(file.parent, "ls-files", "--error-unmatch", file.name)
+        return {
+            "revision": _git(file.parent, "rev-parse", "HEAD").strip(),
+            "has_local_changes": bool(
+                _git(file.parent, "status", "--porcelain", "--untracked-files=no").strip()
+            ),
+        }
+    except (OSError, subprocess.SubprocessError):
+        return None
+
+
+def _git(folder: Path, *arguments: str) -> str:
+    done = subprocess.run(
+        ["git", "-C", str(folder), *arguments],
+        capture_output=True,
+        text=True,
+        timeout=_GIT_TIMEOUT_S,
+        check=True,
+    )
+    return done.stdout
+
+
+def write_json(path: Path, data: dict[str, Any]) -> None:
+    """Write strict JSON; a number that is not finite becomes null."""
+    write_text(path, _json_text(data))
+
+
+def _json_text(data: dict[str, Any]) -> str:
+    plain = {key: None if isinstance(v, float) and not math.isfinite(v) else v for key, v in data.items()}
+    return json.dumps(plain, indent=2, allow_nan=False) + "\n"
+
+
+def write_beginning(folder: Path, record: dict[str, Any], *, has_ending: bool) -> None:
+    """Write the provenance of a run; where a flight `has_ending`, keep room for how it ends."""
+    path = folder / PROVENANCE_FILE
+    write_json(path, record)
+    if has_ending:
+        reserve(path, path.stat().st_size + _ENDING_BYTES)
+
+
+def write_ending(folder: Path, **ending: Any) -> None:
+    """Add to the provenance of a run how it ended, also on a full disk."""
+    path = folder / PROVENANCE_FILE
+    write_reserved(path, _json_text({**read_json(path), **ending}))
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """Return what `write_json` wrote; {} when there is no such file or it holds something else."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return data if isinstance(data, dict) else {}
+
+
+def load_recording(
+    results_dir: Path, scenario: Scenario, tell: Callable[[str], None] = lambda _: None
+) -> Recording:
+    """
+    Return what a run recorded: `recording.npz` of a run in one process, else its bag.
+
+    Parameters
+    ----------
+    results_dir : Path
+        The run's folder.
+    scenario : Scenario
+        What was flown.
+    tell : callable
+        Gets a line about what a bag holds that is not of the run.
+
+    Raises
+    ------
+    ResultsError
+        When there is neither, or it cannot be read.
+
+    """
+    from auv_bag.writer import BagError
+    from auv_experiment.recording import Recording, RecordingError
+    from auv_experiment.recording_from_bag import read_recording
+
+    try:
+        if (results_dir / RECORDING_FILE).is_file():
+            return Recording.load(results_dir / RECORDING_FILE)
+        return read_recording(results_dir / BAG, scenario, tell)
+    except (BagError, RecordingError) as error:
+        raise ResultsError(f"{results_dir}: nothing to report on: {error}") from None
+
+
+def write_results(
+    results_dir: Path,
+    scenario: Scenario,
+    recording: Recording,
+    *,
+    mode: str,
+    real_time_factor: float,
+    with_figures: bool = True,
+    on_step: Callable[[str], None] = lambda step: None,
+) -> dict[str, Any]:
+    """
+    Write metrics, figures and report of a recorded run, and return the metrics.
+
+    Parameters
+    ----------
+    results_dir : Path
+        The run's folder.
+    scenario, recording
+        What was asked for, and what happened.
+    mode : str
+        'lockstep', 'realtime' or 'inprocess'.
+    real_time_factor : float
+        Simulated seconds per second of wall time during the flight; NaN if unknown.
+    with_figures : bool
+        Without figures the report has the metrics only.
+    on_step : callable
+        Told what is being done, in a word or two.
+
+    """
+    from auv_experiment.metrics.run import compute_metrics, metrics_to_json
+
+    on_step("metrics")
+    metrics = compute_metrics(recording, scenario, mode=mode, real_time_factor=real_time_factor)
+    write_text(results_dir / METRICS_FILE, metrics_to_json(metrics))
+
+    from auv_experiment.report.report import write_report
+
+    figures = []
+    if with_figures:
+        from auv_experiment.report.by_law import run_figures
+
+        on_step("figures")
+        figures = run_figures(recording, scenario, results_dir / FIGURES)
+    on_step("report")
+    write_report(results_dir, scenario, metrics, figures)
+    return metrics

@@ -1,0 +1,107 @@
+"""How much memory a run takes: one that does not fit into what is free is refused before it starts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from auv_core.machine.free_memory import free_bytes, gigabytes
+from auv_core.params import ConfigError
+from auv_core.plugins import find_plugin
+from auv_experiment.recording import bytes_of_rows, bytes_per_tick
+from auv_flocking.neighbours.track import HISTORY_S, MOST_MEASUREMENTS
+from auv_sim.acoustics.medium import MAC
+
+if TYPE_CHECKING:
+    from auv_experiment.scenario.schema import Scenario
+
+_PROGRAM_BYTES = 230e6
+_COPIES = 1.5
+"""Metrics and figures take half of the recording again. Measured, as the numbers around it."""
+_BYTES_PER_PAIR = 96
+"""Of what metrics compute for each pair of vehicles and tick."""
+_BYTES_PER_MEASUREMENT = 3500
+"""Of what a neighbour filter remembers."""
+_MAC_TICKS = 100
+
+
+def check_memory(scenario: Scenario, *, has_nodes: bool = False) -> None:
+    """
+    Refuse a run that does not fit into the memory that is free.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What is to be flown.
+    has_nodes : bool
+        Whether nodes fly it and write a bag: then only what they remember of each other counts.
+
+    Raises
+    ------
+    ConfigError
+        With one line for the user.
+
+    """
+    fixed = _PROGRAM_BYTES + _filter_bytes(scenario)
+    growing = 0.0 if has_nodes else _report_bytes(scenario)
+    free = free_bytes()
+    if fixed + growing <= free:
+        return
+    where = "vehicles" if fixed > free else "duration_s"
+    longest_s = scenario.duration_s * (free - fixed) / growing if growing else 0.0
+    allowed = "fewer vehicles" if fixed > free else f"at most about {longest_s:.2g} s here, or fewer vehicles"
+    raise ConfigError(
+        f"scenario.{where}: {scenario.duration_s:g} s of {len(scenario.vehicles)} vehicles take about "
+        f"{gigabytes(fixed + growing)} of memory, and {gigabytes(free)} are free; allowed: {allowed}"
+    )
+
+
+def memory_warning(scenario: Scenario) -> str:
+    """Return one line where a flight of nodes fits into the memory, but its report will not; else nothing."""
+    needed, free = _PROGRAM_BYTES + _report_bytes(scenario), free_bytes()
+    if needed <= free:
+        return ""
+    return (
+        f"metrics and figures of this run take about {gigabytes(needed)} of memory, and {gigabytes(free)} "
+        "are free: the bag is written all the same, and --report makes them on a larger machine"
+    )
+
+
+def run_bytes(scenario: Scenario) -> float:
+    """Return an estimate of the memory that a run in one process takes at most (bytes)."""
+    return _PROGRAM_BYTES + _filter_bytes(scenario) + _report_bytes(scenario)
+
+
+def _report_bytes(scenario: Scenario) -> float:
+    """Return the size of a recording with what metrics and figures need beside it (bytes)."""
+    count = len(scenario.vehicles)
+    is_sampled = scenario.sampling == "sampled"
+    kept = float(bytes_per_tick(count, has_neighbours=is_sampled))
+    if is_sampled:
+        packets = _packets_per_tick(scenario)
+        kept += bytes_of_rows(sent=packets, heard=packets * (count - 1))
+    return scenario.ticks * (_COPIES * kept + _BYTES_PER_PAIR * count * (count - 1) / 2)
+
+
+def _filter_bytes(scenario: Scenario) -> float:
+    """Return what all vehicles together remember of all others' packets (bytes)."""
+    count = len(scenario.vehicles)
+    if scenario.sampling != "sampled" or count < 2:
+        return 0.0
+    heard_per_tick = _packets_per_tick(scenario) / count
+    remembered = min(
+        MOST_MEASUREMENTS, scenario.ticks * heard_per_tick, HISTORY_S / scenario.period_s * heard_per_tick
+    )
+    return _BYTES_PER_MEASUREMENT * count * (count - 1) * remembered
+
+
+def _packets_per_tick(scenario: Scenario) -> float:
+    """Return how many packets the fleet sends in a tick, as its medium access lets it."""
+    section, count = scenario.acoustics.mac, len(scenario.vehicles)
+    mac = find_plugin(MAC, section.kind).Mac(section.params, count, scenario.seed)
+    ticks = min(_MAC_TICKS, scenario.ticks)
+    starts = [
+        mac.opportunity_s(address, tick, scenario.period_s)
+        for tick in range(ticks)
+        for address in range(1, count + 1)
+    ]
+    return sum(start_s is not None for start_s in starts) / ticks

@@ -1,0 +1,1 @@
+"""Scenarios: the schema, the file, what is checked at load; and those that come with Shoal."""

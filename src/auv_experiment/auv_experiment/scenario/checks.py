@@ -1,0 +1,187 @@
+"""What no single value of a scenario shows: that its parts fit together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from auv_core.geometry import distance
+from auv_core.params import shown
+from auv_core.plugins import find_plugin
+from auv_experiment.scenario.file import ID, ID_WORDS, MOST_VEHICLES
+from auv_experiment.scenario.reach import check_reach
+from auv_flocking.agent import CONTROLLERS, check_parts, make_consensus, make_format
+from auv_sim.acoustics.medium import AcousticMedium
+from auv_sim.vehicle import MODELS
+
+if TYPE_CHECKING:
+    from auv_experiment.scenario.schema import Scenario
+
+
+def check_scenario(scenario: Scenario) -> None:
+    """
+    Check a scenario whose values are allowed one by one.
+
+    Raises
+    ------
+    ValueError
+        At the first thing that does not fit; the message begins with the field.
+
+    """
+    for check in (
+        _check_vehicles,
+        _check_leaders,
+        _check_agent,
+        _check_commands,
+        _check_frames,
+        _check_starts,
+        _check_continuous,
+        _check_medium,
+    ):
+        check(scenario)
+    check_reach(scenario)
+
+
+def _check_vehicles(scenario: Scenario) -> None:
+    if not 1 <= len(scenario.vehicles) <= MOST_VEHICLES:
+        raise ValueError(
+            f"vehicles: {len(scenario.vehicles)} vehicles are not allowed; allowed: 1 to {MOST_VEHICLES}"
+        )
+    seen: set[str] = set()
+    for index, vehicle in enumerate(scenario.vehicles):
+        if not ID.match(vehicle.id):
+            raise ValueError(f"vehicles[{index}].id: {shown(vehicle.id)} is not allowed; allowed: {ID_WORDS}")
+        if vehicle.id in seen:
+            raise ValueError(
+                f"vehicles[{index}].id: {shown(vehicle.id)} is not allowed; "
+                "allowed: an id that no other vehicle has"
+            )
+        seen.add(vehicle.id)
+
+
+def _check_leaders(scenario: Scenario) -> None:
+    ids = [vehicle.id for vehicle in scenario.vehicles]
+    for index, leader in enumerate(scenario.leaders):
+        if leader in scenario.leaders[:index]:
+            raise ValueError(
+                f"leaders[{index}]: {shown(leader)} is not allowed; allowed: an id that is no leader yet"
+            )
+        if leader not in ids:
+            raise ValueError(f"leaders[{index}]: {shown(leader)} is not allowed; allowed: {', '.join(ids)}")
+
+
+def _check_agent(scenario: Scenario) -> None:
+    a = scenario.agent
+    for index in range(len(scenario.vehicles)):
+        reference = scenario.vehicles[index].reference or scenario.reference
+        check_parts(a.controller, a.flocking, a.separation, a.consensus, reference, where="agent.")
+    if scenario.leaders and scenario.follows != "velocity":
+        raise ValueError(
+            f"leaders: {shown(list(scenario.leaders))} is not allowed; "
+            "allowed: nothing, since there is no flock"
+        )
+    if scenario.readings and scenario.follows != "path":
+        raise ValueError(
+            "readings: not allowed; allowed: nothing, unless the controller follows a path by itself"
+        )
+
+
+def _check_frames(scenario: Scenario) -> None:
+    """A law that is written for one frame steers a plant of that frame."""
+    frame = getattr(scenario.agent.controller.params, "frame", None)
+    for index, vehicle in enumerate(scenario.vehicles):
+        plant = getattr(vehicle.model.params, "frame", "body")
+        if frame is not None and (frame == "flat") != (plant == "flat"):
+            allowed = "flat" if plant == "flat" else "body, mixed"
+            raise ValueError(
+                f"agent.controller.params.frame: {frame!r} is not allowed; "
+                f"allowed: {allowed}, since the model of vehicles[{index}] has the frame {plant}"
+            )
+
+
+def _check_commands(scenario: Scenario) -> None:
+    given = find_plugin(CONTROLLERS, scenario.agent.controller.kind).Controller.command
+    for index, vehicle in enumerate(scenario.vehicles):
+        taken = find_plugin(MODELS, vehicle.model.kind).Model.command
+        if taken != given:
+            raise ValueError(
+                f"agent.controller.kind: {scenario.agent.controller.kind!r} is not allowed; "
+                "allowed: a controller that gives "
+                f"the {taken} command that the model of vehicles[{index}] takes"
+            )
+    if scenario.kinematic and any(scenario.environment.current_ned_mps):
+        raise ValueError(
+            "environment.current_ned_mps: a current is not allowed; allowed: [0, 0, 0] with "
+            "kinematic vehicles, "
+            "whose velocity command is over ground"
+        )
+
+
+def _check_starts(scenario: Scenario) -> None:
+    placed = [(i, v.position_ned_m) for i, v in enumerate(scenario.vehicles) if v.position_ned_m is not None]
+    if len(placed) < len(scenario.vehicles) and scenario.random_starts is None:
+        index = next(i for i, v in enumerate(scenario.vehicles) if v.position_ned_m is None)
+        raise ValueError(
+            f"vehicles[{index}].position_ned_m: missing; allowed: a position here, or random_starts"
+        )
+    for index, start in placed:
+        if start[2] < 0.0:
+            raise ValueError(
+                f"vehicles[{index}].position_ned_m: depth {start[2]!r} m is not allowed; allowed: at least 0"
+            )
+        for other, place in placed:
+            if other < index and distance(start, place) <= 2.0 * scenario.hull_radius_m:
+                raise ValueError(
+                    f"vehicles[{index}].position_ned_m: touches vehicles[{other}]; allowed: more than "
+                    f"{2.0 * scenario.hull_radius_m:g} m between hull centres"
+                )
+        for number, obstacle in enumerate(scenario.environment.obstacles):
+            if distance(start, obstacle.position_ned_m) <= scenario.hull_radius_m:
+                raise ValueError(
+                    f"environment.obstacles[{number}].position_ned_m: lies in the hull "
+                    f"of vehicles[{index}]; "
+                    "allowed: a place outside every hull"
+                )
+
+
+def _check_continuous(scenario: Scenario) -> None:
+    if scenario.sampling != "continuous":
+        return
+    controller = find_plugin(CONTROLLERS, scenario.agent.controller.kind).Controller
+    if not scenario.kinematic and scenario.follows == "velocity" and not hasattr(controller, "evaluate"):
+        raise ValueError(
+            "sampling: 'continuous' is not allowed; allowed: sampled, for a flock under the controller "
+            f"{scenario.agent.controller.kind}, which works once per control period"
+        )
+    if scenario.environment.navigation.kind != "exact":
+        raise ValueError(
+            "sampling: 'continuous' is not allowed; allowed: sampled, unless environment.navigation is exact"
+        )
+    ideal = scenario.acoustics.propagation.kind == "instant" and scenario.acoustics.outage.kind == "none"
+    ideal = ideal and scenario.acoustics.mac.kind == "unlimited" and scenario.acoustics.modem.kind == "ideal"
+    if not ideal and scenario.follows != "path":
+        raise ValueError(
+            "sampling: 'continuous' is not allowed; allowed: sampled, unless acoustics.preset is ideal or "
+            "nobody listens (a controller that follows a path)"
+        )
+    separation = scenario.agent.separation
+    if separation is not None and getattr(separation.params, "adapts", False):
+        raise ValueError(
+            "sampling: 'continuous' is not allowed; allowed: sampled, since agent.separation has a memory "
+            "that is kept once per control period"
+        )
+    for name in ("flocking", "consensus"):
+        section = getattr(scenario.agent, name)
+        if section is not None and getattr(section.params, "uses_flock_velocity", False):
+            raise ValueError(
+                "sampling: 'continuous' is not allowed; allowed: sampled, since "
+                f"agent.{name}.params pass the flock's velocity on by packets"
+            )
+
+
+def _check_medium(scenario: Scenario) -> None:
+    consensus = make_consensus(scenario.agent.consensus, len(scenario.vehicles))
+    payload_bytes = make_format(scenario.agent.report, consensus).payload_bytes
+    try:
+        AcousticMedium(scenario.medium_config).check_payload(payload_bytes)
+    except ValueError as error:
+        raise ValueError(f"acoustics.{error}") from None

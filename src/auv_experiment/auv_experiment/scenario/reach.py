@@ -1,0 +1,238 @@
+"""
+Whether a scenario stays within what its actuators, the water, its modems and its reports allow.
+
+Paths, regions, starts, speeds and the current tell where vehicles can come and how fast they must be; the
+plugins tell what they can hold, hear or carry.  What does not fit is refused before anything is started.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from auv_core.geometry import Box, Vec3, distance
+from auv_core.plugins import find_plugin
+from auv_flocking.agent import CONTROLLERS, make_consensus, make_format
+from auv_flocking.reports import Bounds
+from auv_sim.acoustics.medium import MODEM, PROPAGATION
+from auv_sim.vehicle import MODELS
+
+if TYPE_CHECKING:
+    from auv_experiment.scenario.schema import Scenario
+
+_PATH_SAMPLES = 64
+_AXES = ("north", "east", "down")
+
+
+def check_reach(scenario: Scenario) -> None:
+    """
+    Check a scenario whose parts fit together.
+
+    Raises
+    ------
+    ValueError
+        At the first thing that is out of reach; the message begins with the field.
+
+    """
+    for check in (
+        _check_speeds,
+        _check_surface,
+        _check_bottom,
+        _check_report_positions,
+        _check_report_velocities,
+        _check_report_centres,
+        _check_hearing,
+    ):
+        check(scenario)
+
+
+def _check_speeds(scenario: Scenario) -> None:
+    """The actuators hold a vehicle in the current, and move it along its path through the water."""
+    current = scenario.environment.current_ned_mps
+    for index, vehicle in enumerate(scenario.vehicles):
+        model = find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params)
+        max_force_n = getattr(scenario.agent.controller.params, "max_force_n", None)
+        held_mps = model.speed_held_mps(math.inf if max_force_n is None else max_force_n)
+        who = "actuators" if held_mps == model.top_speed_mps else "controller and actuators"
+        held = f"at most {held_mps:.3g} m/s, which the {who} of vehicles[{index}] hold against the drag"
+        if math.hypot(*current) > held_mps:
+            raise ValueError(
+                f"environment.current_ned_mps: runs at {math.hypot(*current):.3g} m/s, which is not allowed; "
+                f"allowed: {held}"
+            )
+        path = scenario.reference_of(index)
+        speed_mps = 0.0 if path is None else _fastest_mps(path, scenario.duration_s, current)
+        if speed_mps > held_mps:
+            raise ValueError(
+                f"{_path_key(scenario, index)}: runs at {speed_mps:.3g} m/s through the water, "
+                f"which is not allowed; allowed: {held}"
+            )
+
+
+def _check_surface(scenario: Scenario) -> None:
+    for index in range(len(scenario.vehicles)):
+        reach = _reach(scenario, index)
+        if reach is not None and reach.lowest[2] < 0.0:
+            raise ValueError(
+                f"{_path_key(scenario, index)}: rises {-reach.lowest[2]:.3g} m above the surface within "
+                f"{scenario.duration_s:g} s, which is not allowed; allowed: depths of at least 0 m"
+            )
+
+
+def _check_bottom(scenario: Scenario) -> None:
+    """A propagation that knows a bottom has vehicles above it only."""
+    bottom_m = getattr(scenario.acoustics.propagation.params, "water_depth_m", math.inf)
+    for key, reach in _places(scenario):
+        if reach.highest[2] > bottom_m:
+            raise ValueError(
+                f"{key}: reaches a depth of {reach.highest[2]:.6g} m, which is not allowed; allowed: at most "
+                f"{bottom_m:g} m, acoustics.propagation.params.water_depth_m"
+            )
+
+
+def _check_report_positions(scenario: Scenario) -> None:
+    """Reports carry every place that starts, path and formation can reach."""
+    carried = _bounds(scenario).position
+    for key, reach in _places(scenario):
+        for axis in range(3):
+            for value, is_inside in (
+                (reach.lowest[axis], reach.lowest[axis] >= carried.lowest[axis]),
+                (reach.highest[axis], reach.highest[axis] <= carried.highest[axis]),
+            ):
+                if not is_inside:
+                    raise ValueError(
+                        f"{key}: reaches {_AXES[axis]} {value:.6g} m, which is not allowed; allowed: "
+                        f"{carried.lowest[axis]:.6g} to {carried.highest[axis]:.6g} m, "
+                        f"which a report of the kind {scenario.agent.report.kind} carries"
+                    )
+
+
+def _check_report_velocities(scenario: Scenario) -> None:
+    """Reports carry the fastest that a vehicle moves over ground."""
+    most_mps = _bounds(scenario).velocity_mps
+    for index, vehicle in enumerate(scenario.vehicles):
+        path = scenario.reference_of(index)
+        if path is None:
+            continue
+        fastest_mps = _fastest_mps(path, scenario.duration_s, (0.0, 0.0, 0.0))
+        if scenario.agent.flocking is not None:
+            model = find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params)
+            asked_mps = fastest_mps + scenario.agent.flocking.params.largest_correction_mps
+            driven_mps = model.top_speed_mps + math.hypot(*scenario.environment.current_ned_mps)
+            bounded_mps = min(asked_mps, driven_mps)
+            if math.isfinite(bounded_mps):  # else the law's error alone decides, and only the path is known
+                fastest_mps = bounded_mps
+        if fastest_mps > most_mps:
+            raise ValueError(
+                f"{_path_key(scenario, index)}: lets vehicles[{index}] move at {fastest_mps:.3g} m/s, "
+                f"which is not allowed; allowed: at most {most_mps:.3g} m/s, "
+                f"which a report of the kind {scenario.agent.report.kind} carries"
+            )
+
+
+def _check_report_centres(scenario: Scenario) -> None:
+    """Reports carry the way from each vehicle to the flocking centre, which is among the vehicles."""
+    if scenario.agent.flocking is None:
+        return
+    most_m = _bounds(scenario).centre_distance_m
+    starts = _starts(scenario)
+    for axis in range(3):
+        along_m = [start[axis] for start in starts]
+        spread_m = max(along_m, default=0.0) - min(along_m, default=0.0)
+        if spread_m > most_m:
+            raise ValueError(
+                f"vehicles: start {spread_m:.6g} m apart ({_AXES[axis]}), which is not allowed; allowed: "
+                f"at most {most_m:.6g} m, since a report of the kind {scenario.agent.report.kind} carries "
+                "the flocking centre no farther from its vehicle"
+            )
+
+
+def _check_hearing(scenario: Scenario) -> None:
+    """The modems of a flock reach each other from the starts, at least from vehicle to vehicle."""
+    starts = _starts(scenario)
+    if scenario.agent.flocking is None or len(starts) < len(scenario.vehicles):
+        return
+    modem = find_plugin(MODEM, scenario.acoustics.modem.kind).Modem(scenario.acoustics.modem.params)
+    section = scenario.acoustics.propagation
+    propagation = find_plugin(PROPAGATION, section.kind).Propagation(section.params)
+    deaf = set(range(1, len(starts)))
+    heard = [0]
+    while heard and deaf:
+        speaker = starts[heard.pop()]
+        reached = {index for index in deaf if _is_audible(modem, propagation, speaker, starts[index])}
+        deaf -= reached
+        heard += sorted(reached)
+    if deaf:
+        raise ValueError(
+            f"vehicles[{min(deaf)}].position_ned_m: out of hearing of vehicles[0] and of all that hear it, "
+            "which is not allowed; allowed: a start within reach of acoustics.modem "
+            f"({scenario.acoustics.modem.kind})"
+        )
+
+
+def _is_audible(modem: Any, propagation: Any, source: Vec3, receiver: Vec3) -> bool:
+    """Return whether a modem recognises a packet in ambient noise alone."""
+    if distance(source, receiver) > modem.max_range_m:
+        return False
+    if modem.frequency_khz is None:
+        return True
+    loss_db = propagation.loss_db(source, receiver, modem.frequency_khz)
+    return bool(modem.acquires(modem.snr_ratio(loss_db)))
+
+
+def _places(scenario: Scenario) -> list[tuple[str, Box]]:
+    """Return where vehicles start and where their paths or regions take them, with the key that says so."""
+    places = [
+        (f"vehicles[{index}].position_ned_m", Box(vehicle.position_ned_m, vehicle.position_ned_m))
+        for index, vehicle in enumerate(scenario.vehicles)
+        if vehicle.position_ned_m is not None
+    ]
+    for index in range(len(scenario.vehicles)):
+        reach = _reach(scenario, index)
+        if reach is not None:
+            places.append((_path_key(scenario, index), reach.grown(_formation_radius_m(scenario))))
+    return places
+
+
+def _reach(scenario: Scenario, index: int) -> Box | None:
+    """Return a box around the path of a vehicle, or around its region (m; NED)."""
+    if scenario.follows == "region":
+        section = scenario.agent.controller
+        law = find_plugin(CONTROLLERS, section.kind).Controller(section.params, scenario.period_s)
+        region: Box = law.region
+        return region
+    path = scenario.reference_of(index)
+    return None if path is None else path.reach(scenario.duration_s)
+
+
+def _path_key(scenario: Scenario, index: int) -> str:
+    if scenario.follows == "region":
+        return "agent.controller.params"
+    return "reference" if scenario.vehicles[index].reference is None else f"vehicles[{index}].reference"
+
+
+def _formation_radius_m(scenario: Scenario) -> float:
+    """Return how far from its path a formed flock reaches: a ball with room for each vehicle (m)."""
+    if scenario.agent.flocking is None:
+        return 0.0
+    spacing_m: float = scenario.agent.flocking.params.formation_spacing_m
+    return spacing_m * math.cbrt(len(scenario.vehicles))
+
+
+def _fastest_mps(path: Any, duration_s: float, current: Sequence[float]) -> float:
+    """Return the largest speed along a path, against water that moves (m/s; NED)."""
+    span_s = duration_s if path.period_s is None else min(path.period_s, duration_s)
+    velocities = (path.at(span_s * k / _PATH_SAMPLES).velocity for k in range(_PATH_SAMPLES + 1))
+    return max(math.dist(velocity, current) for velocity in velocities)
+
+
+def _starts(scenario: Scenario) -> list[Vec3]:
+    """Return the starts that are given or drawn already (m; NED)."""
+    return [v.position_ned_m for v in scenario.vehicles if v.position_ned_m is not None]
+
+
+def _bounds(scenario: Scenario) -> Bounds:
+    consensus = make_consensus(scenario.agent.consensus, len(scenario.vehicles))
+    bounds: Bounds = make_format(scenario.agent.report, consensus).carries
+    return bounds

@@ -1,0 +1,365 @@
+"""
+Scenarios: what is flown, as data.
+
+One YAML file, `schema: 1`, loaded strictly: an unknown, missing, mistyped or impossible value is refused
+with one line that names its dotted path, the value and what is allowed.  The built-in scenarios are the
+files of ``auv_experiment/scenario``; a new file there is a new scenario.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_core.geometry import Vec3, distance
+from auv_core.params import ConfigError, Section, dump, load, param, shown
+from auv_core.plugins import find_plugin
+from auv_experiment.scenario.checks import check_scenario
+from auv_experiment.scenario.file import (
+    ID,
+    ID_WORDS,
+    SCENARIOS_DIR,
+    find_file,
+    override,
+    read_raw,
+    with_presets,
+)
+from auv_experiment.scenario.strict_yaml import to_yaml
+from auv_flocking.agent import COMPACT, CONSENSUS, CONTROLLERS, FLOCKING, REFERENCES, REPORTS, SEPARATION
+from auv_flocking.input_limits import InputLimits
+from auv_flocking.neighbours.table import NeighbourConfig
+from auv_sim.acoustics.medium import MAC, MODEM, OUTAGE, PROPAGATION, SONAR, MediumConfig
+from auv_sim.acoustics.sonar import none as no_sonar
+from auv_sim.vehicle import EXACT, MODELS, NAVIGATION, substeps
+
+MAX_M = 1e5
+_STARTS_STREAM = 2
+_START_TRIES = 20_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Obstacle:
+    """A point to keep away from."""
+
+    position_ned_m: Vec3 = param("position (m; NED)", minimum=-MAX_M, maximum=MAX_M)
+    safety_distance_m: float = param(
+        "distance at which vehicles begin to give way (m)", default=2.0, above=0.0
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Environment:
+    """The water and what stands in it."""
+
+    current_ned_mps: Vec3 = param(
+        "velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0), minimum=-5.0, maximum=5.0
+    )
+    obstacles: tuple[Obstacle, ...] = param("points to keep away from, known to every vehicle", default=())
+    navigation: Section = param("how well vehicles know their own motion", default=EXACT, plugins=NAVIGATION)
+
+
+@dataclass(frozen=True, kw_only=True)
+class VehicleEntry:
+    """One vehicle of the scenario."""
+
+    id: str = param("name, also the ROS namespace: a lower-case letter, then letters, digits, underscores")
+    model: Section = param("equations of motion and numbers", plugins=MODELS)
+    position_ned_m: Vec3 | None = param(
+        "start (m; NED); left out, it is drawn from random_starts",
+        default=None,
+        minimum=-MAX_M,
+        maximum=MAX_M,
+    )
+    heading_rad: float = param(
+        "start heading (rad, from north towards east)", default=0.0, minimum=-7.0, maximum=7.0
+    )
+    reference: Section | None = param(
+        "path of this vehicle alone; left out, it is the scenario's", default=None, plugins=REFERENCES
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """One component of the first vehicle's path error at one instant, a metric of its own."""
+
+    axis: str = param("NED axis", choices=("x", "y", "z"))
+    time_s: float = param("scenario time, to a tenth of a second (s)", minimum=0.0, maximum=1e6)
+
+    @property
+    def key(self) -> str:
+        """Name of the metric, such as ``x_err_5p4_m``."""
+        return f"{self.axis}_err_{self.time_s:.1f}_m".replace(".", "p")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RandomStarts:
+    """Starts drawn by the seed, uniform in a ball, apart from each other and below the surface."""
+
+    centre_ned_m: Vec3 = param("centre of the ball (m; NED)", minimum=-MAX_M, maximum=MAX_M)
+    radius_m: float = param("radius of the ball (m)", above=0.0, maximum=MAX_M)
+    separation_m: float = param("smallest distance of two starts (m)", above=0.0)
+    depth_min_m: float = param("smallest depth (m)", default=1.0, minimum=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Acoustics:
+    """The medium between the vehicles."""
+
+    preset: str = param("file of presets/ that filled in the sections left out", default="")
+    propagation: Section = param("travel time", plugins=PROPAGATION)
+    modem: Section = param("airtime and reach", plugins=MODEM)
+    mac: Section = param("medium access", plugins=MAC)
+    outage: Section = param("losses by no other cause", plugins=OUTAGE)
+    sonar: Section = param(
+        "what vehicles see of each other", default=Section("none", no_sonar.Params()), plugins=SONAR
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class AgentSettings:
+    """
+    What every vehicle's computer runs: a controller that follows a velocity under a flocking law with
+    separation and consensus, or a controller that follows a path or a region by itself.
+    """
+
+    controller: Section = param("from velocity, path or region to command", plugins=CONTROLLERS)
+    flocking: Section | None = param("flocking law", default=None, plugins=FLOCKING)
+    separation: Section | None = param("separation law", default=None, plugins=SEPARATION)
+    consensus: Section | None = param(
+        "consensus filter of the flocking centre", default=None, plugins=CONSENSUS
+    )
+    report: Section = param("bytes of a report", default=COMPACT, plugins=REPORTS)
+    neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
+    inputs: InputLimits = param("what is too old or impossible to be used", default=InputLimits())
+    hold_s: float = param(
+        "hold station at most so long until every neighbour was heard (s)", default=0.0, minimum=0.0
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario:
+    """Everything that fixes a run; with the same seed it fixes every number of it."""
+
+    schema: int = param("version of this format", minimum=1, maximum=1)
+    name: str = param("word that names results and bags")
+    title: str = param("one line for people")
+    duration_s: float = param(
+        "length of the run (s), a whole number of control periods", above=0.0, maximum=1e6
+    )
+    vehicles: tuple[VehicleEntry, ...] = param(
+        "the vehicles, or {count: N} with what all N have in common; their order gives the acoustic "
+        "addresses 1, 2, ..."
+    )
+    leaders: tuple[str, ...] = param(
+        "ids of the vehicles of a flock that know the path, or `all`", default=()
+    )
+    reference: Section | None = param("path to follow", default=None, plugins=REFERENCES)
+    agent: AgentSettings = param("what every vehicle's computer runs")
+    acoustics: Acoustics = param("the medium between the vehicles")
+    readings: tuple[Reading, ...] = param("path errors to report at instants of the run", default=())
+    environment: Environment = param("the water and its obstacles", default=Environment())
+    random_starts: RandomStarts | None = param("starts for vehicles without one", default=None)
+    seed: int = param("seed of every random number", default=1, minimum=0, maximum=2**31 - 1)
+    dt_s: float = param("physics step (s)", default=0.02, minimum=1e-5, maximum=10.0)
+    period_s: float = param(
+        "control period (s), a whole number of physics steps", default=0.1, minimum=1e-5, maximum=10.0
+    )
+    sampling: str = param(
+        "laws held over the control period, or evaluated in every integration stage",
+        default="sampled",
+        choices=("sampled", "continuous"),
+    )
+    on_vehicle_loss: str = param("when a vehicle is lost", default="stop", choices=("stop", "continue"))
+    command_max_age_s: float = param(
+        "age of a command after which a vehicle's actuators rest (s); never less than two control periods",
+        default=0.5,
+        above=0.0,
+    )
+    state_max_age_s: float = param(
+        "age of a vehicle's state after which its modem is silent (s); never less than two control periods",
+        default=0.5,
+        above=0.0,
+    )
+    answer_timeout_s: float = param(
+        "wall time without an answer after which a node is lost (s)", default=3.0, minimum=0.5, maximum=600.0
+    )
+
+    def __post_init__(self) -> None:
+        """Check what no single value shows; messages begin with the field."""
+        if not ID.match(self.name):
+            raise ValueError(f"name: {shown(self.name)} is not allowed; allowed: {ID_WORDS}")
+        if not self.title.isprintable():
+            raise ValueError(f"title: {shown(self.title)} is not allowed; allowed: one line of text")
+        substeps(self.period_s, self.dt_s)
+        ticks = self.duration_s / self.period_s
+        if round(ticks) < 1 or abs(ticks - round(ticks)) > 1e-6:
+            raise ValueError(
+                f"duration_s: {self.duration_s!r} is not allowed; allowed: a whole "
+                f"multiple of period_s = {self.period_s!r}"
+            )
+        check_scenario(self)
+
+    @property
+    def ticks(self) -> int:
+        """Number K of control periods."""
+        return round(self.duration_s / self.period_s)
+
+    def tick_times(self) -> NDArray[np.float64]:
+        """Return the scenario times of the ticks 0 ... K (s)."""
+        return np.arange(self.ticks + 1, dtype=np.float64) * self.period_s
+
+    @property
+    def hull_radius_m(self) -> float:
+        """Largest hull radius of the fleet (m)."""
+        return max(vehicle.model.params.hull_radius_m for vehicle in self.vehicles)
+
+    @property
+    def kinematic(self) -> bool:
+        """Whether the vehicles take velocity commands."""
+        return bool(find_plugin(MODELS, self.vehicles[0].model.kind).Model.command == "velocity")
+
+    @property
+    def medium_config(self) -> MediumConfig:
+        """Configuration of the acoustic medium."""
+        a = self.acoustics
+        return MediumConfig(
+            fleet_size=len(self.vehicles),
+            seed=self.seed,
+            period_s=self.period_s,
+            propagation=a.propagation,
+            modem=a.modem,
+            mac=a.mac,
+            outage=a.outage,
+            sonar=a.sonar,
+        )
+
+    def reference_of(self, index: int | None = None) -> Any | None:
+        """Return the path of a vehicle, or of the flock: a ``Reference`` of the plugin folder, or None."""
+        section = None if index is None else self.vehicles[index].reference
+        section = self.reference if section is None else section
+        return None if section is None else find_plugin(REFERENCES, section.kind).Reference(section.params)
+
+    @property
+    def follows(self) -> str:
+        """What the vehicles' controllers follow: velocity (of a flocking law), path or region."""
+        return str(find_plugin(CONTROLLERS, self.agent.controller.kind).Controller.follows)
+
+
+def load_scenario(
+    name_or_path: str,
+    *,
+    overrides: Sequence[str] = (),
+    seed: int | None = None,
+    duration_s: float | None = None,
+) -> Scenario:
+    """
+    Return a scenario, resolved: presets filled in and random starts drawn.
+
+    Parameters
+    ----------
+    name_or_path : str
+        Name of a built-in scenario, or path of a YAML file (anything with a slash or ending in .yaml or
+        .yml).
+    overrides : sequence of str
+        ``path.to.key=value``, the value in YAML; a number addresses an item of a list.
+    seed, duration_s : int, float
+        Override the keys of that name.
+
+    Raises
+    ------
+    ConfigError
+        With one line for the user.
+
+    """
+    return _with_starts(_undrawn(name_or_path, overrides, seed=seed, duration_s=duration_s))
+
+
+def load_for_seeds(
+    name_or_path: str, *, overrides: Sequence[str] = (), seeds: Iterable[int]
+) -> Iterator[Scenario]:
+    """
+    Yield what `load_scenario` returns for each of the seeds; the file is read once.
+
+    Raises
+    ------
+    ConfigError
+        With one line for the user; seeds are taken to be allowed.
+
+    """
+    undrawn = _undrawn(name_or_path, overrides)
+    for seed in seeds:
+        yield _with_starts(replace(undrawn, seed=seed))
+
+
+def scenario_to_json(scenario: Scenario) -> str:
+    """Return the scenario as JSON on one line, from which `scenario_from_json` makes an equal one."""
+    return json.dumps(dump(scenario), allow_nan=False)
+
+
+def scenario_from_json(text: str) -> Scenario:
+    """Return what `scenario_to_json` was given; raise ConfigError where its plugins are not here."""
+    return load(Scenario, json.loads(text), "scenario")
+
+
+def _undrawn(
+    name_or_path: str, overrides: Sequence[str], *, seed: int | None = None, duration_s: float | None = None
+) -> Scenario:
+    """Return the scenario with its random starts yet to be drawn."""
+    raw = read_raw(find_file(name_or_path))
+    for text in overrides:
+        override(raw, text)
+    if seed is not None:
+        raw["seed"] = seed
+    if duration_s is not None:
+        raw["duration_s"] = duration_s
+    return load(Scenario, with_presets(raw), "scenario")
+
+
+def list_scenarios() -> list[tuple[str, str]]:
+    """Return name and title of every built-in scenario, sorted by name."""
+    return sorted((path.stem, str(read_raw(path).get("title", ""))) for path in SCENARIOS_DIR.glob("*.yaml"))
+
+
+def scenario_to_yaml(scenario: Scenario) -> str:
+    """Return the scenario as YAML from which `load_scenario` makes an equal one."""
+    return to_yaml(dump(scenario))
+
+
+def _with_starts(scenario: Scenario) -> Scenario:
+    """Return the scenario with every start position given."""
+    starts = scenario.random_starts
+    if starts is None or all(vehicle.position_ned_m is not None for vehicle in scenario.vehicles):
+        return scenario
+    rng = np.random.default_rng(np.random.SeedSequence((scenario.seed, _STARTS_STREAM)))
+    taken = [vehicle.position_ned_m for vehicle in scenario.vehicles if vehicle.position_ned_m is not None]
+    vehicles = []
+    for vehicle in scenario.vehicles:
+        if vehicle.position_ned_m is None:
+            position = _draw_start(rng, starts, taken)
+            taken.append(position)
+            vehicle = replace(vehicle, position_ned_m=position)
+        vehicles.append(vehicle)
+    try:
+        return replace(scenario, vehicles=tuple(vehicles))
+    except ValueError as error:
+        raise ConfigError(f"scenario.{error}") from None
+
+
+def _draw_start(rng: np.random.Generator, starts: RandomStarts, taken: Sequence[Vec3]) -> Vec3:
+    for _ in range(_START_TRIES):
+        offset = rng.uniform(-starts.radius_m, starts.radius_m, 3)
+        x, y, z = (float(c + o) for c, o in zip(starts.centre_ned_m, offset, strict=True))
+        inside = math.hypot(*offset) <= starts.radius_m and z >= starts.depth_min_m
+        if inside and all(distance((x, y, z), other) >= starts.separation_m for other in taken):
+            return (x, y, z)
+    raise ConfigError(
+        f"scenario.random_starts: no room for {len(taken) + 1} vehicles; "
+        f"allowed: a larger radius_m ({starts.radius_m:g}), "
+        f"a smaller separation_m ({starts.separation_m:g}) or a smaller depth_min_m ({starts.depth_min_m:g})"
+    )

@@ -1,0 +1,228 @@
+"""`./scripts/sweep`: fly a study on all cores or on a cluster, and show what came of it."""
+
+from __future__ import annotations
+
+import argparse
+import fcntl
+import math
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from auv_core.cli.failures import DONE, FAILED, answered
+from auv_core.cli.one_line_parser import MOST_WORKERS, OneLineParser, fail, refusal, whole_number
+from auv_core.params import ConfigError
+from auv_experiment.results import FIGURES, ResultsError, make_folder
+from auv_experiment.sweeps.study import Study, list_studies, load_study
+
+if TYPE_CHECKING:
+    from auv_experiment.sweeps.patience import Patience
+    from auv_experiment.sweeps.runner import Fly
+
+_OUT = Path("results/sweeps")
+
+_HELP = """\
+Fly a study: a grid or a sample of scenarios, each with many seeds, in one process per
+run without ROS; on all cores of this machine, or on a Dask cluster that exists.
+"""
+
+_EPILOG = """\
+how it works:
+  Every run is resolved and checked before the first is flown. Each is kept as it ends:
+  a sweep that was ended in any way goes on where it was, by the same command. What is
+  kept is used until the scenario, a law, a model or a numerical package changes.
+  A run that fails does not stop the others, nor does a worker that dies or is stopped,
+  nor a run that never ends (see --limit-s). One sweep at a time flies into a folder.
+
+results:
+  DIR/runs.parquet    one row per run: parameters, seed, status, every metric
+  DIR/summary.csv     mean, confidence interval and range of every metric at every point
+  DIR/figures/*.png   the metrics that the study names, with confidence bands
+  DIR/index.html      figures and tables on one page that needs no other file
+  DIR/failures.txt    tracebacks of what failed; only if something did
+  DIR/parts/          finished runs, for the next call
+
+exit status:
+  0    done
+  1    a run failed (the table says which, and why), no worker could start, or the
+       cluster was lost
+  2    bad input; nothing was flown
+  3    a result cannot be written, as on a full disk; finished runs are kept
+  130  Ctrl-C; finished runs are kept, and the next call goes on from there
+
+examples:
+  ./scripts/sweep --list                        the studies that are here
+  ./scripts/sweep safety --check                how many runs it is; fly nothing
+  ./scripts/sweep safety                        on all cores
+  ./scripts/sweep my_study.yaml --scheduler tcp://10.0.0.5:8786
+  ./scripts/sweep --summarise results/sweeps/safety   page and figures again
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; return its exit status."""
+    return answered(lambda: _do(_parser().parse_args(arguments)), (ConfigError, ResultsError))
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(
+        prog="./scripts/sweep",
+        description=_HELP,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "study", nargs="?", metavar="STUDY", help="name of a built-in study, or path of a .yaml file"
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help=f"folder (default: {_OUT}/<name of the study>)"
+    )
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
+        "--workers",
+        type=partial(whole_number, most=MOST_WORKERS),
+        default=len(os.sched_getaffinity(0)),
+        metavar="N",
+        help="number of processes (default: one per processor, %(default)s)",
+    )
+    where.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="address (tcp://host:port) or scheduler file (*.json) of a Dask cluster to fly on",
+    )
+    parser.add_argument(
+        "--limit-s",
+        type=_seconds,
+        metavar="S",
+        help="end a run that takes longer (s), and count it as failed "
+        "(default: 20 times the median of the others, at least 300 s; a cluster has no limit)",
+    )
+    parser.add_argument("--fresh", action="store_true", help="fly everything again, also what is kept")
+    other = parser.add_mutually_exclusive_group()
+    other.add_argument("--list", action="store_true", help="list the built-in studies")
+    other.add_argument("--check", action="store_true", help="resolve and check every run; fly nothing")
+    other.add_argument(
+        "--summarise", type=Path, metavar="DIR", help="make page, figures and summary from DIR/runs.parquet"
+    )
+    return parser
+
+
+def _seconds(text: str) -> float:
+    allowed = "a number of seconds, at least 1"
+    try:
+        value = float(text)
+    except ValueError:
+        raise refusal(text, allowed) from None
+    if not 1.0 <= value < math.inf:
+        raise refusal(text, allowed)
+    return value
+
+
+def _do(options: argparse.Namespace) -> int:
+    if options.list:
+        for name, title in list_studies():
+            print(f"{name:<16} {title}")
+        return DONE
+    if options.summarise is not None:
+        return _summarise(options.summarise)
+    if options.study is None:
+        raise ConfigError(
+            f"study: missing; allowed: {', '.join(name for name, _ in list_studies())}, or a path"
+        )
+    return _sweep(load_study(options.study), options)
+
+
+def _sweep(study: Study, options: argparse.Namespace) -> int:
+    from auv_experiment.sweeps.plan import plan_runs
+
+    if options.scheduler and options.limit_s is not None:
+        raise ConfigError(
+            f"--limit-s {options.limit_s:g}: not allowed with --scheduler; allowed: for runs on this machine"
+        )
+    print(f"{study.name}: {study.title}\n{study.n_runs} runs to check", flush=True)
+    runs = plan_runs(study)
+    if options.check:
+        n_points = len(runs) // len(study.seeds)
+        print(f"all allowed: {n_points} points, {len(study.seeds)} seeds each; nothing was flown")
+        return DONE
+    from auv_core.cli.tally import Tally
+    from auv_core.machine.workers import WorkersError
+    from auv_experiment.sweeps.patience import Patience
+    from auv_experiment.sweeps.runner import run_sweep
+
+    folder = options.out or _OUT / study.name
+    make_folder(folder)
+    patience = Patience(options.limit_s)
+    try:
+        with _alone_in(folder), Tally("runs") as tally:
+            run_sweep(
+                study,
+                runs,
+                folder,
+                _way_to_fly(options, patience),
+                tally=tally,
+                is_fresh=options.fresh,
+                on_known=patience.note,
+            )
+    except WorkersError as error:
+        return fail(FAILED, f"{error}; finished runs are kept for the next call")
+    return _summarise(folder)
+
+
+@contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    """Hold a folder against other sweeps; the kernel lets it go if this process is killed."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        _lock(descriptor, folder)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _lock(descriptor: int, folder: Path) -> None:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise ResultsError(
+            f"--out {str(folder)!r}: another sweep is flying into it; allowed: a folder of its own"
+        ) from None
+    except OSError:  # a file system that locks no folders
+        return
+
+
+def _way_to_fly(options: argparse.Namespace, patience: Patience) -> Fly:
+    """Return what flies runs; Dask is loaded only for a cluster."""
+    from auv_experiment.sweeps.local import fly_here
+
+    if not options.scheduler:
+        return partial(fly_here, n_workers=options.workers, patience=patience)
+    from auv_experiment.sweeps.cluster import fly_there
+
+    return partial(fly_there, scheduler=options.scheduler)
+
+
+def _summarise(folder: Path) -> int:
+    from auv_experiment.sweeps.figures import write_figures
+    from auv_experiment.sweeps.page import failed_rows, write_page
+    from auv_experiment.sweeps.runner import FAILURES_FILE
+    from auv_experiment.sweeps.summary import shown_metrics_of, write_summary
+    from auv_experiment.sweeps.table import TABLE_FILE, read_table
+
+    table = read_table(folder)
+    metrics = shown_metrics_of(table)
+    write_summary(folder, table)
+    figures = write_figures(folder / FIGURES, table, metrics)
+    page = write_page(folder, table, metrics, figures)
+    print(f"table: {folder / TABLE_FILE}\npage:  {page}", flush=True)
+    if failed := len(failed_rows(table)):
+        return fail(FAILED, f"{failed} of {table.n_runs} runs failed; see {folder / FAILURES_FILE}")
+    return DONE
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,200 @@
+"""
+Figures of a sweep, drawn from its table alone: one per metric.
+
+Along a parameter of the grid: the mean at each of its values with its 95 % confidence band, a line for every
+value of the others. Along a drawn parameter: every run, and mean and band over as many runs each. Without
+parameters: the distribution over the seeds with its band.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+
+from auv_core.machine.whole_files import whole_file
+from auv_experiment.metrics.descriptions import Meaning, shown_metrics
+from auv_experiment.report.plotting import STYLE, colour, legend_below, marker, vehicle_style
+from auv_experiment.sweeps.confidence import Summary, distribution_band
+from auv_experiment.sweeps.study import is_number, value_text
+from auv_experiment.sweeps.summary import Group, groups_by, metric_of
+from auv_experiment.sweeps.table import PREFIX, SweepTable
+
+_SIZE_IN = (7.2, 3.6)
+_DPI = 130
+_BAND_OPACITY = 0.13
+_EDGE_OPACITY = 0.6
+_MAX_LINES = 12
+_RUNS_PER_MEAN = 8
+_MOST_MEANS = 10
+_LONGEST_LABEL = 28
+
+
+def write_figures(folder: Path, table: SweepTable, metrics: Sequence[str]) -> dict[str, Path]:
+    """Draw metrics; return the PNG files by metric, without those that no run has."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in folder.glob("*.png"):  # of an earlier call, perhaps of other metrics
+        path.unlink()
+    paths = {}
+    for name in metrics:
+        if any(value is not None for value in table.columns.get(name, ())):
+            with mpl.rc_context(STYLE):
+                canvas = Canvas(figsize=_SIZE_IN, layout="constrained")
+                draw_metric(canvas, table, name)
+                paths[name] = folder / f"{name}.png"
+                with whole_file(paths[name]) as unfinished:
+                    canvas.savefig(unfinished, dpi=_DPI, metadata={"Software": None})
+    return paths
+
+
+def draw_metric(canvas: Canvas, table: SweepTable, name: str) -> None:
+    """Draw one metric into an empty figure."""
+    axes = canvas.subplots()
+    axes.set_ylabel(axis_words(table, name))
+    x = axis_parameter(table)
+    if x is None:
+        _draw_distribution(axes, table, name)
+        return
+    lines = [group for group in groups_by(table, line_parameters(table)) if _has(table, name, group)]
+    is_drawn = table.study.sample is not None and x in table.study.sample.parameters
+    is_numeric = all(is_number(value) for value in table.columns[PREFIX + x])
+    for index, line in enumerate(lines[:_MAX_LINES]):
+        if is_drawn and is_numeric:
+            _draw_cloud(axes, table, name, x, line, index)
+        else:
+            _draw_means(axes, table, name, x, line, index, n_lines=len(lines[:_MAX_LINES]))
+    axes.set_xlabel(short_names(table)[x])
+    if not is_numeric:
+        values = _values_along(table, x)
+        axes.set_xticks(range(len(values)), [_label(value) for value in values])
+    if len(lines) > 1:
+        handles, labels = axes.get_legend_handles_labels()
+        legend_below(canvas, handles, labels)
+        if len(lines) > _MAX_LINES:
+            axes.set_title(f"the first {_MAX_LINES} of {len(lines)} lines; the summary has all")
+
+
+def axis_parameter(table: SweepTable) -> str | None:
+    """Return the parameter along the axis: the study's choice, else the first that is there."""
+    return table.study.x or next(iter(table.study.parameters), None)
+
+
+def line_parameters(table: SweepTable) -> tuple[str, ...]:
+    """Return the parameters whose values tell lines apart; the runs are pooled over all others."""
+    if table.study.by is not None:
+        return (table.study.by,)
+    return tuple(path for path in table.study.grid or {} if path != axis_parameter(table))
+
+
+def short_names(table: SweepTable) -> dict[str, str]:
+    """Return each parameter's last word, or its whole path where two end in one word."""
+    paths = table.study.parameters
+    last = [path.rpartition(".")[2] for path in paths]
+    return {path: word if last.count(word) == 1 else path for path, word in zip(paths, last, strict=True)}
+
+
+def meaning_of(name: str) -> Meaning:
+    """Return unit and words of a metric."""
+    ((_, meaning),) = shown_metrics({name: None})
+    return meaning
+
+
+def axis_words(table: SweepTable, name: str) -> str:
+    """Return a metric as an axis names it: a share where it is true or false."""
+    unit = meaning_of(name).unit
+    words = name.removesuffix(f"_{unit}").replace("_", " ") + (f" ({unit})" if unit else "")
+    return f"share of runs: {words}" if _is_share(table, name) else words
+
+
+def group_label(table: SweepTable, group: Group) -> str:
+    """Return the values that make a group, in short."""
+    short = short_names(table)
+    return ", ".join(f"{short[path]} {_label(value)}" for path, value in group.values.items()) or "all runs"
+
+
+def _has(table: SweepTable, name: str, group: Group) -> bool:
+    return metric_of(table, name, group).n > 0
+
+
+def _is_share(table: SweepTable, name: str) -> bool:
+    return any(isinstance(value, bool) for value in table.columns[name])
+
+
+def _values_along(table: SweepTable, path: str) -> list[Any]:
+    return list(dict.fromkeys(table.columns[PREFIX + path]))
+
+
+def _draw_means(
+    axes: Any, table: SweepTable, name: str, x: str, line: Group, index: int, *, n_lines: int
+) -> None:
+    """Draw mean and band at each value of a parameter; values that are no numbers stand side by side."""
+    values = _values_along(table, x)
+    is_numeric = all(is_number(value) for value in values)
+    found: list[tuple[float, Summary]] = []
+    for place, value in enumerate(values):
+        rows = tuple(row for row in line.rows if table.columns[PREFIX + x][row] == value)
+        summary = metric_of(table, name, Group({x: value}, rows))
+        if summary.n:
+            beside = 0.0 if is_numeric else 0.5 * ((index + 0.5) / n_lines - 0.5)
+            found.append((float(value) if is_numeric else place + beside, summary))
+    found.sort(key=lambda pair: pair[0])
+    if is_numeric:
+        _draw_band(axes, found, group_label(table, line), index)
+        return
+    places, summaries = zip(*found, strict=True)
+    means = np.array([summary.mean for summary in summaries], dtype=np.float64)
+    bounds = np.array([_bounds(summary) for summary in summaries])
+    style = {"color": colour(index), "marker": marker(index), "linestyle": "none", "capsize": 3.0}
+    axes.errorbar(places, means, np.abs(bounds.T - means), label=group_label(table, line), **style)
+
+
+def _draw_band(axes: Any, found: Sequence[tuple[float, Summary]], label: str, index: int) -> None:
+    places = np.array([place for place, _ in found])
+    means = np.array([summary.mean for _, summary in found], dtype=np.float64)
+    bounds = np.array([_bounds(summary) for _, summary in found])
+    axes.fill_between(places, *bounds.T, color=colour(index), alpha=_BAND_OPACITY, linewidth=0.0)
+    axes.plot(places, bounds, alpha=_EDGE_OPACITY, linewidth=0.7, **vehicle_style(index))
+    axes.plot(places, means, marker=marker(index), label=label, **vehicle_style(index))
+
+
+def _bounds(summary: Summary) -> tuple[float, float]:
+    """Return the interval, none wider than the mean itself where there is none."""
+    mean = float("nan") if summary.mean is None else summary.mean
+    return (mean if summary.low is None else summary.low, mean if summary.high is None else summary.high)
+
+
+def _draw_cloud(axes: Any, table: SweepTable, name: str, x: str, line: Group, index: int) -> None:
+    """Draw every run, and mean and band over neighbours along the axis, as many runs each."""
+    along = table.columns[PREFIX + x]
+    rows = sorted((row for row in line.rows if table.columns[name][row] is not None), key=along.__getitem__)
+    heights = [float(table.columns[name][row]) for row in rows]
+    axes.plot([along[row] for row in rows], heights, ".", color=colour(index), alpha=0.35, markersize=3.5)
+    n_means = int(np.clip(len(rows) // _RUNS_PER_MEAN, 1, _MOST_MEANS))
+    edges = np.linspace(0, len(rows), n_means + 1).round().astype(int)
+    found = []
+    for first, last in pairwise(edges.tolist()):
+        part = tuple(rows[first:last])
+        place = float(np.mean([along[row] for row in part]))
+        found.append((place, metric_of(table, name, Group({}, part))))
+    _draw_band(axes, found, group_label(table, line), index)
+
+
+def _draw_distribution(axes: Any, table: SweepTable, name: str) -> None:
+    """Draw the share of runs below each value, with its band."""
+    values = np.sort(np.array([v for v in table.columns[name] if v is not None], dtype=np.float64))
+    share = np.arange(1, len(values) + 1) / len(values)
+    half = distribution_band(len(values))
+    band = np.clip(share - half, 0.0, 1.0), np.clip(share + half, 0.0, 1.0)
+    axes.fill_between(values, *band, step="post", color=colour(1), alpha=_BAND_OPACITY, linewidth=0.0)
+    axes.step(values, share, where="post", color=colour(1))
+    axes.set(xlabel=axis_words(table, name), ylabel="share of runs that are not above", ylim=(0.0, 1.02))
+
+
+def _label(value: Any) -> str:
+    text = f"{value:g}" if is_number(value) else value if isinstance(value, str) else value_text(value)
+    return text if len(text) <= _LONGEST_LABEL else text[: _LONGEST_LABEL - 1] + "…"

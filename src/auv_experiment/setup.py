@@ -1,0 +1,28 @@
+"""Build and installation of auv_experiment."""
+
+from setuptools import find_packages, setup
+
+package_name = "auv_experiment"
+
+setup(
+    name=package_name,
+    version="0.1.0",
+    packages=find_packages(include=[package_name, f"{package_name}.*"]),
+    package_data={package_name: ["scenario/*.yaml", "sweeps/*.yaml"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
+        (f"share/{package_name}", ["package.xml"]),
+    ],
+    install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
+    zip_safe=False,
+    maintainer="The Shoal authors",
+    maintainer_email="shoal@example.org",
+    description="Experiments of Shoal: scenarios, runs in one process, metrics, reports, sweeps",
+    license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "sweep = auv_experiment.sweeps.cli:main",
+        ],
+    },
+)

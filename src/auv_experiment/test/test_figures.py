@@ -1,0 +1,174 @@
+"""Figures: drawn where data exist, skipped where not, and no extreme lost in thinning."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from auv_control.references import circle
+from auv_experiment.recording import Recording
+from auv_experiment.report.flock import Figure, draw_figures
+from auv_experiment.report.plotting import round_step, thin_indices, wilson_interval
+
+ALL = [
+    "plan",
+    "space",
+    "pair_distances",
+    "path_error",
+    "consensus_error",
+    "speed",
+]
+STATE_ONLY = ["plan", "space", "pair_distances", "path_error"]
+
+
+def make_scenario(name: str = "circling", *, with_obstacles: bool = True) -> Any:
+    obstacle = SimpleNamespace(position_ned_m=(8.0, 5.0, 10.0), safety_distance_m=2.0)
+    return SimpleNamespace(
+        name=name,
+        leaders=("auv_1",),
+        hull_radius_m=0.3,
+        follows="velocity",
+        reference_of=lambda: circle.Reference(circle.Params()),
+        environment=SimpleNamespace(obstacles=(obstacle,) if with_obstacles else ()),
+        agent=SimpleNamespace(flocking=SimpleNamespace(params=SimpleNamespace(spacing_m=2.0))),
+    )
+
+
+def circling_flock(
+    duration_s: float = 200.0, period_s: float = 0.5, n: int = 4, *, thinks: bool = True
+) -> Recording:
+    """Vehicles that converge on places around a point of the path, with noise."""
+    rng = np.random.default_rng(3)
+    n_ticks = round(duration_s / period_s)
+    recording = Recording.empty([f"auv_{i + 1}" for i in range(n)], period_s * np.arange(n_ticks + 1))
+    t_s = recording.t_s[:, np.newaxis, np.newaxis]
+    path = np.concatenate([10.0 * np.sin(0.01 * t_s), 10.0 * np.cos(0.01 * t_s), 10.0 + 0.0 * t_s], axis=-1)
+    place = rng.normal(size=(n, 3))
+    place *= 1.2 / np.linalg.norm(place, axis=-1, keepdims=True)
+    recording.position_ned_m[:] = path + place * (1.0 + 5.0 * np.exp(-t_s / 10.0))
+    recording.attitude_quat_wxyz[:] = (1.0, 0.0, 0.0, 0.0)
+    if not thinks:
+        return recording
+    recording.velocity_body[:] = rng.normal(0.1, 0.01, recording.velocity_body.shape)
+    recording.reference_velocity_ned_mps[:] = rng.normal(
+        0.1, 0.01, recording.reference_velocity_ned_mps.shape
+    )
+    truth = recording.position_ned_m[:-1]
+    recording.centre_ned_m[:] = truth.mean(axis=1, keepdims=True) + rng.normal(0.0, 0.05, truth.shape)
+    return recording
+
+
+def png_size(path: Path) -> tuple[int, int]:
+    content = path.read_bytes()
+    assert content[:8] == b"\x89PNG\r\n\x1a\n"
+    assert content[-8:-4] == b"IEND"
+    width, height = struct.unpack(">II", content[16:24])
+    return width, height
+
+
+def names(figures: list[Figure]) -> list[str]:
+    return [figure.path.stem for figure in figures]
+
+
+def test_every_figure_is_a_png_of_sane_size_with_words(tmp_path: Path) -> None:
+    figures = draw_figures(circling_flock(), make_scenario(), tmp_path / "figures")
+    assert names(figures) == ALL
+    assert sorted(path.stem for path in (tmp_path / "figures").iterdir()) == sorted(ALL)
+    for figure in figures:
+        width, height = png_size(figure.path)
+        assert 900 <= width <= 1400
+        assert 500 <= height <= 1400
+        assert 10_000 < figure.path.stat().st_size < 1_000_000
+        assert figure.title
+        assert len(figure.caption) > 40
+
+
+def test_a_figure_whose_data_do_not_exist_is_skipped(tmp_path: Path) -> None:
+    figures = draw_figures(circling_flock(thinks=False), make_scenario(with_obstacles=False), tmp_path)
+    assert names(figures) == STATE_ONLY
+    assert sorted(path.stem for path in tmp_path.iterdir()) == sorted(STATE_ONLY)
+
+
+def test_a_recording_of_nothing_gives_no_figure(tmp_path: Path) -> None:
+    recording = Recording.empty(["auv_1", "auv_2"], np.arange(10.0))
+    assert draw_figures(recording, make_scenario(), tmp_path) == []
+
+
+def test_one_vehicle_alone(tmp_path: Path) -> None:
+    figures = draw_figures(circling_flock(n=1), make_scenario(), tmp_path)
+    assert "pair_distances" not in names(figures)
+    assert "plan" in names(figures)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("n_ticks", [1, 3])
+def test_the_shortest_runs(tmp_path: Path, n_ticks: int) -> None:
+    figures = draw_figures(circling_flock(0.1 * n_ticks, 0.1), make_scenario(), tmp_path)
+    assert set(names(figures)) >= set(STATE_ONLY)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_lost_vehicle_and_missing_states_draw_without_complaint(tmp_path: Path) -> None:
+    recording = circling_flock()
+    recording.lost_at_s[1] = 80.0
+    recording.position_ned_m[50:60, 2] = np.nan
+    recording.attitude_quat_wxyz[300:, 3] = np.nan
+    assert names(draw_figures(recording, make_scenario(), tmp_path)) == ALL
+
+
+def test_twelve_vehicles_are_too_many_for_single_lines(tmp_path: Path) -> None:
+    figures = draw_figures(circling_flock(60.0, n=12), make_scenario(), tmp_path)
+    assert names(figures) == ALL
+
+
+def test_the_thesis_figure_number_is_in_the_title(tmp_path: Path) -> None:
+    figures = draw_figures(circling_flock(20.0, thinks=False), make_scenario("ch5_one_leader"), tmp_path)
+    titles = {figure.path.stem: figure.title for figure in figures}
+    assert titles["plan"].endswith("(thesis Fig. 5.7 (b))")
+    assert titles["pair_distances"].endswith("(thesis Fig. 5.8)")
+    assert "thesis" not in titles["path_error"]
+
+
+def test_equal_runs_give_equal_files(tmp_path: Path) -> None:
+    first = draw_figures(circling_flock(20.0, thinks=False), make_scenario(), tmp_path / "a")
+    second = draw_figures(circling_flock(20.0, thinks=False), make_scenario(), tmp_path / "b")
+    assert [f.path.read_bytes() for f in first] == [f.path.read_bytes() for f in second]
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    values=hnp.arrays(
+        np.float64, st.integers(1, 3000), elements=st.floats(-1e6, 1e6) | st.just(float("nan"))
+    ),
+    n_columns=st.integers(1, 100),
+)
+def test_thinning_keeps_both_ends_and_every_extreme(values: np.ndarray, n_columns: int) -> None:
+    shown = thin_indices(values, n_columns)
+    assert len(shown) <= 2 * n_columns + 2
+    assert shown[0] == 0
+    assert shown[-1] == len(values) - 1
+    assert (np.diff(shown) > 0).all()
+    if np.isfinite(values).any():
+        assert np.nanmin(values[shown]) == np.nanmin(values)
+        assert np.nanmax(values[shown]) == np.nanmax(values)
+
+
+def test_wilson_interval_as_printed_in_textbooks() -> None:
+    low, high = wilson_interval(np.array([0, 10, 80]), np.array([10, 10, 100]))
+    np.testing.assert_allclose(low, [0.0, 0.7225, 0.7112], atol=1e-4)
+    np.testing.assert_allclose(high, [0.2775, 1.0, 0.8666], atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("value", "step"), [(108.3, 100.0), (3.3, 2.0), (0.07, 0.05), (50.0, 50.0), (0.0, 1.0)]
+)
+def test_round_steps(value: float, step: float) -> None:
+    assert round_step(value) == pytest.approx(step)

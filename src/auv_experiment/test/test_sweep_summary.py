@@ -1,0 +1,285 @@
+"""Claims about what a sweep shows: known confidence intervals, and a page whose numbers are the table's."""
+
+import csv
+import json
+import math
+import shutil
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from full_disk import files_of_at_most
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from auv_experiment.results import ResultsError
+from auv_experiment.sweeps import cli
+from auv_experiment.sweeps import table as sweep_table
+from auv_experiment.sweeps.confidence import distribution_band, summarise
+from auv_experiment.sweeps.plan import PlannedRun
+from auv_experiment.sweeps.study import study_from_plain
+from auv_experiment.sweeps.table import read_table, write_table
+from auv_experiment.sweeps.worker import Finished
+
+PLAIN = {
+    "schema": 1,
+    "name": "made_up",
+    "title": "Made <up>",
+    "scenario": "flock_modem",
+    "grid": {"a.slot_s": [1, 2], "b.kind": ["x", None]},
+    "seeds": [1, 2, 3],
+    "metrics": ["pair_distance_min_m", "collision"],
+}
+
+
+def made_up(**changes):
+    """Return a study and its rows: the metric is 10 slot + seed, and one run failed."""
+    study = study_from_plain({**PLAIN, **changes})
+    rows = []
+    for slot in (1, 2):
+        for kind in ("x", None):
+            for seed in (1, 2, 3):
+                run = PlannedRun(
+                    len(rows), {"a.slot_s": slot, "b.kind": kind}, seed, f"k{len(rows)}", 1.0, ""
+                )
+                metrics = {"pair_distance_min_m": 10.0 * slot + seed, "collision": seed == 3}
+                rows.append((run, Finished(metrics, wall_s=1.0, cpu_s=1.0)))
+    rows[-1] = (rows[-1][0], Finished({}, "ValueError: it <sank>", "Traceback\n"))
+    return study, rows
+
+
+def test_the_interval_of_a_mean_is_students():
+    summary = summarise([1.0, 2.0, 3.0, None])
+    half = 4.302652729911275 / math.sqrt(3)  # t of 0.975 with 2 degrees of freedom
+    assert (summary.n, summary.mean) == (3, 2.0)
+    assert (summary.low, summary.high) == pytest.approx((2.0 - half, 2.0 + half))
+    assert (summary.smallest, summary.median, summary.largest) == (1.0, 2.0, 3.0)
+
+
+def test_the_interval_of_a_share_is_wilsons():
+    summary = summarise([True] + [False] * 9)
+    assert (summary.mean, summary.low, summary.high) == pytest.approx((0.1, 0.01788, 0.40415), abs=1e-5)
+
+
+def test_no_collision_in_few_runs_does_not_mean_none():
+    assert summarise([False] * 20).high == pytest.approx(0.1611, abs=1e-4)
+
+
+def test_one_run_has_no_interval_and_none_has_no_mean():
+    assert (summarise([4.0]).mean, summarise([4.0]).low) == (4.0, None)
+    assert (summarise([None]).n, summarise([None]).mean) == (0, None)
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=2, max_size=9))
+def test_an_interval_holds_the_mean_and_that_of_a_share_lies_between_0_and_1(values):
+    summary = summarise(values, is_share=True)
+    assert 0.0 <= summary.low <= summary.mean + 1e-12
+    assert summary.mean - 1e-12 <= summary.high <= 1.0
+
+
+def test_students_interval_covers_as_often_as_it_says():
+    rng = np.random.default_rng(1)
+    summaries = [summarise(rng.normal(5.0, 2.0, 6).tolist()) for _ in range(2000)]
+    assert np.mean([s.low <= 5.0 <= s.high for s in summaries]) == pytest.approx(0.95, abs=0.015)
+
+
+def test_the_band_of_a_distribution_is_dvoretzky_kiefer_wolfowitz():
+    assert distribution_band(100) == pytest.approx(0.13581, abs=1e-5)
+
+
+def test_a_table_comes_back_with_its_study(tmp_path):
+    study, rows = made_up()
+    write_table(tmp_path, study, rows, {"Python": "3"})
+    table = read_table(tmp_path)
+    assert (table.study, table.making, table.n_runs) == (study, {"Python": "3"}, 12)
+    assert table.metrics == ["pair_distance_min_m", "collision"]
+    assert table.columns["scenario.b.kind"][:6] == ["x"] * 3 + [None] * 3
+    assert table.columns["pair_distance_min_m"][-1] is None
+    assert table.columns["status"][-2:] == ["done", "failed"]
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    """Return the bytes of a table, what is in it, and a folder to put others into."""
+    folder = tmp_path_factory.mktemp("table")
+    study, rows = made_up()
+    return write_table(folder, study, rows, {"Python": "3"}).read_bytes(), read_table(folder), folder
+
+
+@settings(deadline=None)
+@given(st.data())
+def test_a_flipped_bit_is_found_or_changes_nothing(good, data):
+    whole, expected, folder = good
+    place = data.draw(st.integers(0, 8 * len(whole) - 1))
+    changed = bytearray(whole)
+    changed[place // 8] ^= 1 << place % 8
+    (folder / "runs.parquet").write_bytes(changed)
+    try:
+        found = read_table(folder)
+    except ResultsError:
+        return
+    assert (found.study, found.making, found.columns) == (expected.study, expected.making, expected.columns)
+
+
+def rewritten(folder, change):
+    """Write the table again after a change of it, with a checksum that holds."""
+    study, rows = made_up()
+    table = pq.read_table(write_table(folder, study, rows, {"Python": "3"}))
+    about = json.loads(table.schema.metadata[b"shoal"])
+    del about["checksum"]
+    table = change(table, about)
+    about["checksum"] = sweep_table._checksum(table, about)
+    table = table.replace_schema_metadata({b"shoal": json.dumps(about).encode()})
+    pq.write_table(table, folder / "runs.parquet")
+
+
+def with_column(name, values):
+    def change(table, about):
+        return table.drop_columns([name] if name in table.column_names else []).append_column(name, [values])
+
+    return change
+
+
+def with_about(**changes):
+    def change(table, about):
+        about.update(changes)
+        return table
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (with_column("seed", ["one"] * 12), "column seed: string is not its type"),
+        (with_column("error", [None] * 12), "column error: null is not its type"),
+        (with_column("key", ["a"] * 11 + [None]), "column key: a value is missing"),
+        (with_column("status", ["fine"] * 12), "column status: 'fine' is not a status"),
+        (with_column("cpu_s", ["long"] * 12), "column cpu_s: string is not its type"),
+        (with_column("collision", [[1]] * 12), "column collision: list<element: int64> is not a number"),
+        (with_column("../collision", [1] * 12), "column '../collision': not the name of a metric"),
+        (lambda table, about: table.drop_columns(["scenario.b.kind"]), "column scenario.b.kind: missing"),
+        (lambda table, about: table.slice(0, 0), "no rows"),
+        (with_about(texts=["a.slot_s"]), "JSON"),
+        (with_about(texts=7), "TypeError"),
+        (with_about(making={"Python": 3}), "making: not words by name"),
+        (with_about(study={}), "ConfigError"),
+    ],
+)
+def test_a_table_of_wrong_types_is_refused_in_one_line(tmp_path, capsys, change, words):
+    rewritten(tmp_path, change)
+    assert cli.main(["--summarise", str(tmp_path)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"error: {tmp_path / 'runs.parquet'}: not the table of a sweep (")
+    assert words in line
+
+
+@pytest.mark.parametrize(
+    ("n", "word", "words"),
+    [(200_000, "a", "200000 rows; allowed: up to 100000"), (2000, "a" * 20_000, "it unpacks to more than")],
+)
+def test_a_small_file_that_unpacks_to_much_is_refused(tmp_path, monkeypatch, n, word, words):
+    monkeypatch.setattr(sweep_table, "_MOST_BYTES", 1 << 24)
+    pq.write_table(pa.table({"error": [word] * n}), tmp_path / "runs.parquet")
+    assert (tmp_path / "runs.parquet").stat().st_size < 1 << 20
+    with pytest.raises(ResultsError, match=words):
+        read_table(tmp_path)
+
+
+def test_a_table_of_an_earlier_version_has_no_checksum_and_is_read(tmp_path):
+    study, rows = made_up()
+    table = pq.read_table(write_table(tmp_path, study, rows, {}))
+    about = json.loads(table.schema.metadata[b"shoal"])
+    del about["checksum"]
+    pq.write_table(
+        table.replace_schema_metadata({b"shoal": json.dumps(about).encode()}), tmp_path / "runs.parquet"
+    )
+    assert read_table(tmp_path).n_runs == 12
+
+
+def test_numbers_whole_or_not_are_one_column_and_mixed_values_are_text(tmp_path):
+    study, rows = made_up(grid={"a.slot_s": [1, 2.5], "b.kind": ["x", {"kind": "y"}]})
+    for row, (run, _) in enumerate(rows):
+        run.parameters.update({"a.slot_s": (1, 2.5)[row // 6], "b.kind": ("x", {"kind": "y"})[row // 3 % 2]})
+    schema = pq.read_schema(write_table(tmp_path, study, rows, {}))
+    assert str(schema.field("scenario.a.slot_s").type) == "double"
+    table = read_table(tmp_path)
+    assert set(table.columns["scenario.b.kind"]) == {'"x"', '{"kind": "y"}'}
+    assert [table.parameters(row) for row in range(12)] == [run.parameters for run, _ in rows]
+
+
+def summarised(folder, capsys, **changes):
+    study, rows = made_up(**changes)
+    write_table(folder, study, rows, {"Python": "3"})
+    status = cli.main(["--summarise", str(folder)])
+    return status, capsys.readouterr().err
+
+
+def test_the_summary_has_each_metric_at_each_point(tmp_path, capsys):
+    summarised(tmp_path, capsys)
+    rows = list(csv.DictReader((tmp_path / "summary.csv").open()))
+    assert len(rows) == 4 * 2
+    last = [row for row in rows if row["metric"] == "pair_distance_min_m"][-1]
+    assert (last["scenario.a.slot_s"], last["scenario.b.kind"]) == ("2", "")
+    assert (last["runs"], last["failed"], last["n"], last["mean"]) == ("3", "1", "2", "21.5")
+
+
+def test_a_failed_run_is_told_with_its_command_and_by_the_exit_status(tmp_path, capsys):
+    status, error = summarised(tmp_path, capsys)
+    assert status == 1
+    assert error == f"error: 1 of 12 runs failed; see {tmp_path / 'failures.txt'}\n"
+    page = (tmp_path / "index.html").read_text()
+    assert "--seed 3 --set a.slot_s=2 --set b.kind=null --mode inprocess" in page
+    assert "ValueError: it &lt;sank&gt;" in page
+
+
+def test_a_full_disk_ends_the_showing_in_one_line_and_leaves_nothing_half_written(tmp_path, capsys):
+    study, rows = made_up()
+    write_table(tmp_path, study, rows, {"Python": "3"})
+    with files_of_at_most(2000):
+        assert cli.main(["--summarise", str(tmp_path)]) == 3
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line == f"error: cannot write {tmp_path / 'figures/pair_distance_min_m.png'}: File too large"
+    assert sorted(path.name for path in tmp_path.rglob("*.*")) == ["runs.parquet", "summary.csv"]
+
+
+def test_the_page_needs_no_other_file_and_the_table_makes_it_again(tmp_path, capsys):
+    summarised(tmp_path, capsys)
+    first = (tmp_path / "index.html").read_text()
+    assert "http" not in first.replace("http-equiv", "")
+    assert first.count("data:image/png;base64,") == 2
+    assert "Made &lt;up&gt;" in first
+    other = tmp_path / "other"
+    other.mkdir()
+    shutil.copy(tmp_path / "runs.parquet", other)
+    cli.main(["--summarise", str(other)])
+    assert (other / "index.html").read_text() == first
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"x": "b.kind"},
+        {"by": "b.kind"},
+        {
+            "grid": None,
+            "sample": {
+                "count": 4,
+                "parameters": {"a.slot_s": {"integers": [1, 2]}, "b.kind": {"choice": ["x", None]}},
+            },
+        },
+    ],
+    ids=["words along the axis", "lines by one parameter", "a sample"],
+)
+def test_every_kind_of_study_is_drawn(changes, tmp_path, capsys):
+    summarised(tmp_path, capsys, **changes)
+    assert {path.stem for path in (tmp_path / "figures").iterdir()} == {"pair_distance_min_m", "collision"}
+
+
+def test_a_folder_without_a_table_is_refused_in_one_line(tmp_path, capsys):
+    assert cli.main(["--summarise", str(tmp_path)]) == 2
+    assert "cannot be read" in capsys.readouterr().err
+    (tmp_path / "runs.parquet").write_text("no table")
+    assert cli.main(["--summarise", str(tmp_path)]) == 2
+    assert "not the table of a sweep" in capsys.readouterr().err

@@ -1,0 +1,244 @@
+"""
+The correction of `communication_aware` in numbers: cohesion, repulsion by age and uncertainty, the barrier.
+
+Symbols, reasons and sources stand in that module; this is its arithmetic, for one vehicle and all that it
+knows of, in a form that also compiles.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_core.compiled import entry, inner
+from auv_core.geometry import Vec3, limited
+from auv_flocking.central import Numbers, along, no_strength
+from auv_flocking.flocking._half_spaces import into_half_spaces
+from auv_flocking.neighbours.estimates import (
+    AGE,
+    COVARIANCE,
+    FLOCK_STAMP,
+    NAVIGATION_SD,
+    POSITION,
+    SONAR_AGE,
+    VELOCITY,
+)
+
+Matrix = NDArray[np.float64]
+Gains = tuple[float, ...]
+"""
+d, k_c, phi, u_max, l, k_s, m, k_v, whether there is a barrier, D, alpha, k_b, the hull's lag, and k_n.
+"""
+Outlook = tuple[float, float, float, float, float, float, float, float]
+"""
+Direction from the neighbour (3), distance (m), age (s), its deviation sigma_j (m), d_j (m), gain g_j.
+"""
+SPACING = 6
+
+strength = obstacle_strength = no_strength
+
+_NO_DIRECTION_M = 1e-9
+_NO_AGE_S = 1e-3
+
+
+@inner
+def matched(lag_budget_rad: float, age_s: float) -> float:
+    """Return the factor that brings a gain down to what information of this age allows."""
+    return min(1.0, lag_budget_rad / max(age_s, _NO_AGE_S))
+
+
+@entry("float64(float64[:, ::1], int64[::1], float64[::1], float64, float64)", allocates=False)
+def remember_ages(
+    rows: Matrix, addresses: NDArray[np.int64], usual_s: Matrix, running_s: float, share: float
+) -> float:
+    """
+    Move what the ages of packets usually are on by one period; return the sum of the ages that count (s).
+
+    Parameters
+    ----------
+    rows, addresses : (n, WIDTH), (n,) array
+        The neighbours.
+    usual_s : (256,) array
+        What the age of the packets has been of late, by address (s); negative before the first. Changed.
+    running_s : float
+        How long nothing was heard of somebody new (s).
+    share : float
+        Weight of the age of now.
+
+    """
+    total_s = 0.0
+    for k in range(len(rows)):
+        address, age_s = addresses[k], float(rows[k, AGE])
+        before_s = float(usual_s[address])
+        if before_s < 0.0:
+            before_s = running_s
+        now_s = before_s + share * (age_s - before_s)
+        usual_s[address] = now_s
+        total_s += max(age_s, now_s)
+    return total_s
+
+
+@entry("int64(float64[:, ::1], float64)", allocates=False)
+def newer_stamp(rows: Matrix, stamp_s: float) -> int:
+    """Return whose flock velocity is the newest of those stamped later than `stamp_s` (s); -1: nobody's."""
+    newest, newest_s = -1, stamp_s
+    for k in range(len(rows)):
+        if rows[k, FLOCK_STAMP] > newest_s:
+            newest, newest_s = k, float(rows[k, FLOCK_STAMP])
+    return newest
+
+
+@inner
+def _direction(own: Vec3, other: Vec3) -> tuple[Vec3, float]:
+    """Return the unit vector from `other` to `own`, and the distance (m); up where there is no direction."""
+    x, y, z = own[0] - other[0], own[1] - other[1], own[2] - other[2]
+    distance_m = math.sqrt(x * x + y * y + z * z)
+    if distance_m < _NO_DIRECTION_M:
+        return (0.0, 0.0, -1.0), distance_m
+    return (x / distance_m, y / distance_m, z / distance_m), distance_m
+
+
+@inner
+def _believed_m2(row: Matrix, normal: Vec3) -> float:
+    """Return how uncertain the distance to a neighbour is by its filter, a variance (m^2)."""
+    nx, ny, nz = normal
+    xx, xy, xz = float(row[COVARIANCE]), float(row[COVARIANCE + 1]), float(row[COVARIANCE + 2])
+    yy, yz, zz = float(row[COVARIANCE + 7]), float(row[COVARIANCE + 8]), float(row[COVARIANCE + 14])
+    variance_m2 = (
+        nx * nx * xx + ny * ny * yy + nz * nz * zz + 2.0 * (nx * ny * xy + nx * nz * xz + ny * nz * yz)
+    )
+    return max(variance_m2, 0.0)
+
+
+@inner
+def outlook(row: Matrix, usual_s: float, own: Vec3, flock: Vec3, gains: Gains) -> Outlook:
+    """
+    Return what an estimate means for the own vehicle.
+
+    Parameters
+    ----------
+    row : (WIDTH,) array
+        The estimate.
+    usual_s : float
+        What the age of its packets has been of late (s).
+    own, flock : (3,) tuple
+        Own position (m) and the flock's velocity (m/s; NED).
+    gains : (14,) tuple
+        The law's numbers.
+
+    """
+    d, _, phi, _, _, k_s, m, k_v, _, _, _, _, response_s, k_n = gains
+    other = (float(row[POSITION]), float(row[POSITION + 1]), float(row[POSITION + 2]))
+    packet_s, sonar_s = float(row[AGE]), float(row[SONAR_AGE])
+    age_s = min(packet_s, sonar_s)
+    normal, distance_m = _direction(own, other)
+    vx, vy, vz = (
+        float(row[VELOCITY]) - flock[0],
+        float(row[VELOCITY + 1]) - flock[1],
+        float(row[VELOCITY + 2]) - flock[2],
+    )
+    believed_m2 = _believed_m2(row, normal)
+    moved_m = k_v * age_s * math.sqrt(vx * vx + vy * vy + vz * vz)
+    sigma_m = math.sqrt(believed_m2 + moved_m * moved_m)
+    lasting_m = min(math.sqrt(believed_m2), float(row[NAVIGATION_SD]))
+    # Gains go by what ages usually are; what the sonar sees is as old as the hull's own lag.
+    gain_age_s = max(sonar_s, response_s) if sonar_s < packet_s else max(packet_s, usual_s)
+    spacing_m = d + min(k_s * sigma_m + k_n * lasting_m, m)
+    return (
+        normal[0], normal[1], normal[2], distance_m, age_s, sigma_m, spacing_m, matched(phi, gain_age_s),
+    )  # fmt: skip
+
+
+@inner
+def _neighbour_bound(view: Outlook, limit_mps: float, gains: Gains) -> float:
+    """Return the least velocity along the direction from a neighbour (m/s), in the flock's frame."""
+    _, _, _, _, _, _, m, _, _, keep_m, alpha, k_b, _, _ = gains
+    _, _, _, distance_m, age_s, sigma_m, _, _ = view
+    rate_ps = 0.5 * min(alpha, 1.0 / max(age_s, _NO_AGE_S))
+    return min(-rate_ps * (distance_m - keep_m - min(k_b * sigma_m, m)), limit_mps)
+
+
+@inner
+def _obstacle_bound(normal: Vec3, distance_m: float, safety_m: float, flock: Vec3, gains: Gains) -> float:
+    """Return the same for an obstacle: it does not move with the flock, and all of the way is ours."""
+    d, _, _, u_max, _, _, _, _, _, keep_m, alpha, _, _, _ = gains
+    flock_mps = normal[0] * flock[0] + normal[1] * flock[1] + normal[2] * flock[2]
+    return min(-alpha * (distance_m - keep_m * safety_m / d) - flock_mps, u_max)
+
+
+@entry(
+    "TUPLE3(TUPLE3, TUPLE3, TUPLE3, float64[:, ::1], int64[::1], float64[::1], float64[:, ::1], float64,"
+    "TUPLE14, float64[::1], float64[::1], float64[:, ::1])"
+)
+def correction(
+    own: Vec3,
+    centre: Vec3,
+    flock: Vec3,
+    rows: Matrix,
+    addresses: NDArray[np.int64],
+    usual_s: Matrix,
+    obstacles: Matrix,
+    age_s: float,
+    gains: Gains,
+    numbers: Numbers,
+    obstacle_numbers: Numbers,
+    pushes: Matrix,
+) -> Vec3:
+    """
+    Return the velocity that a vehicle asks for beside the flock's (m/s; NED).
+
+    `strength` and `obstacle_strength` are those of the separation law that this function is specialised for.
+
+    Parameters
+    ----------
+    own, centre, flock : (3,) tuple
+        Own position and estimate of the flock's centre (m), and the flock's velocity (m/s); NED.
+    rows, addresses : (n, WIDTH), (n,) array
+        The neighbours.
+    usual_s : (256,) array
+        What the age of the packets has been of late, by address (s).
+    obstacles : (k, 4) array
+        Positions and safety distances (m; NED).
+    age_s : float
+        Mean age A of what is known (s).
+    gains : (14,) tuple
+        The law's numbers.
+    numbers, obstacle_numbers : arrays
+        Of the separation law, for neighbours and for obstacles; see `auv_flocking.central`.
+    pushes : (n + k, 3) or (0, 3) array
+        What another kind of separation law asks because of neighbours and obstacles (m/s), instead.
+
+    """
+    _, k_c, phi, u_max, reach_m, _, _, _, barrier, _, _, _, response_s, _ = gains
+    n, count = len(rows), len(rows) + len(obstacles)
+    gain = k_c * matched(phi, age_s)
+    x, y, z = gain * (centre[0] - own[0]), gain * (centre[1] - own[1]), gain * (centre[2] - own[2])
+    limit_mps = min(u_max, reach_m / max(age_s, _NO_AGE_S))
+    half_spaces = np.empty((count, 4))
+    for k in range(count):
+        if k < n:
+            view = outlook(rows[k], float(usual_s[addresses[k]]), own, flock, gains)
+            normal, factor, spacing_m = (view[0], view[1], view[2]), view[7], view[6]
+            other = (float(rows[k, POSITION]), float(rows[k, POSITION + 1]), float(rows[k, POSITION + 2]))
+            bound_mps = _neighbour_bound(view, limit_mps, gains)
+        else:
+            row = obstacles[k - n]
+            other, spacing_m = (float(row[0]), float(row[1]), float(row[2])), float(row[3])
+            normal, distance_m = _direction(own, other)
+            factor = matched(phi, response_s)
+            bound_mps = _obstacle_bound(normal, distance_m, spacing_m, flock, gains)
+        if len(pushes) > 0:
+            dx, dy, dz = float(pushes[k, 0]), float(pushes[k, 1]), float(pushes[k, 2])
+        elif k < n:
+            dx, dy, dz = along(own, other, spacing_m, strength, numbers)
+        else:
+            dx, dy, dz = along(own, other, spacing_m, obstacle_strength, obstacle_numbers)
+        x, y, z = x + factor * dx, y + factor * dy, z + factor * dz
+        half_spaces[k, 0], half_spaces[k, 1], half_spaces[k, 2] = normal
+        half_spaces[k, 3] = bound_mps
+    asked = limited((x, y, z), limit_mps)
+    if barrier == 0.0 or count == 0:
+        return asked
+    return limited(into_half_spaces(asked, half_spaces), u_max)

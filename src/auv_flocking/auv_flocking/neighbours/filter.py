@@ -1,0 +1,289 @@
+"""
+The extended Kalman filter of a neighbour, thesis Eqs. (5.29)-(5.35): one belief in, the next belief out.
+
+While both navigations state that they do not err, the state is position and velocity (m, m/s; NED); with the
+first one that does, the four states of `navigation_offset` are added.  The arithmetic of predicting and
+updating stands in `kalman`.  The spectral density of the acceleration is fixed, or follows what the
+neighbour's own packets show: the mean square change of the reported velocity per second, with a fading
+memory.  Nothing is remembered here: a belief is never changed, so that a track can go back to an earlier one
+when a packet comes late.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_core.compiled import entry, fastest
+from auv_core.geometry import Vec3
+from auv_core.params import param
+from auv_flocking.neighbours import navigation_offset as offset
+from auv_flocking.neighbours.kalman import predicted, updated
+from auv_flocking.neighbours.motion import flock_motion, process_noise, transition_matrix
+from auv_flocking.neighbours.navigation_offset import OwnFix, Stated, Unaided, offset_noise, offset_transition
+from auv_flocking.neighbours.sonar_contact import Sighting
+from auv_flocking.report import Report
+
+Matrix = NDArray[np.float64]
+
+_FIX_RATIO = 0.95
+_IDENTITY = np.eye(6)
+_PRIOR_S = 20.0
+_SENSELESS = 60.0  # squared Mahalanobis distance that six numbers exceed once in 10^11
+
+
+@dataclass(frozen=True)
+class NeighbourConfig:
+    """Noise that the filter assumes, and how long silence is believed."""
+
+    acceleration_psd: float = param(
+        "spectral density of a neighbour's acceleration (m^2/s^3)", default=1e-3, above=0.0
+    )
+    acceleration_memory_s: float = param(
+        "time over which that density follows a neighbour's changes of velocity, 0 for a fixed one (s)",
+        default=0.0,
+        minimum=0.0,
+    )
+    velocity_memory_s: float = param(
+        "time in which a neighbour's velocity comes back to its flock's, 0 for never (s)",
+        default=0.0,
+        minimum=0.0,
+    )
+    position_std_m: float = param(
+        "standard deviation of a reported position, per axis, beside what its sender states (m)",
+        default=0.02,
+        above=0.0,
+    )
+    velocity_std_mps: float = param(
+        "standard deviation of a reported velocity, per axis (m/s)", default=0.01, above=0.0
+    )
+    timeout_s: float = param(
+        "silence, and time out of the sonar's sight, after which a neighbour no longer counts (s)",
+        default=30.0,
+        above=0.0,
+    )
+    drift_rate_mps: float = param(
+        "constant velocity error, per horizontal axis, of a navigation that states an uncertainty (m/s)",
+        default=0.0075,
+        above=0.0,
+        maximum=10.0,
+    )
+    sonar_range_std_m: float = param("standard deviation of a sonar range (m)", default=0.1, above=0.0)
+    sonar_angle_std_rad: float = param(
+        "standard deviation of a sonar bearing and elevation (rad)", default=0.0174533, above=0.0
+    )
+    gate_prob: float = param(
+        "probability that a contact of a neighbour is taken for one",
+        default=0.999,
+        minimum=0.5,
+        maximum=0.999999,
+    )
+
+
+def with_rounding(config: NeighbourConfig, report_format: Any) -> NeighbourConfig:
+    """
+    Return the noise that a filter assumes, at least what the format of the reports adds by rounding: a step
+    over the square root of twelve.
+    """
+    return replace(
+        config,
+        position_std_m=max(config.position_std_m, report_format.position_resolution_m / math.sqrt(12.0)),
+        velocity_std_mps=max(
+            config.velocity_std_mps, report_format.velocity_resolution_mps / math.sqrt(12.0)
+        ),
+    )
+
+
+class Unrest(NamedTuple):
+    """
+    How much a neighbour has changed its velocity, by its packets: the newest one's time tag (s) and velocity
+    (m/s; NED), and the fading sums of squared changes per axis (m^2/s^2) and of the times that they took (s).
+    """
+
+    time_s: float
+    velocity: Vec3
+    squares: float
+    duration_s: float
+
+    @property
+    def psd(self) -> float:
+        """Spectral density of an acceleration that changes the velocity so much (m^2/s^3)."""
+        return self.squares / self.duration_s
+
+    def after(self, report: Report, memory_s: float) -> Unrest:
+        """Return the same after one more packet."""
+        gap_s = report.time_s - self.time_s
+        kept = math.exp(-gap_s / memory_s)
+        squares = kept * self.squares + math.dist(report.velocity, self.velocity) ** 2 / 3.0
+        return Unrest(report.time_s, report.velocity, squares, kept * self.duration_s + gap_s)
+
+
+class Belief(NamedTuple):
+    """
+    What is believed of a neighbour at one time.
+
+    Attributes
+    ----------
+    time_s : float
+        That time (s).
+    x : (6,) or (10,) array
+        Position (m) and velocity (m/s), NED; then offset (m) and rate (m/s), north and east.
+    P : (6, 6) or (10, 10) array
+        Its covariance.
+    psd : float
+        Spectral density of its acceleration (m^2/s^3).
+    flock_velocity : tuple of 3 float
+        Velocity of the flock that the neighbour believes in (m/s; NED).
+    unaided : Unaided or None
+        What would be known of the offset without sonar; None where there is no offset.
+    unrest : Unrest or None
+        Where the density comes from; None where it is fixed.
+    innovation, precision : arrays
+        Of the measurement that led here, and the inverse of its covariance; None where there was none.
+
+    """
+
+    time_s: float
+    x: Matrix
+    P: Matrix
+    psd: float
+    flock_velocity: Vec3
+    unaided: Unaided | None = None
+    unrest: Unrest | None = None
+    innovation: Matrix | None = None
+    precision: Matrix | None = None
+
+    @property
+    def nis(self) -> float:
+        """Normalised innovation squared of the measurement that led here; 0 where there was none."""
+        if self.innovation is None or self.precision is None:
+            return 0.0
+        return float(self.innovation @ self.precision @ self.innovation)
+
+
+@entry(
+    "Tuple((float64[::1], float64[:, ::1]))"
+    "(float64[::1], float64[:, ::1], float64, float64, float64, float64, TUPLE3)"
+)
+def _ahead(
+    x: Matrix, P: Matrix, dt_s: float, psd: float, rate_psd: float, memory_s: float, flock_velocity: Vec3
+) -> tuple[Matrix, Matrix]:
+    """Return x and P after an interval: of the neighbour alone (6,), or with the offset (10,)."""
+    if len(x) == 6:
+        x, P = predicted(x, P, transition_matrix(dt_s, memory_s), process_noise(dt_s, psd, memory_s))
+    else:
+        F, Q = offset_transition(dt_s, memory_s), offset_noise(dt_s, psd, rate_psd, memory_s)
+        x, P = predicted(x, P, F, Q)
+    if memory_s > 0.0:
+        x[:6] += flock_motion(dt_s, memory_s, flock_velocity)
+    return x, P
+
+
+class NeighbourFilter:
+    """The filter of all neighbours of one vehicle; it keeps nothing between calls."""
+
+    def __init__(self, config: NeighbourConfig) -> None:
+        self._config = config
+        self._rate_psd = offset.rate_psd(config.drift_rate_mps)
+        self._noise = np.diag([config.position_std_m**2] * 3 + [config.velocity_std_mps**2] * 3)
+        self._ahead, self._updated_by = fastest(_ahead), fastest(updated)
+
+    def first(self, report: Report, stated: Stated) -> Belief:
+        """Return the belief after the first packet: what it says."""
+        z, psd, unrest = _numbers(report), self._config.acceleration_psd, None
+        if self._config.acceleration_memory_s > 0.0:
+            unrest = Unrest(report.time_s, report.velocity, psd * _PRIOR_S, _PRIOR_S)
+        if stated.is_exact:
+            return Belief(report.time_s, z, self._noise.copy(), psd, report.flock_velocity, None, unrest)
+        x, P, unaided = offset.first(z, self._noise, stated, self._config.drift_rate_mps)
+        return Belief(report.time_s, x, P, psd, report.flock_velocity, unaided, unrest)
+
+    def after_packet(self, belief: Belief, report: Report, stated: Stated) -> Belief:
+        """
+        Return the belief after a packet, at the packet's time tag.
+
+        With an offset, a packet that cannot be true of what was believed starts the belief anew: a contact of
+        another vehicle was taken for this one's, or a navigation erred more than it said.
+        """
+        unrest, psd = self._unrest(belief, report)
+        ahead = self._predicted(belief, report.time_s, psd, unrest)
+        if ahead.unaided is None and stated.is_exact:
+            innovation, H = _numbers(report) - ahead.x, _IDENTITY
+        else:
+            ahead = self._with_offset(ahead, stated)
+            innovation, H = _numbers(report) - offset.PACKET @ ahead.x, offset.PACKET
+        now = psd if unrest is None else self._bounded(unrest.psd)
+        after = self._updated(ahead, innovation, H, self._noise, now, report.flock_velocity)
+        if after.unaided is not None and after.nis > _SENSELESS:
+            return self.first(report, stated)
+        return after
+
+    def after_sighting(self, belief: Belief, sighting: Sighting) -> Belief:
+        """Return the belief after a sonar contact, at its time."""
+        ahead = self._predicted(belief, sighting.time_s, belief.psd, belief.unrest)
+        H = np.zeros((3, len(ahead.x)))
+        H[:, :3] = sighting.jacobian
+        # z - h(x), linearised at the point of the contact.
+        innovation = -(sighting.jacobian @ (ahead.x[:3] - sighting.point))
+        return self._updated(ahead, innovation, H, sighting.noise, ahead.psd, ahead.flock_velocity)
+
+    def after_own_fix(self, belief: Belief, fix: OwnFix) -> Belief:
+        """Return the belief after a fix of the own navigation, in the frame that it has from then on."""
+        ahead = self._predicted(belief, fix.time_s, belief.psd, belief.unrest)
+        if ahead.unaided is None:
+            ahead = self._with_offset(ahead, Stated(fix.before_m2, 0.0))
+        assert ahead.unaided is not None
+        z, H, R = fix.tells(ahead.unaided.sender_m2)
+        after = self._updated(ahead, z - H @ ahead.x, H, R, ahead.psd, ahead.flock_velocity)
+        x, unaided = fix.shifted(after.x, ahead.unaided)
+        return after._replace(x=x, unaided=unaided)
+
+    def _unrest(self, belief: Belief, report: Report) -> tuple[Unrest | None, float]:
+        """
+        Return the unrest that a new packet shows, and the density with which the way to it is carried.
+
+        That is the larger of the densities before the packet and after it.
+        """
+        if belief.unrest is None:
+            return None, belief.psd
+        unrest = belief.unrest.after(report, self._config.acceleration_memory_s)
+        return unrest, max(belief.psd, self._bounded(unrest.psd))
+
+    def _bounded(self, psd: float) -> float:
+        """Return a density within two decades below and one above the configured one (m^2/s^3)."""
+        usual = self._config.acceleration_psd
+        return min(max(psd, 0.01 * usual), 10.0 * usual)
+
+    def _with_offset(self, belief: Belief, stated: Stated) -> Belief:
+        """Return the belief with an offset as uncertain as is stated at its time."""
+        x, P, unaided = belief.x, belief.P, belief.unaided
+        if unaided is None:
+            x, P, unaided = offset.widened(x, P)
+        if stated.sender_m2 < _FIX_RATIO * _FIX_RATIO * unaided.sender_m2:
+            x, P, unaided = offset.after_sender_fix(x, P, unaided, stated.own_m2, stated.sender_m2)
+        P, unaided = offset.topped_up(P, unaided, stated, self._config.drift_rate_mps)
+        return belief._replace(x=x, P=P, unaided=unaided)
+
+    def _predicted(self, belief: Belief, t_s: float, psd: float, unrest: Unrest | None) -> Belief:
+        dt_s = t_s - belief.time_s
+        memory_s, unaided = self._config.velocity_memory_s, belief.unaided
+        x, P = self._ahead(belief.x, belief.P, dt_s, psd, self._rate_psd, memory_s, belief.flock_velocity)
+        if unaided is not None:
+            unaided = unaided.after(dt_s, self._rate_psd)
+        return Belief(t_s, x, P, psd, belief.flock_velocity, unaided, unrest)
+
+    def _updated(
+        self, ahead: Belief, innovation: Matrix, H: Matrix, R: Matrix, psd: float, flock_velocity: Vec3
+    ) -> Belief:
+        x, P, precision = self._updated_by(ahead.x, ahead.P, innovation, H, R)
+        return Belief(
+            ahead.time_s, x, P, psd, flock_velocity, ahead.unaided, ahead.unrest, innovation, precision
+        )
+
+
+def _numbers(report: Report) -> Matrix:
+    return np.array((*report.position, *report.velocity))

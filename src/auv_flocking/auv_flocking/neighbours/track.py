@@ -1,0 +1,179 @@
+"""
+One neighbour followed through time: what was measured of it, in the order in which it happened.
+
+A packet arrives seconds after its time tag, and by then the sonar may have seen its sender.  The measurements
+of the last `HISTORY_S` are therefore kept, each with the belief that it led to; a measurement that comes late
+is put where it belongs and the later ones are used again.  What comes in order costs one update and nothing
+else, and beliefs are kept by reference.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_core.compiled import fastest
+from auv_flocking.neighbours.estimates import (
+    SOURCE_WIDTH,
+    WIDTH,
+    Estimates,
+    NeighbourEstimate,
+    carried_to,
+    write_source,
+)
+from auv_flocking.neighbours.filter import Belief, NeighbourFilter
+from auv_flocking.neighbours.navigation_offset import OwnFix, Stated
+from auv_flocking.neighbours.sonar_contact import Sighting
+from auv_flocking.report import Report
+
+Matrix = NDArray[np.float64]
+
+HISTORY_S = 20.0
+MOST_MEASUREMENTS = 128
+
+
+class HeardReport(NamedTuple):
+    """A packet as a measurement: what it says at its time tag, and what was stated of both navigations."""
+
+    time_s: float
+    report: Report
+    stated: Stated
+
+
+Measurement = OwnFix | HeardReport | Sighting
+_ORDER = {OwnFix: 0, HeardReport: 1, Sighting: 2}
+
+
+class Track:
+    """
+    The measurements of one neighbour and what they amount to.
+
+    After anything is taken in: `report` is the newest packet by its time tag, `seen_s` the time of the newest
+    contact (-inf: none), `belief` what is believed at the time of the newest measurement.
+    """
+
+    def __init__(self, heard: HeardReport, neighbour_filter: NeighbourFilter, memory_s: float) -> None:
+        self._filter = neighbour_filter
+        self._memory_s = memory_s
+        self._write_source = fastest(write_source)
+        self._measurements: list[Measurement] = [heard]
+        self._beliefs = [neighbour_filter.first(heard.report, heard.stated)]
+        self._is_whole = True
+        self.report = heard.report
+        self.seen_s = -math.inf
+
+    @property
+    def belief(self) -> Belief:
+        """What is believed at the time of the newest measurement."""
+        return self._beliefs[-1]
+
+    def nis(self, time_s: float, numbers: int) -> float:
+        """
+        Return the normalised innovation squared of the measurement of that time that has so many numbers.
+
+        NaN where none is remembered, and for the first packet, which nothing predicts.
+        """
+        for belief in self._beliefs:
+            if (
+                belief.time_s == time_s
+                and belief.innovation is not None
+                and len(belief.innovation) == numbers
+            ):
+                return belief.nis
+        return math.nan
+
+    def hear(self, heard: HeardReport) -> bool:
+        """
+        Use a packet, in its place; return whether it could be used.
+
+        It cannot when it is a repetition, or older than what is still remembered.
+        """
+        if heard.time_s == self.report.time_s:
+            return False
+        if heard.time_s < self.report.time_s and any(
+            isinstance(other, HeardReport) and other.time_s == heard.time_s for other in self._measurements
+        ):
+            return False
+        if not self._insert(heard):
+            return False
+        if heard.time_s > self.report.time_s:
+            self.report = heard.report
+        return True
+
+    def see(self, sighting: Sighting) -> None:
+        """Use a contact that was found to be this neighbour."""
+        if self._insert(sighting):
+            self.seen_s = max(self.seen_s, sighting.time_s)
+
+    def move_frame(self, fix: OwnFix) -> None:
+        """Follow the own navigation into the frame that it has after a fix."""
+        self._insert(fix)
+
+    def write(self, source: Matrix) -> None:
+        """Write what is believed into a row that `estimates.carried_to` makes estimates of."""
+        report, belief = self.report, self._beliefs[-1]
+        said = (
+            report.time_s,
+            *report.centre,
+            *report.centre_rate,
+            *report.flock_velocity,
+            report.flock_stamp_s,
+            report.position_sd_m,
+        )
+        self._write_source(
+            source, belief.time_s, belief.x, belief.P, belief.psd, belief.flock_velocity, said, self.seen_s
+        )
+
+    def estimate(self, t_s: float) -> NeighbourEstimate:
+        """Return the neighbour as believed at `t_s`."""
+        source, row = np.empty((1, SOURCE_WIDTH)), np.empty((1, WIDTH))
+        self.write(source[0])
+        carried_to(t_s, self._memory_s, math.inf, source, row, np.empty(1, dtype=np.int64))
+        return Estimates([self.report.address], row, [self.report.shared])[0]
+
+    def _insert(self, measurement: Measurement) -> bool:
+        """Put a measurement where it belongs and use it and all later ones; return whether it has a place."""
+        measurements, beliefs = self._measurements, self._beliefs
+        place = len(measurements)
+        key = (measurement.time_s, _ORDER[type(measurement)])
+        while place > 0 and _key(measurements[place - 1]) > key:
+            place -= 1
+        if place == 0 and not (self._is_whole and isinstance(measurement, HeardReport)):
+            return False
+        measurements.insert(place, measurement)
+        del beliefs[place:]
+        for later in measurements[place:]:
+            beliefs.append(self._next(beliefs[-1] if beliefs else None, later))
+        self._forget()
+        return True
+
+    def _next(self, belief: Belief | None, measurement: Measurement) -> Belief:
+        if isinstance(measurement, HeardReport):
+            if belief is None:
+                return self._filter.first(measurement.report, measurement.stated)
+            return self._filter.after_packet(belief, measurement.report, measurement.stated)
+        if belief is None:
+            raise RuntimeError("a track begins with a packet")
+        if isinstance(measurement, Sighting):
+            return self._filter.after_sighting(belief, measurement)
+        return self._filter.after_own_fix(belief, measurement)
+
+    def _forget(self) -> None:
+        """Let go of what is older than the history, all but the newest."""
+        measurements = self._measurements
+        oldest_s = measurements[-1].time_s - HISTORY_S
+        n = 0
+        while n < len(measurements) - 1 and (
+            measurements[n].time_s < oldest_s or len(measurements) - n > MOST_MEASUREMENTS
+        ):
+            n += 1
+        if n:
+            del measurements[:n], self._beliefs[:n]
+            self._is_whole = False
+
+
+def _key(measurement: Measurement) -> tuple[float, int]:
+    return measurement.time_s, _ORDER[type(measurement)]

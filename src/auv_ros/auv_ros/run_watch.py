@@ -1,0 +1,121 @@
+"""What a process of nodes says while it waits, and how it ends with its run."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from rclpy.node import Node
+
+from auv_msgs.msg import FlockStatus
+from auv_ros.hearing import Hearing, decoded
+from auv_ros.qos import LATCHED
+from auv_ros.run_identity import RunPoint, follows, is_of_run, run_point
+from auv_ros.steady_timer import SteadyTimer
+
+_SAY_S = 5.0
+_GRACE_S = 3.0
+_MOST_NAMES = 10
+STATUS_TOPIC = "/flock/status"
+_OVER = (FlockStatus.FINISHED, FlockStatus.ABORTED)
+_OVER_BYTES = tuple(state.encode() + b"\0" for state in _OVER)
+
+
+def say_waits(node: Node) -> None:
+    """Log every few seconds for what a node waits: `waits_for()` of the node, if it has any words."""
+
+    def say() -> None:
+        words = node.waits_for()
+        if words:
+            node.get_logger().info(f"waits for {words}")
+
+    if hasattr(node, "waits_for"):
+        SteadyTimer(node, _SAY_S, say)
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names for people, the first few of many."""
+    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
+    return ", ".join(names[:_MOST_NAMES]) + more
+
+
+class Standstill:
+    """Tells whether something has not moved since it was looked at last, or since its start."""
+
+    def __init__(self, start: int) -> None:
+        self._last = start
+
+    def at(self, progress: int) -> bool:
+        """Return whether `progress` is what it was at the last call."""
+        last, self._last = self._last, progress
+        return last == progress
+
+
+class RunEnd:
+    """
+    Hears that the run of a process is over; some time later, when everybody has heard it, it is past.
+
+    What is heard before any other status is the end of an earlier run, and of no concern.  Once the run has
+    begun, an end with another epoch or length, or that comes too early, is that of another run.  So is one
+    after which the run goes on.  The process that has the clock of the run believes no other.
+    """
+
+    def __init__(self, nodes: Sequence[Node]) -> None:
+        self._nodes = nodes
+        self._clocks = [node for node in nodes if _speaks_for_the_run(node)]
+        self._has_run = False
+        self._run: RunPoint | None = None
+        self._doubts = False
+        self._end_heard: tuple[RunPoint, float] | None = None
+        Hearing(nodes[0]).listen(FlockStatus, STATUS_TOPIC, self._hear, LATCHED)
+
+    def is_past(self) -> bool:
+        """Return whether the process shall end, and say so once it shall."""
+        if self._end_heard is None or time.monotonic() - self._end_heard[1] < _GRACE_S:
+            return False
+        self._nodes[0].get_logger().info("the run is over, so this process ends")
+        return True
+
+    def _hear(self, data: bytes) -> None:
+        may_be_over = any(word in data for word in _OVER_BYTES)
+        if not may_be_over and self._run is not None and self._end_heard is None:
+            return  # the usual status of a run: nothing of it is needed
+        point = run_point(decoded(FlockStatus, data))
+        is_over = point.state in _OVER
+        self._has_run |= not is_over
+        if self._run is None and point.state == FlockStatus.RUNNING:
+            self._run = point
+        if self._end_heard is not None and not is_over:
+            self._go_on(self._end_heard[0], point)
+        elif self._end_heard is None and is_over and self._has_run:
+            self._end(point)
+
+    def _end(self, point: RunPoint) -> None:
+        is_foreign = self._run is not None and not follows(self._run, point)
+        if is_foreign or not all(getattr(clock, "done", False) for clock in self._clocks):
+            self._doubt(point)
+            return
+        self._end_heard = point, time.monotonic()
+        for node in self._nodes:
+            getattr(node, "on_run_end", _nothing)()
+
+    def _go_on(self, end: RunPoint, point: RunPoint) -> None:
+        if self._run is not None and is_of_run(self._run, point):
+            self._end_heard = None
+            self._doubt(end)
+
+    def _doubt(self, end: RunPoint) -> None:
+        if not self._doubts:
+            self._doubts = True
+            self._nodes[0].get_logger().warning(
+                f"{STATUS_TOPIC} says {end.state} at {end.time_s:g} of {end.duration_s:g} s: "
+                "another run publishes it; not believed"
+            )
+
+
+def _speaks_for_the_run(node: Node) -> bool:
+    return any(publisher.topic_name == STATUS_TOPIC for publisher in node.publishers)
+
+
+def _nothing() -> None:
+    pass

@@ -1,0 +1,1 @@
+"""Bytes on the wire: ROS messages made from the data of components, and read back."""

@@ -1,0 +1,258 @@
+"""
+Records to ROS messages and back: the one place where frames, quaternion order and stamps are translated.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Sequence
+from functools import cache
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Point, Quaternion, TransformStamped, TwistStamped, Vector3, WrenchStamped
+from nav_msgs.msg import Odometry
+from rclpy.serialization import serialize_message
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Header
+
+from auv_core.geometry import Quat, Vec3
+from auv_core.integrate import State
+from auv_core.messages import (
+    Command,
+    Vec6,
+    VehicleState,
+    VelocityCommand,
+    Wrench,
+)
+from auv_core.odom_frame import OdomFrame
+from auv_core.state_checks import LARGEST, is_command
+from auv_msgs.msg import (
+    ControlStatus,
+    FlockingCentre,
+    NeighbourEstimate,
+    NeighbourEstimates,
+)
+from auv_msgs.msg import VehicleState as VehicleStateMsg
+from auv_ros.wire.row_stencil import RowStencil
+from auv_ros.wire.stencil import Stencil, read_numbers
+from auv_ros.wire.transform_stencil import Pose, TransformStencil
+
+WORLD_FRAME = "map_ned"
+MAP_FRAME = "map"
+
+_STATE = struct.Struct("<q?7x15d")
+_SIX = struct.Struct("<6d")
+_NEIGHBOUR_NUMBERS = 44
+_HALF_SQRT = math.sqrt(0.5)
+_DIAGONAL_OF_SIX = "48x".join("d" * 6)
+"""Six numbers of a covariance of 36, zeros between them."""
+
+
+def body_frame(vehicle_id: str) -> str:
+    """Return the frame id of a vehicle's body (forward, right, down)."""
+    return f"{vehicle_id}/base_link_frd"
+
+
+def base_frame(vehicle_id: str) -> str:
+    """Return the frame id of a vehicle's body (forward, left, up) where its navigation believes it to be."""
+    return f"{vehicle_id}/base_link"
+
+
+def odom_frame(vehicle_id: str) -> str:
+    """Return the frame id of a vehicle's dead reckoning."""
+    return f"{vehicle_id}/odom"
+
+
+def truth_frame(vehicle_id: str) -> str:
+    """Return the frame id of a vehicle's body (forward, left, up) where it truly is."""
+    return f"{vehicle_id}/base_link_truth"
+
+
+def stamp(t_s: float) -> Time:
+    """Return a time (s) as a ROS stamp, to the nanosecond."""
+    nanoseconds = round(t_s * 1e9)
+    return Time(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
+
+
+def header(t_s: float, frame_id: str) -> Header:
+    """Return a header for a time (s) and a frame."""
+    return Header(stamp=stamp(t_s), frame_id=frame_id)
+
+
+def point(v: Vec3) -> Point:
+    """Return a position as a message."""
+    return Point(x=v[0], y=v[1], z=v[2])
+
+
+def vector(v: Vec3) -> Vector3:
+    """Return a free vector as a message."""
+    return Vector3(x=v[0], y=v[1], z=v[2])
+
+
+def quaternion(q: Quat) -> Quaternion:
+    """Return (w, x, y, z) as a message, which has w last."""
+    return Quaternion(x=q[1], y=q[2], z=q[3], w=q[0])
+
+
+def state_stencil() -> Stencil:
+    """Return the small state message; fill it with `state_numbers`."""
+    return Stencil(VehicleStateMsg(header=header(0.0, WORLD_FRAME)), "q?7x15d")
+
+
+def state_numbers(state: VehicleState) -> tuple[float, ...]:
+    """
+    Return tick, validity, pose (NED; quaternion with w last), nu (body) and the navigation's standard
+    deviations in the order of the message.
+    """
+    w, x, y, z = state.attitude
+    sds = (state.position_sd_m, state.heading_sd_rad)
+    return (state.tick, state.is_valid, *state.position, x, y, z, w, *state.nu, *sds)
+
+
+def state_from_bytes(data: bytes) -> VehicleState:
+    """Return the record of a serialised state message; raise `MalformedError` without one."""
+    numbers = read_numbers(data, _STATE)
+    tick, is_valid, px, py, pz, x, y, z, w, *_ = numbers
+    return VehicleState(tick, (px, py, pz), (w, x, y, z), numbers[9:15], is_valid, *numbers[15:])
+
+
+def enu_pose(position: Vec3, attitude: Quat) -> Pose:
+    """
+    Return a pose (m, NED; body FRD to NED) in the axes of REP-103: east-north-up, body forward-left-up,
+    quaternion with w last.
+    """
+    w, x, y, z = attitude
+    return (
+        position[1],
+        position[0],
+        -position[2],
+        _HALF_SQRT * (x + y),
+        _HALF_SQRT * (x - y),
+        _HALF_SQRT * (w - z),
+        _HALF_SQRT * (w + z),
+    )
+
+
+def flu_velocity(nu: Vec6) -> Vec6:
+    """Return a body velocity (m/s, rad/s; forward-right-down) in forward-left-up."""
+    u, v, w, p, q, r = nu
+    return (u, -v, -w, p, -q, -r)
+
+
+def odometry_stencil(frame_id: str, child_frame_id: str) -> Stencil:
+    """
+    Return nav_msgs/Odometry; fill it with an `enu_pose`, the diagonal of its covariance (m^2, rad^2), an
+    `flu_velocity`, and the diagonal of that one's covariance (m^2/s^2, rad^2/s^2).
+    """
+    message = Odometry(header=header(0.0, frame_id), child_frame_id=child_frame_id)
+    return Stencil(message, f"7d{_DIAGONAL_OF_SIX}6d{_DIAGONAL_OF_SIX}")
+
+
+def estimate_variances(state: VehicleState, depth_sd_m: float) -> Vec6:
+    """
+    Return the variances of an `enu_pose`: of east, north and up (m^2), roll, pitch and heading (rad^2).
+
+    Roll and pitch are exact in every navigation of this project.
+    """
+    horizontal_m2 = state.position_sd_m * state.position_sd_m
+    heading_rad2 = state.heading_sd_rad * state.heading_sd_rad
+    return (horizontal_m2, horizontal_m2, depth_sd_m * depth_sd_m, 0.0, 0.0, heading_rad2)
+
+
+def motion_transforms(vehicle_id: str) -> TransformStencil:
+    """
+    Return what a vehicle says on /tf; fill it with the poses of odom in map, of the estimated body in odom,
+    and of the true body in map.
+    """
+    return TransformStencil(
+        [
+            (MAP_FRAME, odom_frame(vehicle_id)),
+            (odom_frame(vehicle_id), base_frame(vehicle_id)),
+            (MAP_FRAME, truth_frame(vehicle_id)),
+        ]
+    )
+
+
+def odom_in_map(frame: OdomFrame) -> Pose:
+    """
+    Return the transform map -> odom: map is east-north-up, and so is odom, turned by what was corrected.
+    """
+    half_rad = -0.5 * frame.turn_rad
+    return (frame.east_m, frame.north_m, 0.0, 0.0, 0.0, math.sin(half_rad), math.cos(half_rad))
+
+
+def base_to_frd(vehicle_id: str) -> TransformStamped:
+    """Return the transform base_link -> base_link_frd: half a turn about the forward axis."""
+    message = TransformStamped(
+        header=header(0.0, base_frame(vehicle_id)), child_frame_id=body_frame(vehicle_id)
+    )
+    message.transform.rotation = quaternion((0.0, 1.0, 0.0, 0.0))
+    return message
+
+
+def map_to_map_ned() -> TransformStamped:
+    """
+    Return the transform map -> map_ned: east-north-up to north-east-down, half a turn about the north-east
+    diagonal.
+    """
+    message = TransformStamped(header=header(0.0, MAP_FRAME), child_frame_id=WORLD_FRAME)
+    message.transform.rotation = quaternion((0.0, math.sqrt(0.5), math.sqrt(0.5), 0.0))
+    return message
+
+
+def command_stencil(vehicle_id: str, *, takes_velocity: bool) -> Stencil:
+    """Return the command message of a vehicle, a wrench in the body frame or a velocity in map_ned."""
+    if takes_velocity:
+        return velocity_stencil()
+    return Stencil(WrenchStamped(header=header(0.0, body_frame(vehicle_id))), "6d")
+
+
+def velocity_stencil() -> Stencil:
+    """Return a velocity (m/s; NED) and a yaw rate as geometry_msgs/TwistStamped."""
+    return Stencil(TwistStamped(header=header(0.0, WORLD_FRAME)), "6d")
+
+
+def command_from_bytes(data: bytes, *, takes_velocity: bool) -> Command:
+    """Return the record of a serialised command; raise ValueError when a number in it can be none."""
+    x, y, z, k, m, n = values = read_numbers(data, _SIX)
+    if not is_command(values):
+        raise ValueError(f"a command with a number that is not finite, or beyond {LARGEST:g}: {values}")
+    return VelocityCommand((x, y, z), n) if takes_velocity else Wrench((x, y, z, k, m, n))
+
+
+def clock_stencil() -> Stencil:
+    """Return rosgraph_msgs/Clock; it has a stamp and no numbers."""
+    return Stencil(Clock(), "")
+
+
+@cache
+def control_stencil(vehicle_id: str, size: int) -> Stencil:
+    """
+    Return auv_msgs/ControlStatus of a law that acts and remembers `size` numbers: tick, 1, 0, size, numbers.
+    """
+    message = control_status(0, 0.0, vehicle_id, "", (0.0,) * size)
+    return Stencil(message, f"qIB3xI4x{size}d")
+
+
+def control_status(tick: int, t_s: float, vehicle_id: str, holding: str, law_state: State) -> ControlStatus:
+    """Return what a law remembers and why its agent holds, if it does."""
+    return ControlStatus(
+        header=header(t_s, body_frame(vehicle_id)), tick=tick, holding=holding, law_state=list(law_state)
+    )
+
+
+def centre_stencil() -> Stencil:
+    """Return auv_msgs/FlockingCentre; fill it with tick, position (m; NED) and velocity (m/s; NED)."""
+    return Stencil(FlockingCentre(header=header(0.0, WORLD_FRAME)), "q6d")
+
+
+def neighbours_stencil(addresses: Sequence[int]) -> RowStencil:
+    """
+    Return auv_msgs/NeighbourEstimates of neighbours; fill it with tick and, in rows, position (m; NED),
+    velocity (m/s; NED), covariance, and the ages of packet and contact (s).
+    """
+    message = NeighbourEstimates(
+        header=header(0.0, WORLD_FRAME), neighbours=[NeighbourEstimate(address=k) for k in addresses]
+    )
+    return RowStencil(bytes(serialize_message(message)), len(addresses), _NEIGHBOUR_NUMBERS)

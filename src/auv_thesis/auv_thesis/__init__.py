@@ -1,0 +1,1 @@
+"""The thesis, redone: its figures, tables and claims, from runs of ours."""

@@ -1,0 +1,1 @@
+"""The water between the vehicles: medium, medium access, estimation, consensus, safety."""

@@ -1,0 +1,230 @@
+"""
+What a vehicle knows of its neighbours: the extended Kalman filter beside simpler ways, and with sonar.
+
+The thesis (Eqs. (5.29)-(5.35)) has a filter for every neighbour and gives no numbers for it.  Here it flies
+in the flock, on packets that are late, rare and lost, with navigations that drift.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+
+from auv_experiment.report.plotting import legend_below, vehicle_style
+from auv_flocking.neighbours.table import NeighbourConfig
+from auv_thesis.acoustics.estimation_runs import (
+    BAR,
+    DRIFTING,
+    DURATION_S,
+    FORMED_S,
+    GRID,
+    LOSSES,
+    SLOTS_S,
+    errors_of,
+    relative_errors,
+    rms_m,
+)
+from auv_thesis.items import (
+    DOES_NOT_HOLD,
+    HOLDS,
+    HOLDS_IN_PART,
+    NO_NUMBER,
+    Claim,
+    Figure,
+    Row,
+    Run,
+    Table,
+    Verdict,
+)
+
+_SETTLE_S = 20.0
+_MODELS = {
+    "constant velocity, density fixed at 1e-3": NeighbourConfig(timeout_s=300.0),
+    "constant velocity, density fixed at 1e-4": NeighbourConfig(acceleration_psd=1e-4, timeout_s=300.0),
+    "constant velocity, density follows over 60 s": NeighbourConfig(
+        acceleration_memory_s=60.0, timeout_s=300.0
+    ),
+    "the same, velocities within 3 cm/s": NeighbourConfig(
+        acceleration_memory_s=60.0, velocity_std_mps=0.03, timeout_s=300.0
+    ),
+    "the same, velocity back to the flock's in 15 s (as flown)": None,
+}
+_TUNED_ON = tuple(GRID[cell] for cell in ((0.5, 0.3), (2.0, 0.3)))
+_SHOWN = ("drift", "drift, fixes every 60 s", "drift, sonar", "exact navigation")
+
+
+def _three(run: Run) -> tuple[float, float, float]:
+    """Return the root mean square errors of filter, hold and dead reckoning (m)."""
+    errors = errors_of(run).between(_SETTLE_S, DURATION_S)
+    return rms_m(errors.ekf_m), rms_m(errors.hold_m), rms_m(errors.reckoned_m)
+
+
+def _grid_rows(runs: list[Run]) -> list[Row]:
+    rows = []
+    for (slot_s, loss), run in zip(GRID, runs, strict=True):
+        ekf_m, hold_m, reckoned_m = _three(run)
+        rows.append(
+            Row(
+                f"slots of {slot_s:g} s, {100.0 * loss:.0f} % lost",
+                "not given",
+                f"filter {ekf_m:.3f} m, last packet held {hold_m:.3f} m, dead reckoned {reckoned_m:.3f} m; "
+                f"filter / held {ekf_m / hold_m:.2f}",
+                NO_NUMBER,
+            )
+        )
+    return rows
+
+
+def _model_rows(runs: list[Run]) -> list[Row]:
+    rows = []
+    for run, cell in zip(runs, ("0.5 s slots", "2 s slots"), strict=True):
+        for name, config in _MODELS.items():
+            errors = errors_of(run, config)
+            parts = []
+            for phase, from_s, to_s in (("gathering", 0.0, FORMED_S), ("formed", FORMED_S, DURATION_S)):
+                part = errors.between(from_s, to_s)
+                parts.append(
+                    f"{phase}: error {rms_m(part.ekf_m):.3f} m, said {part.said_m:.3f} m, "
+                    f"NEES {part.nees:.2f}"
+                )
+            rows.append(
+                Row(f"{cell}, 30 % lost: {name}", "3 (NEES of three numbers)", "; ".join(parts), NO_NUMBER)
+            )
+    return rows
+
+
+def _drift_rows(runs: list[Run]) -> list[Row]:
+    rows = []
+    for name, run in zip(DRIFTING, runs, strict=True):
+        errors_m, covariance = relative_errors(run).formed()
+        lengths_m = np.sqrt(np.square(errors_m).sum(axis=1))
+        solved = np.linalg.solve(covariance, errors_m[..., None])[..., 0]
+        said_m = float(np.sqrt(np.trace(covariance, axis1=1, axis2=2).mean()))
+        rows.append(
+            Row(
+                name,
+                "not given",
+                f"rms {rms_m(errors_m):.3f} m, 95 % under {np.quantile(lengths_m, 0.95):.3f} m, "
+                f"said {said_m:.3f} m, NEES of position {(errors_m * solved).sum(axis=1).mean():.2f}",
+                NO_NUMBER,
+            )
+        )
+    return rows
+
+
+def _draw_grid(canvas: Canvas, runs: list[Run]) -> None:
+    found = {cell: _three(run) for cell, run in zip(GRID, runs, strict=True)}
+    panels = canvas.subplots(1, len(LOSSES), sharey=True)
+    for axes, loss in zip(panels, LOSSES, strict=True):
+        for index, name in enumerate(("filter", "last packet held", "dead reckoned")):
+            values_m = [found[slot_s, loss][index] for slot_s in SLOTS_S]
+            axes.plot(SLOTS_S, values_m, marker="o", label=name, **vehicle_style(index))
+        axes.set_title(f"{100.0 * loss:.0f} % lost")
+        axes.set_xscale("log", base=2)
+        axes.set_yscale("log")
+        axes.set_xticks(SLOTS_S, [f"{slot_s:g}" for slot_s in SLOTS_S])
+        axes.set_xlabel("slot (s)")
+    panels[0].set_ylabel("rms error of a neighbour (m)")
+    handles, labels = panels[0].get_legend_handles_labels()
+    legend_below(canvas, handles, labels)
+
+
+def _draw_drift(canvas: Canvas, runs: list[Run]) -> None:
+    axes = canvas.subplots()
+    for index, (name, run) in enumerate(zip(_SHOWN, runs, strict=True)):
+        relative = relative_errors(run)
+        axes.plot(relative.t_s, relative.rms_over_time_m(), label=name, **vehicle_style(index))
+    axes.set_yscale("log")
+    axes.set_xlim(0.0, DURATION_S)
+    axes.set_xlabel("t (s)")
+    axes.set_ylabel("rms error of relative positions (m)")
+    handles, labels = axes.get_legend_handles_labels()
+    legend_below(canvas, handles, labels)
+
+
+def _judge_half(runs: list[Run]) -> Verdict:
+    found = [_three(run) for run in runs]
+    words = [
+        f"filter {ekf_m:.3f} m, held {hold_m:.3f} m (ratio {ekf_m / hold_m:.2f}), "
+        f"dead reckoned {reckoned_m:.3f} m"
+        for ekf_m, hold_m, reckoned_m in found
+    ]
+    good = [ekf_m <= 0.5 * hold_m for ekf_m, hold_m, _ in found]
+    verdict = HOLDS if all(good) else HOLDS_IN_PART if any(good) else DOES_NOT_HOLD
+    return Verdict(verdict, "; ".join(words))
+
+
+def _judge_reckoning(runs: list[Run]) -> Verdict:
+    found = [_three(run) for run in runs]
+    better = sum(ekf_m < reckoned_m for ekf_m, _, reckoned_m in found)
+    ratios = [ekf_m / reckoned_m for ekf_m, _, reckoned_m in found]
+    evidence = (
+        f"filter / dead reckoning between {min(ratios):.2f} and {max(ratios):.2f}, below 1 in {better} of "
+        f"{len(found)} cells"
+    )
+    verdict = HOLDS if better == len(found) else HOLDS_IN_PART if better else DOES_NOT_HOLD
+    return Verdict(verdict, evidence)
+
+
+def _judge_sonar(runs: list[Run]) -> Verdict:
+    exact_m, drift_m, sonar_m = (rms_m(relative_errors(run).formed()[0]) for run in runs)
+    evidence = (
+        f"relative positions in the formed flock, rms: {drift_m:.3f} m with drift, {sonar_m:.3f} m "
+        f"with drift and sonar, {exact_m:.3f} m with exact navigation and no sonar"
+    )
+    return Verdict(HOLDS if sonar_m < 0.2 < drift_m else DOES_NOT_HOLD, evidence)
+
+
+FIGURES = (
+    Figure(
+        "A.31",
+        "What is known of a neighbour, against slot length and loss",
+        tuple(GRID.values()),
+        _draw_grid,
+        "No counterpart in the thesis. Four hulls in the flock, one slot each. Dead reckoning flies on "
+        "through silence as the neighbour flew while gathering; the filter lets it come back to the flock's "
+        "velocity.",
+    ),
+    Figure(
+        "A.33",
+        "Relative positions with navigations that drift",
+        tuple(DRIFTING[name] for name in _SHOWN),
+        _draw_drift,
+        "No counterpart in the thesis. Packets alone carry both navigations' drift; the sonar, at 2 Hz and "
+        "without names, takes it away.",
+    ),
+)
+
+TABLES = (
+    Table("A.31", "Error of a neighbour's position in the flock", tuple(GRID.values()), _grid_rows),
+    Table(
+        "A.33", "Models of a neighbour's motion, on the same packets", _TUNED_ON, _model_rows, "consistent"
+    ),
+    Table(
+        "A.34",
+        "Relative positions in the formed flock (0.5 s slots, 30 % lost)",
+        tuple(DRIFTING.values()),
+        _drift_rows,
+    ),
+)
+
+CLAIMS = (
+    Claim(
+        "A.31",
+        "With 2 s slots and 30 % loss the filter's error is at most half that of holding (ours).",
+        BAR,
+        _judge_half,
+    ),
+    Claim(
+        "A.32",
+        "The filter is better than dead reckoning from the last packet (ours).",
+        tuple(GRID.values()),
+        _judge_reckoning,
+    ),
+    Claim(
+        "A.33",
+        "Sonar keeps relative positions within decimetres where navigations drift by metres (ours).",
+        (DRIFTING["exact navigation"], DRIFTING["drift"], DRIFTING["drift, sonar"]),
+        _judge_sonar,
+    ),
+)

@@ -1,0 +1,206 @@
+"""
+Runs of the safety study: the scenario `flock_modem` over slots, losses, navigations, laws and fleets.
+
+Seeds are 3001, 3002, ..., and 4001, 4002, ... where navigations drift (runs with 3001-3100 said that what
+navigations state must count more); nothing in the law was chosen by a run with a seed of its own study.
+Where a cell has bars all seeds are flown that `--seeds` asks for, elsewhere the first fifth, tenth or
+twenty-fifth of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from auv_thesis.items import Run, RunSpec
+
+FIRST_SEED = 3001
+FIRST_DRIFTING_SEED = 4001
+N_SEEDS = 100
+HULLS_TOUCH_M = 0.62
+FAR_M = 10.0
+
+Cell = tuple[float, float]
+CELLS: tuple[Cell, ...] = ((0.5, 0.0), (0.5, 0.3), (0.5, 0.6), (2.0, 0.0), (2.0, 0.3), (2.0, 0.6))
+GENTLE, USUAL, WORST = CELLS[0], CELLS[1], CELLS[-1]
+
+THESIS_LAW = (
+    "agent.flocking={kind: potential, params: {followers: blind}}",
+    "agent.consensus={kind: thesis, params: {carried_by: flock}}",  # by its rate, it runs away on a modem
+)
+_DRIFT = "environment.navigation={kind: dead_reckoning}"
+_FIXES = "environment.navigation={kind: dead_reckoning, params: {fix: lbl, fix_period_s: 60.0}}"
+_SONAR = "acoustics.sonar={kind: active}"
+DRIFT_SONAR, DRIFT_FIXES = "drift, sonar", "drift, a fix every 60 s"
+NAVIGATIONS = {
+    DRIFT_SONAR: (_DRIFT, _SONAR),
+    DRIFT_FIXES: (_FIXES,),
+    "drift, both": (_FIXES, _SONAR),
+    "drift alone": (_DRIFT,),
+    "exact, sonar": (_SONAR,),
+}
+_LAW = "agent.flocking.params"
+PARTS = {
+    "without matching the gains to the age": (f"{_LAW}.lag_budget_rad=1.0e+9",),
+    "without the barrier": (f"{_LAW}.barrier=false",),
+    "without both of these": (f"{_LAW}.lag_budget_rad=1.0e+9", f"{_LAW}.barrier=false"),
+    "without widening by uncertainty": (f"{_LAW}.spacing_sigmas=0.0", f"{_LAW}.barrier_sigmas=0.0"),
+    "without the velocity in that uncertainty": (f"{_LAW}.closing_ratio=0.0",),
+    "without memory of the age": (f"{_LAW}.age_memory_s=0.2",),
+    "without the bound on a correction's reach": (f"{_LAW}.reach_m=1.0e+9",),
+    "mean flock velocity instead of the newest": (f"{_LAW}.relay=mean",),
+    "without waiting for every neighbour": ("agent.hold_s=0.0",),
+}
+
+
+@dataclass(frozen=True)
+class Bars:
+    """What a cell must keep: distances ever, once formed, and late (m), and the path error (m) if any."""
+
+    ever_m: float
+    formed_m: float
+    path_m: float | None = None
+    share_near: float = 1.0
+
+    def __str__(self) -> str:
+        """Return the bars as a table shows them."""
+        late = f"at most {FAR_M:g} m" + (
+            "" if self.share_near == 1.0 else f" in {100.0 * self.share_near:.0f} %"
+        )
+        path = "" if self.path_m is None else f", path {self.path_m:g} m"
+        return f"{self.ever_m:g} m, {self.formed_m:g} m, {late}{path}"
+
+
+BARS = {
+    (0.5, 0.0): Bars(1.0, 1.4),
+    (0.5, 0.3): Bars(1.0, 1.4, 0.1),
+    (0.5, 0.6): Bars(1.0, 1.4),
+    (2.0, 0.0): Bars(1.0, 1.4),
+    (2.0, 0.3): Bars(1.0, 1.4, 0.35),
+    (2.0, 0.6): Bars(0.6, 1.2, 0.8, share_near=0.97),
+}
+SONAR_BARS = {cell: replace(bars, path_m=None) for cell, bars in BARS.items()}
+FIXES_BARS = {
+    cell: Bars(0.6, 0.9, 0.8 if cell == USUAL else None, bars.share_near) for cell, bars in BARS.items()
+}
+
+
+def name_of(cell: Cell) -> str:
+    """Return a cell in words."""
+    return f"slots of {cell[0]:g} s, {100.0 * cell[1]:.0f} % lost"
+
+
+def study(
+    cell: Cell, changes: Sequence[str] = (), *, every: int = 1, first_seed: int = FIRST_SEED
+) -> tuple[RunSpec, ...]:
+    """Return the runs of one cell, one for every `every`-th of the seeds that are asked for."""
+    slot_s, loss_prob = cell
+    return tuple(
+        RunSpec(
+            "flock_modem",
+            (
+                f"seed={first_seed + index}",
+                f"acoustics.mac.params.slot_s={slot_s}",
+                f"acoustics.outage.params.loss_prob={loss_prob}",
+                *changes,
+            ),
+            keep_recording=False,
+            nth=every * index,
+        )
+        for index in range(N_SEEDS // every)
+    )
+
+
+def fleet(n_vehicles: int) -> tuple[str, ...]:
+    """Return the overrides for another number of vehicles, as many to a cubic metre at the start."""
+    vehicles = ", ".join(f"{{id: auv_{k}, model: {{preset: odin}}}}" for k in range(1, n_vehicles + 1))
+    radius_m = round(10.0 * (n_vehicles / 4) ** (1 / 3), 1)
+    return (f"vehicles=[{vehicles}]", f"random_starts.radius_m={radius_m}")
+
+
+OURS = {cell: study(cell) for cell in CELLS}
+THESIS = {cell: study(cell, THESIS_LAW) for cell in CELLS}
+WITH_SONAR, WITH_FIXES = (
+    {cell: study(cell, NAVIGATIONS[name], first_seed=FIRST_DRIFTING_SEED) for cell in CELLS}
+    for name in (DRIFT_SONAR, DRIFT_FIXES)
+)
+OTHERWISE_NAVIGATED = {
+    name: study(USUAL, changes, every=10, first_seed=FIRST_DRIFTING_SEED)
+    for name, changes in NAVIGATIONS.items()
+    if name not in (DRIFT_SONAR, DRIFT_FIXES)
+}
+ABLATED = {
+    (cell, part): study(cell, changes, every=5) for cell in (USUAL, WORST) for part, changes in PARTS.items()
+}
+FLEETS = {
+    (8, USUAL): study(USUAL, fleet(8), every=10),
+    (8, (2.0, 0.3)): study((2.0, 0.3), fleet(8), every=10),
+    (16, USUAL): study(USUAL, fleet(16), every=25),
+}
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What many runs of one thing amount to: distances of pairs and path error, over all of them."""
+
+    n: int
+    ever_m: float
+    formed_m: float
+    late_m: float
+    path_p95_m: float
+    path_mean_m: float
+    n_touching: int
+    n_far: int
+
+    def __str__(self) -> str:
+        """Return it as a table shows it, in the order of `Bars`."""
+        return (
+            f"{self.ever_m:.2f} m, {self.formed_m:.2f} m, {self.late_m:.1f} m, path {self.path_p95_m:.2f} m"
+        )
+
+    @property
+    def remark(self) -> str:
+        """Return how many runs there are, and how many of them went badly."""
+        words = [f"{self.n} run{'s' if self.n != 1 else ''}"]
+        if self.n_touching:
+            words.append(f"hulls touch in {self.n_touching}")
+        if self.n_far:
+            words.append(f"over {FAR_M:g} m in {self.n_far}")
+        return ", ".join(words)
+
+    def keeps(self, bars: Bars) -> bool:
+        """Tell whether the runs keep the bars."""
+        near = self.n_far <= (1.0 - bars.share_near) * self.n + 1e-9
+        on_path = bars.path_m is None or self.path_p95_m <= bars.path_m
+        return self.ever_m >= bars.ever_m and self.formed_m >= bars.formed_m and near and on_path
+
+
+def summary_of(runs: Sequence[Run]) -> Summary:
+    """Return what the runs amount to; there must be one."""
+    ever_m, formed_m, late_m, path_m = (
+        np.array([run.metrics[key] for run in runs], dtype=np.float64)
+        for key in (
+            "pair_distance_min_m",
+            "pair_distance_min_after_150s_m",
+            "pair_distance_max_after_200s_m",
+            "centroid_path_rms_after_200s_m",
+        )
+    )
+    return Summary(
+        len(runs),
+        float(ever_m.min()),
+        float(formed_m.min()),
+        float(late_m.max()),
+        float(np.quantile(path_m, 0.95)),
+        float(path_m.mean()),
+        int((ever_m < HULLS_TOUCH_M).sum()),
+        int((late_m > FAR_M).sum()),
+    )
+
+
+def chosen(runs: Sequence[Run], specs: Sequence[RunSpec]) -> list[Run]:
+    """Return those of the runs that belong to a study."""
+    wanted = set(specs)
+    return [run for run in runs if run.spec in wanted]

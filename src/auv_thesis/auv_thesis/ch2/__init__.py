@@ -1,0 +1,1 @@
+"""Chapter 2: path following of one vehicle."""

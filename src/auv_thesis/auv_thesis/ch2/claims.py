@@ -1,0 +1,317 @@
+"""What chapter 2 claims, judged from runs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from auv_thesis.ch2.runs import (
+    APD,
+    APD_60,
+    APD_BODY,
+    APD_BODY_OBSTACLES,
+    APD_OBSTACLES,
+    GAIN_RUNS,
+    GAIN_SETS,
+    MIXED,
+    PD,
+    PD_60,
+    PD_BODY,
+    PD_BODY_OBSTACLES,
+    PD_OBSTACLES,
+    PRINTED_DRAG_FAR,
+    REAL_DRAG_FAR,
+    Curves,
+    curves,
+)
+from auv_thesis.items import DOES_NOT_HOLD, HOLDS, HOLDS_IN_PART, Claim, Run, Verdict
+
+LATE_S = 100.0
+NEGLIGIBLE_M = 0.005
+BAND_M = 0.1
+PD_READINGS = (("x_err_5p4_m", "0.3161"), ("x_err_18p3_m", "0.084"), ("y_err_32p9_m", "-0.0202"))
+PRINTED_GAINS = (40.0, 50.0)
+
+
+def _late_error_m(run: Run) -> float:
+    """Return the largest distance to the path once the start is long over (m)."""
+    c = curves(run)
+    return float(np.hypot(*c.pose_error[c.t_s >= LATE_S, :2].T).max())
+
+
+def _settle_to_zero(runs: list[Run]) -> Verdict:
+    late_m = [_late_error_m(run) for run in runs]
+    settled_s = [run.metrics["position_settling_0p1m_s"] for run in runs]
+    evidence = "; ".join(
+        f"{run.scenario.name}: {_since(time_s, '0.1 m')}, at most {worst_m:.2g} m after {LATE_S:g} s"
+        for run, time_s, worst_m in zip(runs, settled_s, late_m, strict=True)
+    )
+    if max(late_m) <= NEGLIGIBLE_M:
+        return Verdict(HOLDS, evidence)
+    come_near = all(time_s is not None for time_s in settled_s)
+    return Verdict(HOLDS_IN_PART if come_near else DOES_NOT_HOLD, evidence + _drag_over_gain(runs[0]))
+
+
+def _drag_over_gain(run: Run) -> str:
+    params = run.scenario.vehicles[0].model.params
+    gains = run.scenario.agent.controller.params.position_gain
+    speed_mps = float(np.hypot(*curves(run).path_velocity[0, :2]))
+    drags_n = [
+        (linear + quadratic * speed_mps) * speed_mps
+        for linear, quadratic in zip(params.linear_damping[:2], params.quadratic_damping[:2], strict=True)
+    ]
+    return (
+        f". What is left is drag over gain: {drags_n[0]:.0f} N / {gains[0]:g} N/m = "
+        f"{drags_n[0] / gains[0]:.3f} m along, "
+        f"{drags_n[1]:.0f} N / {gains[1]:g} N/m = {drags_n[1] / gains[1]:.3f} m across"
+    )
+
+
+def _settle_velocity(runs: list[Run]) -> Verdict:
+    times_s = [run.metrics["velocity_settling_0p01mps_s"] for run in runs]
+    evidence = "; ".join(
+        f"{run.scenario.name}: {_since(time_s, '0.01 m/s')}"
+        for run, time_s in zip(runs, times_s, strict=True)
+    )
+    in_time = all(time_s is not None and time_s <= 23.0 for time_s in times_s)
+    return Verdict(HOLDS if in_time else DOES_NOT_HOLD, evidence)
+
+
+def _clear_obstacles(runs: list[Run]) -> Verdict:
+    *with_law, without = runs
+    radius_m = without.scenario.hull_radius_m
+    nearest_m = min(min(run.metrics["obstacle_clearance_m"]) for run in with_law)
+    obstacles = with_law[0].scenario.environment.obstacles
+    track = without.recording.position_ned_m[:, 0]
+    otherwise_m = [float(np.linalg.norm(track - np.array(o.position_ned_m), axis=1).min()) for o in obstacles]
+    evidence = (
+        f"closest of {len(with_law)} runs: {nearest_m:.3f} m from an obstacle's centre, with a hull of "
+        f"{radius_m:g} m; "
+        "without obstacles the same track passes those places at "
+        + " and ".join(f"{distance_m:.3f} m" for distance_m in otherwise_m)
+        + f". The obstacles are points: one wider than {nearest_m - radius_m:.2f} m would have been touched"
+    )
+    return Verdict(HOLDS if nearest_m > radius_m else DOES_NOT_HOLD, evidence)
+
+
+def _return_to_path(runs: list[Run]) -> Verdict:
+    delays_s = []
+    for run in runs:
+        c = curves(run)
+        away = np.hypot(*c.pose_error[:, :2].T) > BAND_M
+        for closest_s in run.metrics["obstacle_closest_at_s"]:
+            soon = (c.t_s >= closest_s) & (c.t_s <= closest_s + LATE_S)
+            last = c.t_s[soon & away]
+            delays_s.append(float(last.max() - closest_s) if len(last) else 0.0)
+    evidence = (
+        f"within {BAND_M:g} m again at most {max(delays_s):.1f} s after the closest approach, "
+        f"in {len(runs)} runs"
+    )
+    return Verdict(HOLDS if max(delays_s) <= 30.0 else DOES_NOT_HOLD, evidence)
+
+
+def _settle_between_obstacles(runs: list[Run]) -> Verdict:
+    words, late_m = [], []
+    for run in runs:
+        m = run.metrics
+        late_m.append(_late_error_m(run))
+        words.append(
+            f"{run.scenario.name}: position {_since(m['position_settling_0p1m_s'], '0.1 m')}, "
+            f"velocity {_since(m['velocity_settling_0p01mps_s'], '0.01 m/s')}, "
+            f"then up to {late_m[-1]:.2f} m off at the obstacles"
+        )
+    in_time = all(
+        run.metrics[key] is not None and run.metrics[key] <= limit_s
+        for run in runs
+        for key, limit_s in (("position_settling_0p1m_s", 23.0), ("velocity_settling_0p01mps_s", 25.0))
+    )
+    return Verdict(HOLDS_IN_PART if in_time else DOES_NOT_HOLD, "; ".join(words))
+
+
+def _compare_laws(runs: list[Run]) -> Verdict:
+    better, words = [], []
+    for plain, augmented in zip(runs[::2], runs[1::2], strict=True):
+        a, b = plain.metrics, augmented.metrics
+        keys = ("overshoot_x_m", "position_rms_m", "position_rms_after_30s_m")
+        better += [b[key] < a[key] for key in keys]
+        words.append(
+            f"{plain.scenario.name}: overshoot in x {a[keys[0]]:.3f} → {b[keys[0]]:.3f} m "
+            f"({_change(a[keys[0]], b[keys[0]])}), rms {a[keys[1]]:.4f} → {b[keys[1]]:.4f} m "
+            f"({_change(a[keys[1]], b[keys[1]])}), rms after 30 s {a[keys[2]]:.5f} → {b[keys[2]]:.5f} m"
+        )
+    evidence = (
+        "; ".join(words) + ". The whole rms changes little because the 10 m of the start are most of it"
+    )
+    return Verdict(HOLDS if all(better) else DOES_NOT_HOLD, evidence)
+
+
+def _falls(runs: list[Run]) -> Verdict:
+    words, falling = [], []
+    for run in runs:
+        for name in ("thesis", "corrected"):
+            falling.append(run.metrics[f"lyapunov_{name}_falls"])
+            words.append(f"{run.scenario.name}, {name} V: {_course(run, name)}")
+    gaps = {str(run.metrics["lyapunov_proof_gap"]) for run in runs if "lyapunov_proof_gap" in run.metrics}
+    evidence = "; ".join(words) + "".join(f". Why: {gap}" for gap in sorted(gaps))
+    return Verdict(HOLDS if all(falling) else HOLDS_IN_PART if any(falling) else DOES_NOT_HOLD, evidence)
+
+
+def _course(run: Run, name: str) -> str:
+    """Return in words whether a Lyapunov candidate falls along a run."""
+    m, prefix = run.metrics, f"lyapunov_{name}"
+    if m[f"{prefix}_falls"]:
+        return "falls throughout"
+    share = 100.0 * m[f"{prefix}_rise_ratio"]
+    return f"rises, first at {m[f'{prefix}_first_rise_s']:.1f} s, in {share:.0f} % of the records"
+
+
+def _steer(runs: list[Run]) -> Verdict:
+    late_rad = [_late_heading_rad(curves(run)) for run in runs]
+    moments_nm = max(float(np.abs(run.recording.command[:, 0, 5]).max()) for run in runs)
+    least_rad = min(low for low, _ in late_rad)
+    evidence = (
+        "heading error after 100 s: "
+        + "; ".join(
+            f"{run.scenario.name} {low:.2f} to {high:.2f} rad"
+            for run, (low, high) in zip(runs, late_rad, strict=True)
+        )
+        + f"; largest yaw moment asked for: {moments_nm:g} N m"
+    )
+    return Verdict(HOLDS if least_rad < 0.05 and moments_nm > 0.0 else DOES_NOT_HOLD, evidence)
+
+
+def _late_heading_rad(c: Curves) -> tuple[float, float]:
+    late = np.abs(c.pose_error[c.t_s >= LATE_S, 2])
+    return float(late.min()), float(late.max())
+
+
+def _find_gains(runs: list[Run]) -> Verdict:
+    """Judge the printed K_v = [40 50 0] by which of nine sets gives the PD row of Table 2.2."""
+    matching = [gains for gains, run in zip(GAIN_SETS, runs, strict=True) if _gives_pd_row(run)]
+    printed = runs[GAIN_SETS.index(PRINTED_GAINS)].metrics
+    found = ", ".join(f"{printed[key]:.{len(text.partition('.')[2])}f}" for key, text in PD_READINGS)
+    wanted = ", ".join(text for _, text in PD_READINGS)
+    sets = ", ".join(f"[{k_u:g} {k_v:g} 0]" for k_u, k_v in matching) or "none"
+    evidence = (
+        f"the thesis reads {wanted} m; K_v = [40 50 0] gives {found} m. Of {len(runs)} sets with gains of "
+        f"40, 50 and 60, those that give all three to every digit: {sets}. This is a fit to three readings, "
+        "with J = I, the start at the origin and the drag as printed taken for granted"
+    )
+    return Verdict(HOLDS if matching == [PRINTED_GAINS] else DOES_NOT_HOLD, evidence)
+
+
+def _gives_pd_row(run: Run) -> bool:
+    return all(f"{run.metrics[key]:.{len(text.partition('.')[2])}f}" == text for key, text in PD_READINGS)
+
+
+def _use_printed_frames(runs: list[Run]) -> Verdict:
+    settled_s = runs[0].metrics["position_settling_0p1m_s"]
+    evidence = "rms after 30 s, the heading free and 60 degrees at the start: " + "; ".join(
+        f"{name} {run.metrics['position_rms_after_30s_m']:.4f} m, "
+        f"{_since(run.metrics['position_settling_0p1m_s'], '0.1 m')}"
+        for name, run in zip(
+            (
+                "PD with NED errors as body forces",
+                "PD turned into the body",
+                "augmented PD turned into the body",
+            ),
+            runs,
+            strict=True,
+        )
+    )
+    return Verdict(HOLDS if settled_s is not None else DOES_NOT_HOLD, evidence)
+
+
+def _brake(runs: list[Run]) -> Verdict:
+    """Judge (2.10) as printed: a drag must never do positive work."""
+    printed, real = (_drag_power_w(run) for run in runs)
+    speeds = [float(curves(run).velocity[:, 1].min()) for run in runs]
+    evidence = (
+        f"from y = {curves(runs[0]).pose[0, 1]:g} m, with the drag as printed the vehicle reaches "
+        f"{speeds[0]:.2f} m/s across and its drag drives it with up to {printed:.0f} W; with |v| v it "
+        f"reaches {speeds[1]:.2f} m/s and the drag gives {real + 0.0:.0f} W at most. A little farther "
+        "out the printed equations have no finite solution (test_path_following.py)"
+    )
+    return Verdict(HOLDS if printed <= 0.0 else DOES_NOT_HOLD, evidence)
+
+
+def _drag_power_w(run: Run) -> float:
+    """Return the largest power that the sway drag gives to the vehicle (W)."""
+    params = run.scenario.vehicles[0].model.params
+    v = curves(run).velocity[:, 1]
+    square = v * v if params.drag == "thesis" else np.abs(v) * v
+    force_n = -(params.linear_damping[1] * v + params.quadratic_damping[1] * square)
+    return float((force_n * v).max())
+
+
+def _since(time_s: float | None, band: str) -> str:
+    return f"never within {band} for good" if time_s is None else f"within {band} from {time_s:.1f} s on"
+
+
+def _change(before: float, after: float) -> str:
+    return f"{100.0 * (after / before - 1.0):+.1f} %" if math.isfinite(before) and before else "no ratio"
+
+
+CLAIMS = (
+    Claim("2.6.1", "With PD the position errors converge to zero.", (PD, PD_BODY), _settle_to_zero),
+    Claim(
+        "2.6.2", "With augmented PD the position errors converge to zero.", (APD, APD_BODY), _settle_to_zero
+    ),
+    Claim(
+        "2.6",
+        "The velocity errors are zero after about 22 s, with either law.",
+        (PD, APD, PD_BODY, APD_BODY),
+        _settle_velocity,
+    ),
+    Claim(
+        "2.6",
+        "The vehicle passes the obstacles without a collision.",
+        (PD_OBSTACLES, APD_OBSTACLES, PD_BODY_OBSTACLES, APD_BODY_OBSTACLES, PD),
+        _clear_obstacles,
+    ),
+    Claim(
+        "2.6",
+        "Past an obstacle the vehicle returns to the path.",
+        (PD_OBSTACLES, APD_OBSTACLES, PD_BODY_OBSTACLES, APD_BODY_OBSTACLES),
+        _return_to_path,
+    ),
+    Claim(
+        "2.6",
+        "With obstacles position and velocity errors go to zero in about 23 s and 25 s.",
+        (PD_OBSTACLES, APD_OBSTACLES),
+        _settle_between_obstacles,
+    ),
+    Claim("2.6.3", "Augmented PD performs better than PD.", (PD, APD, PD_BODY, APD_BODY), _compare_laws),
+    Claim(
+        "2.5.1.3",
+        "The closed loop with PD is Lyapunov stable: V of (2.28) falls.",
+        (PD, PD_BODY, PD_OBSTACLES),
+        _falls,
+    ),
+    Claim(
+        "2.5.2.3",
+        "The closed loop with augmented PD is Lyapunov stable: V of (2.42) falls, obstacles included.",
+        (APD, APD_BODY, APD_OBSTACLES, APD_BODY_OBSTACLES),
+        _falls,
+    ),
+    Claim(
+        "2.6.1",
+        "The vehicle matches the path in position and in orientation.",
+        (PD, APD, PD_BODY, APD_BODY),
+        _steer,
+    ),
+    Claim("2.6", "The runs have K_v = [40 50 0].", GAIN_RUNS, _find_gains),
+    Claim(
+        "2.5.1.1",
+        "Errors in earth-fixed axes, (2.13)-(2.16), are what the body-fixed forces of (2.17) need.",
+        (MIXED, PD_60, APD_60),
+        _use_printed_frames,
+    ),
+    Claim(
+        "2.4.2",
+        "The drag of (2.10), with the squares of the velocities, brakes the vehicle.",
+        (PRINTED_DRAG_FAR, REAL_DRAG_FAR),
+        _brake,
+    ),
+)

@@ -1,0 +1,206 @@
+"""What chapter 5 claims of its flocks, judged from runs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from auv_experiment.metrics.consensus_bound import flock_metrics
+from auv_experiment.metrics.run import pair_distances_m
+from auv_thesis.ch4_6.ch5_tables import seconds, settled_m
+from auv_thesis.ch4_6.flock_runs import (
+    AS_PRINTED_ON,
+    BLIND,
+    FOUR_LEADERS,
+    MATCHED_ON,
+    OBSTACLES,
+    ON_A_MODEM,
+    ON_A_MODEM_OBSTACLES,
+    ONE_LEADER,
+    RESTING,
+    RESTING_BLIND,
+)
+from auv_thesis.items import DOES_NOT_HOLD, HOLDS, HOLDS_IN_PART, Claim, Run, Verdict
+
+FOLLOWS_WITHIN_M = 0.2
+"""A flock follows the path when its mean stays this near, twice the lag of estimates that do not know it."""
+
+
+def _judge_flocking(runs: list[Run]) -> Verdict:
+    collides = any(run.metrics["collision"] for run in runs)
+    lags_m = [run.metrics["centroid_path_rms_m"] for run in runs]
+    closest_m = min(run.metrics["pair_distance_min_m"] for run in runs)
+    evidence = (
+        f"centroid {lags_m[0]:.3f} m (four leaders) and {lags_m[1]:.3f} m (one leader, printed law) from the "
+        f"path, rms; no two centres nearer than {closest_m:.3f} m"
+    )
+    return Verdict(HOLDS if not collides and max(lags_m) < FOLLOWS_WITHIN_M else DOES_NOT_HOLD, evidence)
+
+
+def _judge_knowledge(runs: list[Run]) -> Verdict:
+    printed_m, blind_m = (run.metrics["centroid_path_rms_m"] for run in runs)
+    evidence = (
+        f"(5.25) and (5.43) give followers the path's attraction. With it the flock is {printed_m:.3f} m "
+        f"from the path (rms); without, as the text says, {blind_m:.3f} m: it trails, since nothing tells "
+        "followers the flock's velocity"
+    )
+    return Verdict(HOLDS if blind_m < FOLLOWS_WITHIN_M else DOES_NOT_HOLD, evidence)
+
+
+def _judge_spacing(runs: list[Run]) -> Verdict:
+    spacing_m = runs[0].scenario.agent.flocking.params.spacing_m if runs[0].scenario.agent.flocking else 0.0
+    lows = [settled_m(run)[0] for run in runs]
+    evidence = (
+        f"d = {spacing_m:g} m; smallest distance after 100 s {lows[0]:.3f} m (four leaders), {lows[1]:.3f} m "
+        "(one leader). Repulsion ends at d and attraction does not, so the balance lies inside d"
+    )
+    return Verdict(HOLDS if min(lows) >= spacing_m else DOES_NOT_HOLD, evidence)
+
+
+def _judge_approach(runs: list[Run]) -> Verdict:
+    times_s = [run.metrics["approach_time_2pct_s"] for run in runs]
+    evidence = (
+        f"to 2 % of the final distances {seconds(times_s[0])} (four leaders) and {seconds(times_s[1])} (one "
+        "leader) from starts 11 to 23 m apart; the thesis's starts, unprinted, are near the end state"
+    )
+    quick = [time_s is not None and time_s < 5.0 for time_s in times_s]
+    return Verdict(HOLDS_IN_PART if all(quick) else DOES_NOT_HOLD, evidence)
+
+
+def _judge_obstacles(runs: list[Run]) -> Verdict:
+    run = runs[0]
+    clear_m, touch_m = run.metrics["obstacle_clearance_min_m"], run.scenario.hull_radius_m
+    evidence = (
+        f"no centre nearer than {clear_m:.3f} m to an obstacle's centre; hulls have a radius of "
+        f"{touch_m:g} m, obstacles no size; no two centres nearer than "
+        f"{run.metrics['pair_distance_min_m']:.3f} m"
+    )
+    return Verdict(HOLDS if clear_m > touch_m and not run.metrics["collision"] else DOES_NOT_HOLD, evidence)
+
+
+def _judge_modem(runs: list[Run]) -> Verdict:
+    figures, rest = runs[:2], runs[2:]
+    printed, matched = rest[: len(AS_PRINTED_ON)], rest[len(AS_PRINTED_ON) :]
+    slow = [run for (slot_s, _), run in zip(AS_PRINTED_ON, printed, strict=True) if slot_s >= 0.5]
+    hits = sum(run.metrics["collision"] for run in slow)
+    matched_hits = sum(run.metrics["collision"] for run in matched)
+    bears = not any(run.metrics["collision"] for run in figures)
+    clear_m = min(run.metrics["obstacle_clearance_min_m"] for run in figures)
+    evidence = (
+        f"with 2.5 reports a second and 30 % lost it {'passes' if bears else 'fails at'} the obstacles "
+        f"({clear_m:.2f} m). With slots of 0.5 and 2 s, as real modems need, it collides in {hits} of "
+        f"{len(slow)} cases; with feedback and consensus twenty times slower in {matched_hits} of "
+        f"{len(matched)}"
+    )
+    return Verdict(HOLDS_IN_PART if bears and hits else HOLDS if bears else DOES_NOT_HOLD, evidence)
+
+
+def _judge_estimates(runs: list[Run]) -> Verdict:
+    errors_m = [run.metrics["neighbour_position_rmse_m"] for run in runs]
+    ages_s = [run.metrics["neighbour_age_mean_s"] for run in runs]
+    inside = [run.metrics["neighbour_within_2sigma_ratio"] for run in runs]
+    evidence = (
+        f"rms error of the estimated neighbours {1e3 * errors_m[0]:.0f} and {1e3 * errors_m[1]:.0f} mm with "
+        f"information {ages_s[0]:.2f} s old on average; {100 * min(inside):.0f} % of the components within "
+        "two of the filters' own standard deviations"
+    )
+    return Verdict(HOLDS if max(errors_m) < 0.1 else DOES_NOT_HOLD, evidence)
+
+
+def _judge_consensus(runs: list[Run]) -> Verdict:
+    moving, resting = runs
+    bound = flock_metrics(moving.recording, moving.scenario)
+    final = resting.recording
+    mean = final.position_ned_m[-2].mean(axis=0)
+    error_m = np.linalg.norm(final.centre_ned_m[-1] - mean, axis=1)
+    bias_m = np.linalg.norm(final.position_ned_m[-2] - mean, axis=1) / (final.n_vehicles + 1)
+    moving_m = moving.metrics["consensus_error_max_m"]
+    evidence = (
+        f"on the moving path up to {moving_m:.3f} m from the mean; at rest each estimate stays"
+        f" {error_m.max():.3f} m off, a fifth of the way to its own vehicle "
+        f"({bias_m.max():.3f} m). The bound (6.18) {'holds' if bound['consensus_bound_holds'] else 'fails'}: "
+        f"|e| is at most {bound['consensus_error_norm_settled_m']:.2f} m where it allows "
+        f"{bound['consensus_bound_radius_settled_m']:.2f} m"
+    )
+    return Verdict(DOES_NOT_HOLD if error_m.max() > 0.01 else HOLDS, evidence)
+
+
+def _judge_range(runs: list[Run]) -> Verdict:
+    late = [pair_distances_m(run.recording)[run.recording.t_s > 100.0] for run in runs]
+    evidence = "largest distance after 100 s: " + ", ".join(f"{float(part.max()):.2f} m" for part in late)
+    return Verdict(HOLDS if max(float(part.max()) for part in late) < 4.0 else DOES_NOT_HOLD, evidence)
+
+
+def judge_potential(runs: list[Run]) -> Verdict:
+    """Judge whether the flock's potential falls until it rests, from moving and resting paths."""
+    words, printed = [], []
+    for run in runs:
+        numbers = flock_metrics(run.recording, run.scenario)
+        path = run.scenario.reference_of()
+        rest = " at rest" if path is not None and path.period_s is None else ""
+        parts = []
+        for name in ("thesis", "corrected"):
+            first_s = numbers[f"flock_lyapunov_{name}_first_rise_s"]
+            parts.append(f"{name} " + ("always falls" if first_s is None else f"rises from {first_s:.1f} s"))
+        printed.append(bool(numbers["flock_lyapunov_thesis_falls"]))
+        words.append(f"{run.scenario.name}{rest}: {', '.join(parts)}")
+    verdict = HOLDS if all(printed) else HOLDS_IN_PART if any(printed) else DOES_NOT_HOLD
+    return Verdict(verdict, "; ".join(words))
+
+
+CLAIMS = (
+    Claim(
+        "5.8.1",
+        "The vehicles flock along the path without collision.",
+        (FOUR_LEADERS, ONE_LEADER),
+        _judge_flocking,
+    ),
+    Claim(
+        "5.1",
+        "Followers do not know the path, and follow it with the leader.",
+        (ONE_LEADER, BLIND),
+        _judge_knowledge,
+    ),
+    Claim(
+        "5.3",
+        "Distances stay above the safety distance d.",
+        (FOUR_LEADERS, ONE_LEADER),
+        _judge_spacing,
+    ),
+    Claim(
+        "5.3",
+        "Distances stay below a largest one, so that the group does not break up.",
+        (FOUR_LEADERS, ONE_LEADER, BLIND, OBSTACLES),
+        _judge_range,
+    ),
+    Claim(
+        "5.8.1",
+        "The flock forms within 2.9 s (four leaders) and 2.4 s (one leader).",
+        (FOUR_LEADERS, ONE_LEADER),
+        _judge_approach,
+    ),
+    Claim(
+        "5.5.2",
+        "Every estimate of the flocking centre converges to the mean position.",
+        (FOUR_LEADERS, RESTING),
+        _judge_consensus,
+    ),
+    Claim("5.8.3", "The flock passes the obstacles without collision.", (OBSTACLES,), _judge_obstacles),
+    Claim(
+        "5.8.4",
+        "The law keeps its flock under the communication limits of the sea.",
+        (ON_A_MODEM, ON_A_MODEM_OBSTACLES, *AS_PRINTED_ON.values(), *MATCHED_ON.values()),
+        _judge_modem,
+    ),
+    Claim(
+        "5.7",
+        "An extended Kalman filter makes up for lost and late reports.",
+        (ON_A_MODEM, ON_A_MODEM_OBSTACLES),
+        _judge_estimates,
+    ),
+    Claim(
+        "5.6",
+        "The potential of the closed loop falls (promised there, argued in 6.5).",
+        (FOUR_LEADERS, BLIND, RESTING, RESTING_BLIND),
+        judge_potential,
+    ),
+)

@@ -1,0 +1,205 @@
+"""From finished runs to what the page shows: figures drawn, tables filled, claims judged."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache, partial
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+from matplotlib.figure import Figure as Canvas
+
+from auv_core.cli.tally import Tally
+from auv_core.machine.failure import Failure
+from auv_core.machine.workers import Advance, Call, attempt, spread
+from auv_experiment.report.plotting import STYLE
+from auv_thesis.items import Chapter, Figure, Item, Row, Run, Table, Verdict, function_of
+
+if TYPE_CHECKING:
+    from auv_experiment.recording import Recording
+    from auv_thesis.runs.runner import Flown
+    from auv_thesis.runs.store import PlannedRun, Store
+
+SIZE_IN = (6.5, 4.0)
+DPI = 130
+_KEPT_RECORDINGS = 6
+
+Content = bytes | tuple[Row, ...] | Verdict
+"""A figure as PNG, a table's rows, a claim's verdict."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A figure, a table or a claim, and what came of it."""
+
+    item: Item
+    content: Content | Failure
+
+    @property
+    def failure(self) -> Failure | None:
+        """Why there is no content, None where there is."""
+        return self.content if isinstance(self.content, Failure) else None
+
+
+@dataclass(frozen=True)
+class ChapterOutcome:
+    """A chapter and what came of everything in it, in its order."""
+
+    chapter: Chapter
+    figures: tuple[Outcome, ...]
+    tables: tuple[Outcome, ...]
+    claims: tuple[Outcome, ...]
+
+    @property
+    def all(self) -> tuple[Outcome, ...]:
+        """Every outcome of the chapter."""
+        return (*self.figures, *self.tables, *self.claims)
+
+
+def evaluate(
+    chapters: Sequence[Chapter], flown: Flown, store: Store, *, n_workers: int, tally: Tally
+) -> tuple[ChapterOutcome, ...]:
+    """
+    Draw, fill and judge everything of these chapters.
+
+    An item that raises, or one of whose runs failed, becomes a failure and touches no other.
+
+    Parameters
+    ----------
+    chapters : sequence of Chapter
+        What is to be shown.
+    flown : Flown
+        What came of the runs of these chapters.
+    store : Store
+        Where the finished runs are.
+    n_workers : int
+        Number of processes.
+    tally : Tally
+        Told of failures.
+
+    """
+    items = [item for chapter in chapters for item in chapter.items]
+    contents: list[Content | Failure | None] = [_failure_of_runs(item, flown) for item in items]
+    ready = [index for index, content in enumerate(contents) if content is None]
+    tally.start(len(ready), float(len(ready)))
+
+    groups = _together(items, ready)
+
+    def call_of(index: int) -> Call:
+        item = items[index]
+        return partial(evaluate_item, item, tuple(flown.planned[spec] for spec in item.runs), store)
+
+    def note(place: int, made: list[Content | Failure] | Failure) -> None:
+        group = groups[place]
+        for index, content in zip(
+            group, made if isinstance(made, list) else [made] * len(group), strict=True
+        ):
+            contents[index] = content
+            if isinstance(content, Failure):
+                tally.failed(name_of(items[index]), content)
+            tally.finished()
+        tally.advance(sum(content is not None for content in contents))
+
+    spread(
+        [partial(_evaluate, [call_of(index) for index in group]) for group in groups],
+        n_workers,
+        on_result=note,
+        on_message=tally.message,
+    )
+    outcomes = (
+        Outcome(item, content) for item, content in zip(items, contents, strict=True) if content is not None
+    )
+    return tuple(
+        ChapterOutcome(
+            chapter,
+            tuple(next(outcomes) for _ in chapter.figures),
+            tuple(next(outcomes) for _ in chapter.tables),
+            tuple(next(outcomes) for _ in chapter.claims),
+        )
+        for chapter in chapters
+    )
+
+
+def _together(items: Sequence[Item], ready: Sequence[int]) -> list[list[int]]:
+    """
+    Return the items that are ready, by index, in groups for one worker each.
+
+    Items of one file that need no runs make a study of their own, which they share; those come first, since a
+    study takes longer than a drawing.
+    """
+    studies: dict[str, list[int]] = {}
+    for index in ready:
+        if not items[index].runs:
+            studies.setdefault(function_of(items[index]).__module__, []).append(index)
+    return [*studies.values(), *([index] for index in ready if items[index].runs)]
+
+
+def _evaluate(calls: Sequence[Call], advance: Advance) -> list[Any]:
+    return [attempt(call, advance) for call in calls]
+
+
+def name_of(item: Item) -> str:
+    """Return what an item is called: 'figure 2.6'."""
+    kind = "figure" if isinstance(item, Figure) else "table" if isinstance(item, Table) else "claim"
+    return f"{kind} {item.number}"
+
+
+def evaluate_item(
+    item: Item, planned: Sequence[PlannedRun], store: Store, advance: Advance = lambda amount: None
+) -> Content:
+    """Draw, fill or judge one item from its finished runs."""
+    del advance
+    runs: list[Run] = [_KeptRun(run, store) for run in planned]
+    if isinstance(item, Figure):
+        return _png(item, runs)
+    if isinstance(item, Table):
+        rows = tuple(item.rows(runs))
+        if not all(isinstance(row, Row) for row in rows):
+            raise TypeError(f"{name_of(item)}: its function must return rows")
+        return rows
+    verdict = item.judge(runs)
+    if not isinstance(verdict, Verdict):
+        raise TypeError(f"{name_of(item)}: its function must return a verdict")
+    return verdict
+
+
+class _KeptRun(Run):
+    """A run from the store; its recording is read when first looked at: many tables need metrics only."""
+
+    def __init__(self, planned: PlannedRun, store: Store) -> None:
+        for name, value in (
+            ("spec", planned.spec),
+            ("scenario", planned.scenario),
+            ("metrics", store.metrics(planned.key)),
+            ("_read", partial(_recording, store, planned.key)),
+        ):
+            object.__setattr__(self, name, value)
+
+    @cached_property
+    def recording(self) -> Recording:
+        """What happened."""
+        recording: Recording = self.__dict__["_read"]()
+        return recording
+
+
+def _failure_of_runs(item: Item, flown: Flown) -> Failure | None:
+    for spec in item.runs:
+        if spec in flown.failed:
+            return Failure(f"the run {spec} failed: {flown.failed[spec].line}", "")
+    return None
+
+
+@lru_cache(maxsize=_KEPT_RECORDINGS)
+def _recording(store: Store, key: str) -> Recording:
+    return store.recording(key)
+
+
+def _png(figure: Figure, runs: list[Run]) -> bytes:
+    with matplotlib.rc_context(STYLE):
+        canvas = Canvas(figsize=SIZE_IN, layout="constrained")
+        figure.draw(canvas, runs)
+        stream = io.BytesIO()
+        canvas.savefig(stream, dpi=DPI, format="png", metadata={"Software": None})
+    return stream.getvalue()

@@ -1,0 +1,160 @@
+"""Flies the runs that chapters need, each once, in worker processes, and keeps them for the next time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import partial
+
+from auv_core.cli.tally import Tally
+from auv_core.machine.failure import Failure
+from auv_core.machine.kept_json import KeptError, words_of_broken
+from auv_core.machine.whole_files import WriteError
+from auv_core.machine.workers import Advance, spread
+from auv_core.params import ConfigError
+from auv_experiment.inprocess.evaluated_run import fly, load_source
+from auv_thesis.items import RunSpec
+from auv_thesis.runs.store import PlannedRun, Store, plan_run
+
+
+@dataclass
+class Flown:
+    """
+    What came of a set of runs.
+
+    Attributes
+    ----------
+    planned : dict
+        Every run that could be resolved, by its spec. Specs that resolve to one scenario have one key.
+    failed : dict
+        What went wrong with every run that could not be resolved or flown, by its spec.
+    times_s : dict
+        Wall and processor time that each run took when it was flown (s), by its key.
+    kept : set of str
+        Keys of the runs that were found from an earlier call.
+
+    """
+
+    planned: dict[RunSpec, PlannedRun] = field(default_factory=dict)
+    failed: dict[RunSpec, Failure] = field(default_factory=dict)
+    times_s: dict[str, tuple[float, float]] = field(default_factory=dict)
+    kept: set[str] = field(default_factory=set)
+
+
+def fly_all(
+    specs: Iterable[RunSpec], store: Store, *, n_workers: int, tally: Tally, is_fresh: bool = False
+) -> Flown:
+    """
+    Fly every run once, the longest first, except those that are kept from an earlier call.
+
+    A run that fails is reported and does not stop the others, unless there is no room to keep it.
+
+    Parameters
+    ----------
+    specs : iterable of RunSpec
+        Runs that are needed; equal ones count once.
+    store : Store
+        Where finished runs are looked for and kept.
+    n_workers : int
+        Number of processes.
+    tally : Tally
+        Told what happens.
+    is_fresh : bool
+        Fly runs that are kept, too.
+
+    Raises
+    ------
+    WriteError
+        When a run cannot be written, as on a full disk; what is finished is kept.
+    WorkersError
+        When no worker process can be started.
+
+    """
+    flown = Flown()
+    _plan(dict.fromkeys(specs), flown, tally)
+    by_key = _by_key(flown)
+    flown.kept = set() if is_fresh else _kept(store, by_key.values(), tally)
+    missing = sorted((run for key, run in by_key.items() if key not in flown.kept), key=_longest_first)
+    kept = f", and {len(flown.kept)} kept from an earlier call" if flown.kept else ""
+    tally.start(len(missing), sum(run.cost for run in missing), kept)
+
+    def note(index: int, result: Failure | str) -> None:
+        run = missing[index]
+        if isinstance(result, Failure):
+            failed = [spec for spec, planned in flown.planned.items() if planned.key == run.key]
+            flown.failed.update(dict.fromkeys(failed, result))
+            tally.failed(str(run.spec), result)
+        elif result:
+            raise WriteError(result)
+        tally.finished()
+
+    load_source()
+    spread(
+        [partial(_fly, run, store) for run in missing],
+        n_workers,
+        on_result=note,
+        on_progress=tally.advance,
+        on_message=tally.message,
+    )
+    for key in by_key:
+        if (times_s := store.times_s(key)) is not None:
+            flown.times_s[key] = times_s
+    return flown
+
+
+def _by_key(flown: Flown) -> dict[str, PlannedRun]:
+    """Return each run once; where two specs name one run, the one that wants its recording."""
+    by_key: dict[str, PlannedRun] = {}
+    for run in flown.planned.values():
+        if run.key not in by_key or run.spec.keep_recording:
+            by_key[run.key] = run
+    return by_key
+
+
+def _kept(store: Store, runs: Iterable[PlannedRun], tally: Tally) -> set[str]:
+    """Return the keys of the runs that are there; say in one line which do not hold."""
+    kept: set[str] = set()
+    broken: list[str] = []
+    for run in runs:
+        try:
+            if store.has(run):
+                kept.add(run.key)
+        except KeptError as error:
+            broken.append(f"{store.folder / run.key} ({error})")
+    if broken:
+        tally.message(f"warning: {words_of_broken(broken)}")
+    return kept
+
+
+def _plan(specs: Iterable[RunSpec], flown: Flown, tally: Tally) -> None:
+    for spec in specs:
+        try:
+            flown.planned[spec] = plan_run(spec)
+        except ConfigError as error:
+            flown.failed[spec] = Failure(str(error), "")
+            tally.failed(str(spec), flown.failed[spec])
+
+
+def _longest_first(run: PlannedRun) -> float:
+    return -run.cost
+
+
+def _fly(run: PlannedRun, store: Store, advance: Advance) -> str:
+    """Fly a run and keep it; called in a worker. Return why it cannot be kept, '' if it is."""
+    from auv_experiment.metrics.run import metrics_to_json
+
+    reached_s = 0.0
+
+    def on_progress(time_s: float) -> None:
+        nonlocal reached_s
+        advance(run.cost * (time_s - reached_s) / run.scenario.duration_s)
+        reached_s = time_s
+
+    flight = fly(run.scenario, on_progress=on_progress)
+    metrics = metrics_to_json(flight.metrics)
+    try:
+        store.put(run, flight.recording, metrics, wall_s=flight.wall_s, cpu_s=flight.cpu_s)
+    except WriteError as error:
+        return str(error)
+    on_progress(run.scenario.duration_s)
+    return ""
