@@ -28,8 +28,8 @@ PATIENCE_S = 120.0
 SHORT_S = 3.0
 SHORT = ("flock_acoustic", "ch4_region_limited", "ch2_pfpd")
 FULL_LENGTH = ("compare_path_laws", "ch4_region", "swarm")
-LATE_S, NEAR_M = 0.2, 0.31
-"""How far from lock-step on a busy machine: two ticks' delay of a command, and a hull's radius."""
+LATE_S, NEAR_M = 0.2, 0.1
+"""How far from lock-step on a busy machine: two ticks' delay of a command, and a third of a hull's radius."""
 FLIGHTS, KEPT_UP = 3, 0.98
 SHIPPED = [name for name, _ in list_scenarios()]
 
@@ -107,7 +107,9 @@ def check_against_lockstep(folder, scenario):
     ours, theirs = recorded.position_ned_m[:rows], expected.position_ned_m[:rows]
     speed_mps = np.linalg.norm(np.diff(theirs, axis=0), axis=-1).max() / scenario.period_s
     allowed_m = NEAR_M + LATE_S * speed_mps
-    assert np.linalg.norm(ours - theirs, axis=-1).max() < allowed_m
+    is_known = np.isfinite(ours).all(axis=-1)
+    assert is_known.mean() > KEPT_UP  # of several ticks that a vehicle catches up it publishes the last
+    assert np.linalg.norm(ours - theirs, axis=-1)[is_known].max() < allowed_m
     metrics = json.loads((folder / "metrics.json").read_text(encoding="utf-8"))
     wanted = compute_metrics(expected, scenario, mode="inprocess", real_time_factor=1.0)
     assert metrics["duration_s"] == pytest.approx(wanted["duration_s"], abs=2.5 * scenario.period_s)
