@@ -19,16 +19,28 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from auv_core.cli.one_line_parser import OneLineParser
+
 PARTS = {"kernel": "kernel", "inprocess": "inprocess", "ros": "ros_lockstep"}
 ONE_THREAD = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 HEADS = ("figure", "measured", "beside", "ratio", "bar", "kept")
+
+_EPILOG = """\
+examples:
+  python -m benchmarks                     everything
+  python -m benchmarks --only kernel       one part
+  python -m benchmarks --quick             does it all work?
+"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, print and write the table; return the exit status."""
     found = [name for name, module in PARTS.items() if Path(__file__).with_name(f"{module}.py").exists()]
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    parser = OneLineParser(
+        prog="python -m benchmarks",
+        description=__doc__,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--only", choices=found, help="measure one part")
     parser.add_argument(

@@ -14,7 +14,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 SCENARIOS = (
     "flock_acoustic",
@@ -32,6 +32,25 @@ SCENARIOS = (
 """Laws, channels, navigations and media that differ from each other."""
 EQUAL, DIFFERENT, REFUSED = 0, 1, 2
 _LIMIT_S = 900.0
+
+_EPILOG = """\
+exit status:
+  0    all bags are equal
+  1    some differ
+  2    bad input, or a checkout does not fly a scenario
+
+examples:
+  ./scripts/compare_trees ../before .
+  ./scripts/compare_trees ../before . --scenarios flock_acoustic --duration 200 --rounds 5
+"""
+
+
+class _OneLineParser(argparse.ArgumentParser):
+    """A parser whose complaints are one line, as those of the other commands."""
+
+    def error(self, message: str) -> NoReturn:
+        """End the program with a complaint."""
+        self.exit(REFUSED, f"error: {message} ({self.prog} --help says more)\n")
 
 
 class Flown(NamedTuple):
@@ -66,10 +85,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
+    parser = _OneLineParser(
         prog="./scripts/compare_trees",
         description="Fly scenarios in lock-step in two checkouts, and compare the files of their bags.",
-        epilog="Exit status: 0 all equal, 1 some differ, 2 a checkout does not fly a scenario.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("old", type=_checkout, metavar="OLD", help="folder of a checkout")
     parser.add_argument("new", type=_checkout, metavar="NEW", help="folder of the other one")

@@ -7,15 +7,34 @@ import sys
 from collections.abc import Sequence
 
 from auv_control.synthesis.h_infinity import Weights, preset_axes, preset_file, preset_text
+from auv_core.cli.one_line_parser import OneLineParser
+
+_HELP = """\
+Compute the gains of the h_infinity path-following law for the vehicle of thesis Table
+2.1: the smallest gain from disturbing force to errors and effort by bisection, the
+feedback for a little more than that, and what the loop achieves, found twice without
+the Riccati equation.
+"""
+
+_EPILOG = """\
+exit status:
+  0    done
+  1    --check: the preset is not what is computed
+  2    bad input; nothing was written
+
+examples:
+  ./scripts/synthesise_h_infinity            compute the gains, write the preset
+  ./scripts/synthesise_h_infinity --check    compute them, compare with the preset
+"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Compute, report and write, or compare with what is written; return the exit status."""
-    parser = argparse.ArgumentParser(
+    parser = OneLineParser(
         prog="./scripts/synthesise_h_infinity",
-        description="Compute the gains of the h_infinity path-following law for the vehicle of thesis Table "
-        "2.1: the smallest gain from disturbing force to errors and effort by bisection, the feedback for a "
-        "little more than that, and what the loop achieves, found twice without the Riccati equation.",
+        description=_HELP,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--check", action="store_true", help="write nothing; fail if the preset is another")
     is_check = parser.parse_args(arguments).check

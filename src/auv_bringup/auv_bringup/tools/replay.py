@@ -44,6 +44,22 @@ _SHOW_S = 0.2
 _LATEST_NS = (2**31 - 1) * 1_000_000_000
 """The latest time that a message can state."""
 
+_EPILOG = """\
+A recorded /clock is published as it was, unless --clock makes a new one.
+
+exit status:
+  0    done
+  1    --re-estimate gives other estimates than the recorded ones
+  2    bad input
+  3    internal error
+  130  Ctrl-C
+
+examples:
+  ./scripts/replay results/flock_acoustic-1-lockstep --rate 10
+  ./scripts/replay results/flock_acoustic-1-lockstep --start 300 --clock
+  ./scripts/replay results/flock_acoustic-1-lockstep --re-estimate
+"""
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status."""
@@ -68,9 +84,8 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = OneLineParser(
         prog="./scripts/replay",
         description="Publish a recorded bag again, with the recorded types, QoS and timing.",
-        epilog="A recorded /clock is published as it was, unless --clock makes a new one. "
-        "Exit status: 0 done; 1 --re-estimate gives other estimates than the recorded ones; 2 bad input; "
-        "3 internal error; 130 Ctrl-C.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "bag", type=Path, metavar="BAG", help="bag folder, or results folder with a bag in it"

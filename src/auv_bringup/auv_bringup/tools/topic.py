@@ -34,6 +34,16 @@ SETTLED_S = 0.5
 UNNAMED = "_NODE_NAME_UNKNOWN_"
 _LOOK_S = 0.1
 
+_EPILOG = """\
+`./scripts/topic echo --help` says more about one of them, and so for the others.
+
+examples:
+  ./scripts/topic list --show-types
+  ./scripts/topic echo /auv_1/odom --once
+  ./scripts/topic hz /auv_1/odom
+  ./scripts/topic info /auv_1/odom --verbose
+"""
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return its exit status."""
@@ -48,7 +58,12 @@ def _do(options: argparse.Namespace) -> int:
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Read the command line."""
-    parser = OneLineParser(prog="./scripts/topic", description="Look at the topics of $ROS_DOMAIN_ID.")
+    parser = OneLineParser(
+        prog="./scripts/topic",
+        description="Look at the topics of $ROS_DOMAIN_ID.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     parser.add_argument(
         "--discovery", choices=("localhost", "subnet"), default="localhost", help="where to look"
     )
