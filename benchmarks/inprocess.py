@@ -21,7 +21,8 @@ from auv_core.compiled import use_compiler
 from auv_experiment.compose import vehicle_configs
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.run import compute_metrics
-from auv_experiment.scenario.schema import Scenario, load_scenario
+from auv_experiment.scenario.loading import load_scenario
+from auv_experiment.scenario.schema import Scenario
 from auv_sim.vehicle import Vehicle
 from auv_thesis.items import RunSpec
 from auv_thesis.runs.runner import fly_all

@@ -22,7 +22,7 @@ import numpy as np
 from auv_core.compiled import use_compiler
 from auv_experiment.inprocess.continuous import run_continuous
 from auv_experiment.inprocess.fleet import Fleet
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from benchmarks.peers import PEERS, Peer
 from benchmarks.rows import Row, cpu_seconds, spread, taking_turns
 

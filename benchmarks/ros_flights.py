@@ -25,7 +25,9 @@ from auv_bringup.launching.node_specs import NodeSpec, node_specs
 from auv_bringup.launching.node_start import Part, adopt, log_name, node_environment, parts_of
 from auv_core.machine.processes import ChildProcesses, schedule_as_batch
 from auv_experiment.compose import compile_ahead
-from auv_experiment.scenario.schema import SCENARIOS_DIR, Scenario, load_scenario
+from auv_experiment.scenario.file import SCENARIOS_DIR
+from auv_experiment.scenario.loading import load_scenario
+from auv_experiment.scenario.schema import Scenario
 
 MAIN_JOB = "flock_acoustic"
 OURS, PLAIN, LEAN = "ours", "plain", "lean"

@@ -22,7 +22,8 @@ import numpy as np
 
 from auv_bringup.launching.layout import LAYOUTS
 from auv_bringup.launching.node_start import ONE_THREAD
-from auv_experiment.scenario.schema import Scenario, load_scenario
+from auv_experiment.scenario.loading import load_scenario
+from auv_experiment.scenario.schema import Scenario
 from benchmarks.ros_flights import (
     DURATION_S,
     LEAN,

@@ -19,7 +19,7 @@ RUNS = {
 _PROGRAM = """
 import sys
 from auv_experiment.inprocess.sampled import run_in_process
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 folder, pairs = sys.argv[1], sys.argv[2:]
 for pair in pairs:
     name, *overrides = pair.split()

@@ -14,7 +14,7 @@ import pytest
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.recording import acoustic_log
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_sim.acoustics.event_log import half_duplex_violations
 
 GOLDEN = sorted((Path(__file__).parent / "golden").glob("*.json"))

@@ -9,7 +9,7 @@ import pytest
 
 import auv_flocking.separation
 from auv_experiment.inprocess.sampled import run_in_process
-from auv_experiment.scenario.schema import list_scenarios, load_scenario
+from auv_experiment.scenario.loading import list_scenarios, load_scenario
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

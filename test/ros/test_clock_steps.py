@@ -20,7 +20,8 @@ from ros_desk import clock_library
 
 from auv_bag.bag import Bag
 from auv_experiment.recording_from_bag import read_recording
-from auv_experiment.scenario.schema import SCENARIOS_DIR, load_scenario
+from auv_experiment.scenario.file import SCENARIOS_DIR
+from auv_experiment.scenario.loading import load_scenario
 
 pytestmark = pytest.mark.ros
 

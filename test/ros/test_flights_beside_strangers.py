@@ -16,7 +16,7 @@ from ros_desk import desk, domain_id, process
 from rosgraph_msgs.msg import Clock
 
 from auv_bag.compare import compare_bags
-from auv_experiment.scenario.schema import SCENARIOS_DIR
+from auv_experiment.scenario.file import SCENARIOS_DIR
 from auv_msgs.msg import FlockStatus, VehicleState
 from auv_ros.wire import conversions as convert
 

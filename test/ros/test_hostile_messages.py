@@ -26,7 +26,8 @@ from auv_bringup.launching.node_specs import node_specs
 from auv_bringup.launching.node_start import CONTAINER_MODULE, container_arguments, parts_of
 from auv_core.messages import Inbox, Packet, Reception, SonarContact
 from auv_experiment.recording_from_bag import read_recording
-from auv_experiment.scenario.schema import SCENARIOS_DIR, load_scenario
+from auv_experiment.scenario.file import SCENARIOS_DIR
+from auv_experiment.scenario.loading import load_scenario
 from auv_msgs.msg import (
     AcousticInbox,
     AcousticOutbox,

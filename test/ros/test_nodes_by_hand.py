@@ -13,7 +13,7 @@ from ros_desk import clock_library, desk, finish, process
 
 from auv_bringup.launching.node_specs import node_specs
 from auv_bringup.launching.node_start import write_params_file
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_msgs.msg import FlockStatus, VehicleState
 from auv_ros.run_config import RunConfig, TickClock
 from auv_ros.wire import conversions as convert

@@ -16,7 +16,7 @@ from auv_core.messages import Outcome
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.recording import acoustic_log
 from auv_experiment.recording_from_bag import read_recording
-from auv_experiment.scenario.schema import list_scenarios, load_scenario
+from auv_experiment.scenario.loading import list_scenarios, load_scenario
 from auv_sim.acoustics.event_log import half_duplex_violations
 from auv_sim.acoustics.propagation import bellhop
 

@@ -20,7 +20,7 @@ from auv_bag.bag import Bag
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.recording_from_bag import read_recording
-from auv_experiment.scenario.schema import list_scenarios, load_scenario
+from auv_experiment.scenario.loading import list_scenarios, load_scenario
 
 pytestmark = pytest.mark.ros
 

@@ -18,7 +18,7 @@ from ros_desk import desk, finish, process
 from auv_bringup.launching.node_specs import node_specs
 from auv_bringup.launching.node_start import write_params_file
 from auv_core.messages import VehicleState as State
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_msgs.msg import AcousticInbox, VehicleState
 from auv_ros.qos import own_qos
 from auv_ros.wire import conversions as convert

@@ -23,7 +23,7 @@ def flown():
     from rclpy.serialization import deserialize_message
 
     from auv_experiment.compose import vehicle_configs
-    from auv_experiment.scenario.schema import load_scenario
+    from auv_experiment.scenario.loading import load_scenario
     from auv_sim.nodes.vehicle_view import VehicleView
     from auv_sim.vehicle import Vehicle
 

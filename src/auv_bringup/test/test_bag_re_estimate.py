@@ -9,7 +9,7 @@ import synthetic_bag as synthetic
 from auv_bag.bag import Bag
 from auv_bringup.tools import replay
 from auv_experiment.re_estimate import re_estimate
-from auv_experiment.scenario.schema import load_scenario, scenario_to_yaml
+from auv_experiment.scenario.loading import load_scenario, scenario_to_yaml
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.table import NeighbourConfig, NeighbourTable
 from auv_flocking.report import Report

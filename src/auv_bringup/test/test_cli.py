@@ -19,7 +19,8 @@ from auv_bringup.tools import run as cli
 from auv_experiment import results
 from auv_experiment.inprocess import sampled as experiment
 from auv_experiment.report import by_law as law_figures
-from auv_experiment.scenario.schema import SCENARIOS_DIR, list_scenarios, load_scenario
+from auv_experiment.scenario.file import SCENARIOS_DIR
+from auv_experiment.scenario.loading import list_scenarios, load_scenario
 
 SOURCES = [str(path) for path in Path(__file__).parents[2].iterdir() if path.name.startswith("auv_")]
 

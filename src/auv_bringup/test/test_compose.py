@@ -10,7 +10,7 @@ import yaml
 from auv_bringup.launching.node_specs import node_specs
 from auv_core.params import load
 from auv_experiment.compose import agent_configs, vehicle_configs
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_flocking.agent import AgentConfig
 from auv_ros.run_config import RunConfig
 from auv_sim.acoustics.medium import MediumConfig

@@ -5,7 +5,7 @@ import pytest
 from auv_bringup.launching.layout import DEFAULT_LAYOUT, LAYOUTS, check_layout, process_specs
 from auv_bringup.launching.node_specs import node_specs
 from auv_core.params import ConfigError
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 
 NODES = node_specs(load_scenario("flock_acoustic"), mode="lockstep", bag_dir="bag")
 

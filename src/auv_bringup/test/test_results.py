@@ -19,7 +19,7 @@ from auv_experiment.results import (
     results_name,
     write_json,
 )
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not needed, and not here")
 

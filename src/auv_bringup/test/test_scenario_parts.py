@@ -5,7 +5,7 @@ import pytest
 from auv_bringup.launching.verdict import LOST
 from auv_bringup.tools import run as cli
 from auv_core.params import ConfigError
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 
 REFUSED = [
     (

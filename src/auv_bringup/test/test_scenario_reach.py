@@ -15,7 +15,7 @@ from auv_core.geometry import Box
 from auv_core.params import ConfigError
 from auv_experiment.metrics.surface import surface_metrics, surface_warning
 from auv_experiment.recording import Recording
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_flocking.report import Report
 from auv_flocking.reports import compact, exact
 

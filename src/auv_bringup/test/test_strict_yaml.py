@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from auv_bringup.launching.plan import make_plan
 from auv_core.params import ConfigError
-from auv_experiment.scenario.schema import SCENARIOS_DIR, load_scenario
+from auv_experiment.scenario.file import SCENARIOS_DIR
+from auv_experiment.scenario.loading import load_scenario
 from auv_experiment.scenario.strict_yaml import MOST_BYTES, MOST_VALUES, parse_yaml, to_yaml
 
 SIGNS = st.sampled_from(["", "-", "+"])

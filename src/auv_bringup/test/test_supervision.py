@@ -11,7 +11,7 @@ from auv_bringup.launching.layout import process_specs
 from auv_bringup.launching.node_specs import node_specs
 from auv_bringup.launching.supervision import Supervisor
 from auv_core.machine.processes import Exit
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 
 SCENARIO = load_scenario("flock_acoustic")
 AGENT_2, VEHICLE_2 = "/auv_2/agent_node", "/auv_2/vehicle_node"

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from auv_bringup.launching.verdict import verdict
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 
 SCENARIO = load_scenario("flock_acoustic")
 FLOWN_S = SCENARIO.ticks * SCENARIO.period_s

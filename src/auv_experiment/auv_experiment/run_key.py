@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from auv_core.plugins import PLUGINS_VARIABLE
-from auv_experiment.scenario.schema import scenario_to_json
+from auv_experiment.scenario.loading import scenario_to_json
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -27,7 +27,7 @@ _LIBRARIES = ("auv_core", "auv_sim", "auv_control", "auv_flocking")
 _ENTRANCES = (
     "auv_experiment.inprocess.sampled",
     "auv_experiment.metrics.run",
-    "auv_experiment.scenario.schema",
+    "auv_experiment.scenario.loading",
 )
 _TRACED = ("auv_core", "auv_experiment")
 _NO_SOURCE = {"cli", "laws", "machine", "nodes", "scenarios"}

@@ -7,7 +7,7 @@ import numpy as np
 
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.formation import errors, formation_metrics
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 
 ORIGIN = (0.0, 0.0, 0.0)
 FLAT = "frame: flat, coriolis: false"

@@ -13,7 +13,7 @@ from auv_experiment.metrics.consensus_bound import (
     flock_metrics,
     potential_series,
 )
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 
 AT_REST = "reference.params.rate_radps=0.0"
 COARSE = ("dt_s=0.02", "period_s=0.1")

@@ -14,7 +14,7 @@ from auv_experiment.inprocess import continuous, fleet_loop
 from auv_experiment.inprocess import fleet as continuous_fleet
 from auv_experiment.inprocess.hull_lanes import from_lanes, to_lanes
 from auv_experiment.recording import Recording
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_sim.vehicle import DivergedError
 
 _ARRAYS = (
@@ -105,7 +105,7 @@ def test_a_list_of_near_pairs_changes_no_number(monkeypatch):
 _PROGRAM = """
 import sys
 from auv_experiment.inprocess.sampled import run_in_process
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 scenario = load_scenario("swarm", duration_s=0.2, overrides=["vehicles.count=3"])
 run_in_process(scenario).save(sys.argv[1])
 """

@@ -13,7 +13,7 @@ from formation_flights import FLAT, GROUPED, alone, fly, law
 from auv_core.params import ConfigError
 from auv_experiment.metrics.formation import rate_errors
 from auv_experiment.metrics.lyapunov import lyapunov_metrics
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_sim.vehicle import DivergedError
 
 FITTED_STARTS = ((-6.0, 0.0, 0.0), (3.0, 1.0, 0.0), (0.0, 3.0, 0.0))

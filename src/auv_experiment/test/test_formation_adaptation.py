@@ -18,7 +18,7 @@ from auv_core.messages import VehicleState
 from auv_core.models.four_dof import Model
 from auv_experiment.metrics.lyapunov import lyapunov_metrics
 from auv_experiment.scenario import checks as scenario_checks
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 
 NOISE = "environment.navigation={kind: noisy, params: {position_sd_m: 0.05, velocity_sd_mps: 0.05}}"
 BODY = "frame: body"

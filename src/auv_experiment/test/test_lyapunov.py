@@ -5,7 +5,7 @@ import pytest
 
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.lyapunov import candidate_series, lyapunov_metrics
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 
 
 def flown(name, duration_s, *overrides):

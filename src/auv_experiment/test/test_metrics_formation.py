@@ -7,7 +7,7 @@ import pytest
 
 from auv_experiment.metrics.formation import errors, formation_metrics, rate_errors, signed_distances_m
 from auv_experiment.recording import Recording
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 
 IDS = ("auv_1", "auv_2", "auv_3")
 

@@ -16,7 +16,7 @@ from auv_experiment.metrics.network import (
     strong_parts,
 )
 from auv_experiment.recording import Recording
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 
 IDS = ("auv_1", "auv_2", "auv_3", "auv_4")
 EVERYBODY = [(i, j) for i in range(1, 5) for j in range(1, 5) if i != j]

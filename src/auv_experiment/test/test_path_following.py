@@ -16,7 +16,7 @@ from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.lyapunov import lyapunov_metrics
 from auv_experiment.metrics.path import heading_rad, path_metrics, position_error_ned_m
 from auv_experiment.metrics.run import compute_metrics
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_sim.vehicle import DivergedError
 
 LAW = "agent.controller.params"

@@ -9,7 +9,7 @@ import pytest
 from auv_core.geometry import distance
 from auv_core.params import ConfigError
 from auv_experiment.scenario.file import SCENARIOS_DIR, read_raw
-from auv_experiment.scenario.schema import list_scenarios, load_scenario, scenario_to_yaml
+from auv_experiment.scenario.loading import list_scenarios, load_scenario, scenario_to_yaml
 from auv_sim.acoustics.propagation import bellhop
 
 BUILT_IN = [name for name, _ in list_scenarios()]

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from auv_core.params import ConfigError
 from auv_experiment.scenario.file import SCENARIOS_DIR, read_raw
-from auv_experiment.scenario.schema import Scenario, load_scenario, scenario_to_yaml
+from auv_experiment.scenario.loading import load_scenario, scenario_to_yaml
+from auv_experiment.scenario.schema import Scenario
 
 RAW = {name: read_raw(SCENARIOS_DIR / f"{name}.yaml") for name in ("flock_acoustic", "ch5_obstacles")}
 RESOLVED = {f"{name}, resolved": yaml.safe_load(scenario_to_yaml(load_scenario(name))) for name in RAW}

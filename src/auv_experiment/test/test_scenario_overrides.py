@@ -3,7 +3,7 @@
 import pytest
 
 from auv_core.params import ConfigError
-from auv_experiment.scenario.schema import load_scenario, scenario_to_yaml
+from auv_experiment.scenario.loading import load_scenario, scenario_to_yaml
 
 
 def _load(*overrides, name="flock_acoustic"):

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from auv_core.params import ConfigError, dump
-from auv_experiment.scenario.schema import load_scenario, scenario_from_json, scenario_to_json
+from auv_experiment.scenario.loading import load_scenario, scenario_from_json, scenario_to_json
 from auv_experiment.sweeps import cli
 from auv_experiment.sweeps.plan import override_texts, plan_runs, points
 from auv_experiment.sweeps.study import Distribution, list_studies, load_study, study_from_plain

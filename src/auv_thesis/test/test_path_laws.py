@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from auv_experiment.inprocess.sampled import run_in_process
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_thesis.items import HOLDS, Run
 from auv_thesis.laws.path_laws import CASES, CLAIMS, RUNS, outcome
 

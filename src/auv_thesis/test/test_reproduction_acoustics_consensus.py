@@ -5,7 +5,7 @@ import pytest
 
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.recording import Recording
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_thesis.acoustics import consensus as study
 from auv_thesis.acoustics import consensus_runs as runs
 from auv_thesis.items import Run

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure as Canvas
 
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.run import compute_metrics
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_thesis.acoustics import safety as acoustics_safety
 from auv_thesis.acoustics import safety_runs as study
 from auv_thesis.items import (

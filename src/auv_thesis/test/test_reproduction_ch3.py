@@ -7,7 +7,7 @@ from matplotlib.figure import Figure as Canvas
 
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.run import compute_metrics
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_thesis.ch3 import claims as ch3_claims
 from auv_thesis.ch3 import tables as ch3_tables
 from auv_thesis.ch3.figures import FIGURES

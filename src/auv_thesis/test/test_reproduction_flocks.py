@@ -4,7 +4,7 @@ import pytest
 
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.run import compute_metrics
-from auv_experiment.scenario.schema import load_scenario
+from auv_experiment.scenario.loading import load_scenario
 from auv_thesis.ch4_6 import ch5, ch6
 from auv_thesis.ch4_6.flock_runs import FUZZY_FOUR_LEADERS, MATCHED_ON
 from auv_thesis.items import Run, RunSpec, chapters_of

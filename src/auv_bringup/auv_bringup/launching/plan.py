@@ -83,7 +83,7 @@ def make_plan(
 
     """
     from auv_experiment.run_memory import check_memory  # late: they bring everything that flies
-    from auv_experiment.scenario.schema import load_scenario
+    from auv_experiment.scenario.loading import load_scenario
 
     if duration_s is not None and not math.isfinite(duration_s):
         raise ConfigError(f"--duration {duration_s!r} is not allowed; allowed: a finite number of seconds")
@@ -116,7 +116,7 @@ def start_results(plan: Plan, parent: Path) -> Path:
         When the files in it cannot be written, as on a full disk; the folder is removed again.
 
     """
-    from auv_experiment.scenario.schema import scenario_to_yaml
+    from auv_experiment.scenario.loading import scenario_to_yaml
 
     text = scenario_to_yaml(plan.scenario)
     record = results.provenance(

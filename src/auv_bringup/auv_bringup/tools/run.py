@@ -359,7 +359,7 @@ def _warn(line: str) -> None:
 
 def _report_again(folder: Path, options: argparse.Namespace) -> int:
     """Make metrics, figures and report of a results folder again."""
-    from auv_experiment.scenario.schema import load_scenario
+    from auv_experiment.scenario.loading import load_scenario
 
     if not (folder / results.SCENARIO_FILE).is_file():
         raise results.ResultsError(
@@ -408,7 +408,7 @@ def _show_results(
 
 
 def _list() -> int:
-    from auv_experiment.scenario.schema import list_scenarios
+    from auv_experiment.scenario.loading import list_scenarios
 
     scenarios = list_scenarios()
     width = max(len(name) for name, _ in scenarios)

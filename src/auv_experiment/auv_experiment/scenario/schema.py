@@ -1,36 +1,25 @@
 """
 Scenarios: what is flown, as data.
 
-One YAML file, `schema: 1`, loaded strictly: an unknown, missing, mistyped or impossible value is refused
-with one line that names its dotted path, the value and what is allowed.  The built-in scenarios are the
-files of ``auv_experiment/scenario``; a new file there is a new scenario.
+One YAML file, `schema: 1`, which `auv_experiment.scenario.loading` reads strictly: an unknown, missing,
+mistyped or impossible value is refused with one line that names its dotted path, the value and what is
+allowed.  The built-in scenarios are the files of ``auv_experiment/scenario``; a new file there is a new
+scenario.
 """
 
 from __future__ import annotations
 
-import json
-import math
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_core.geometry import Vec3, distance
-from auv_core.params import ConfigError, Section, dump, load, param, shown
+from auv_core.geometry import Vec3
+from auv_core.params import Section, param, shown
 from auv_core.plugins import find_plugin
 from auv_experiment.scenario.checks import check_scenario
-from auv_experiment.scenario.file import (
-    ID,
-    ID_WORDS,
-    SCENARIOS_DIR,
-    find_file,
-    override,
-    read_raw,
-    with_presets,
-)
-from auv_experiment.scenario.strict_yaml import to_yaml
+from auv_experiment.scenario.file import ID, ID_WORDS
 from auv_flocking.agent import COMPACT, CONSENSUS, CONTROLLERS, FLOCKING, REFERENCES, REPORTS, SEPARATION
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.table import NeighbourConfig
@@ -39,8 +28,6 @@ from auv_sim.acoustics.sonar import none as no_sonar
 from auv_sim.vehicle import EXACT, MODELS, NAVIGATION, substeps
 
 MAX_M = 1e5
-_STARTS_STREAM = 2
-_START_TRIES = 20_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -249,117 +236,3 @@ class Scenario:
     def follows(self) -> str:
         """What the vehicles' controllers follow: velocity (of a flocking law), path or region."""
         return str(find_plugin(CONTROLLERS, self.agent.controller.kind).Controller.follows)
-
-
-def load_scenario(
-    name_or_path: str,
-    *,
-    overrides: Sequence[str] = (),
-    seed: int | None = None,
-    duration_s: float | None = None,
-) -> Scenario:
-    """
-    Return a scenario, resolved: presets filled in and random starts drawn.
-
-    Parameters
-    ----------
-    name_or_path : str
-        Name of a built-in scenario, or path of a YAML file (anything with a slash or ending in .yaml or
-        .yml).
-    overrides : sequence of str
-        ``path.to.key=value``, the value in YAML; a number addresses an item of a list.
-    seed, duration_s : int, float
-        Override the keys of that name.
-
-    Raises
-    ------
-    ConfigError
-        With one line for the user.
-
-    """
-    return _with_starts(_undrawn(name_or_path, overrides, seed=seed, duration_s=duration_s))
-
-
-def load_for_seeds(
-    name_or_path: str, *, overrides: Sequence[str] = (), seeds: Iterable[int]
-) -> Iterator[Scenario]:
-    """
-    Yield what `load_scenario` returns for each of the seeds; the file is read once.
-
-    Raises
-    ------
-    ConfigError
-        With one line for the user; seeds are taken to be allowed.
-
-    """
-    undrawn = _undrawn(name_or_path, overrides)
-    for seed in seeds:
-        yield _with_starts(replace(undrawn, seed=seed))
-
-
-def scenario_to_json(scenario: Scenario) -> str:
-    """Return the scenario as JSON on one line, from which `scenario_from_json` makes an equal one."""
-    return json.dumps(dump(scenario), allow_nan=False)
-
-
-def scenario_from_json(text: str) -> Scenario:
-    """Return what `scenario_to_json` was given; raise ConfigError where its plugins are not here."""
-    return load(Scenario, json.loads(text), "scenario")
-
-
-def _undrawn(
-    name_or_path: str, overrides: Sequence[str], *, seed: int | None = None, duration_s: float | None = None
-) -> Scenario:
-    """Return the scenario with its random starts yet to be drawn."""
-    raw = read_raw(find_file(name_or_path))
-    for text in overrides:
-        override(raw, text)
-    if seed is not None:
-        raw["seed"] = seed
-    if duration_s is not None:
-        raw["duration_s"] = duration_s
-    return load(Scenario, with_presets(raw), "scenario")
-
-
-def list_scenarios() -> list[tuple[str, str]]:
-    """Return name and title of every built-in scenario, sorted by name."""
-    return sorted((path.stem, str(read_raw(path).get("title", ""))) for path in SCENARIOS_DIR.glob("*.yaml"))
-
-
-def scenario_to_yaml(scenario: Scenario) -> str:
-    """Return the scenario as YAML from which `load_scenario` makes an equal one."""
-    return to_yaml(dump(scenario))
-
-
-def _with_starts(scenario: Scenario) -> Scenario:
-    """Return the scenario with every start position given."""
-    starts = scenario.random_starts
-    if starts is None or all(vehicle.position_ned_m is not None for vehicle in scenario.vehicles):
-        return scenario
-    rng = np.random.default_rng(np.random.SeedSequence((scenario.seed, _STARTS_STREAM)))
-    taken = [vehicle.position_ned_m for vehicle in scenario.vehicles if vehicle.position_ned_m is not None]
-    vehicles = []
-    for vehicle in scenario.vehicles:
-        if vehicle.position_ned_m is None:
-            position = _draw_start(rng, starts, taken)
-            taken.append(position)
-            vehicle = replace(vehicle, position_ned_m=position)
-        vehicles.append(vehicle)
-    try:
-        return replace(scenario, vehicles=tuple(vehicles))
-    except ValueError as error:
-        raise ConfigError(f"scenario.{error}") from None
-
-
-def _draw_start(rng: np.random.Generator, starts: RandomStarts, taken: Sequence[Vec3]) -> Vec3:
-    for _ in range(_START_TRIES):
-        offset = rng.uniform(-starts.radius_m, starts.radius_m, 3)
-        x, y, z = (float(c + o) for c, o in zip(starts.centre_ned_m, offset, strict=True))
-        inside = math.hypot(*offset) <= starts.radius_m and z >= starts.depth_min_m
-        if inside and all(distance((x, y, z), other) >= starts.separation_m for other in taken):
-            return (x, y, z)
-    raise ConfigError(
-        f"scenario.random_starts: no room for {len(taken) + 1} vehicles; "
-        f"allowed: a larger radius_m ({starts.radius_m:g}), "
-        f"a smaller separation_m ({starts.separation_m:g}) or a smaller depth_min_m ({starts.depth_min_m:g})"
-    )

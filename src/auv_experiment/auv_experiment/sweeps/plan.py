@@ -13,7 +13,7 @@ from auv_core.params import ConfigError, shown
 from auv_experiment.inprocess.evaluated_run import effort
 from auv_experiment.metrics.descriptions import MEANINGS
 from auv_experiment.run_key import run_key, source_version
-from auv_experiment.scenario.schema import load_for_seeds, scenario_to_json
+from auv_experiment.scenario.loading import load_for_seeds, scenario_to_json
 from auv_experiment.sweeps.study import Sample, Study, value_text
 from auv_experiment.sweeps.worker import NO_RESULTS, fly_run
 

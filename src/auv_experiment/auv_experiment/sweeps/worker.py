@@ -8,7 +8,7 @@ from typing import Any
 from auv_core.machine.failure import Failure
 from auv_experiment.inprocess.evaluated_run import fly
 from auv_experiment.run_key import source_version
-from auv_experiment.scenario.schema import scenario_from_json
+from auv_experiment.scenario.loading import scenario_from_json
 
 Scalar = bool | int | float | str | None
 

@@ -20,7 +20,7 @@ from auv_core.machine.whole_files import WriteError, write_error, write_text
 from auv_experiment import results, run_key
 from auv_experiment.inprocess.evaluated_run import effort
 from auv_experiment.recording import Recording, RecordingError
-from auv_experiment.scenario.schema import load_scenario, scenario_to_yaml
+from auv_experiment.scenario.loading import load_scenario, scenario_to_yaml
 from auv_thesis.items import RunSpec
 
 if TYPE_CHECKING:

@@ -1,0 +1,97 @@
+"""
+Scenarios as text: read from YAML with overrides, seed and presets; written as YAML and as JSON.
+
+What may stand in them is `auv_experiment.scenario.schema`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+from auv_core.params import dump, load
+from auv_experiment.scenario.file import SCENARIOS_DIR, find_file, override, read_raw, with_presets
+from auv_experiment.scenario.random_starts import with_starts
+from auv_experiment.scenario.schema import Scenario
+from auv_experiment.scenario.strict_yaml import to_yaml
+
+
+def load_scenario(
+    name_or_path: str,
+    *,
+    overrides: Sequence[str] = (),
+    seed: int | None = None,
+    duration_s: float | None = None,
+) -> Scenario:
+    """
+    Return a scenario, resolved: presets filled in and random starts drawn.
+
+    Parameters
+    ----------
+    name_or_path : str
+        Name of a built-in scenario, or path of a YAML file (anything with a slash or ending in .yaml or
+        .yml).
+    overrides : sequence of str
+        ``path.to.key=value``, the value in YAML; a number addresses an item of a list.
+    seed, duration_s : int, float
+        Override the keys of that name.
+
+    Raises
+    ------
+    ConfigError
+        With one line for the user.
+
+    """
+    return with_starts(_undrawn(name_or_path, overrides, seed=seed, duration_s=duration_s))
+
+
+def load_for_seeds(
+    name_or_path: str, *, overrides: Sequence[str] = (), seeds: Iterable[int]
+) -> Iterator[Scenario]:
+    """
+    Yield what `load_scenario` returns for each of the seeds; the file is read once.
+
+    Raises
+    ------
+    ConfigError
+        With one line for the user; seeds are taken to be allowed.
+
+    """
+    undrawn = _undrawn(name_or_path, overrides)
+    for seed in seeds:
+        yield with_starts(replace(undrawn, seed=seed))
+
+
+def list_scenarios() -> list[tuple[str, str]]:
+    """Return name and title of every built-in scenario, sorted by name."""
+    return sorted((path.stem, str(read_raw(path).get("title", ""))) for path in SCENARIOS_DIR.glob("*.yaml"))
+
+
+def scenario_to_json(scenario: Scenario) -> str:
+    """Return the scenario as JSON on one line, from which `scenario_from_json` makes an equal one."""
+    return json.dumps(dump(scenario), allow_nan=False)
+
+
+def scenario_from_json(text: str) -> Scenario:
+    """Return what `scenario_to_json` was given; raise ConfigError where its plugins are not here."""
+    return load(Scenario, json.loads(text), "scenario")
+
+
+def scenario_to_yaml(scenario: Scenario) -> str:
+    """Return the scenario as YAML from which `load_scenario` makes an equal one."""
+    return to_yaml(dump(scenario))
+
+
+def _undrawn(
+    name_or_path: str, overrides: Sequence[str], *, seed: int | None = None, duration_s: float | None = None
+) -> Scenario:
+    """Return the scenario with its random starts yet to be drawn."""
+    raw = read_raw(find_file(name_or_path))
+    for text in overrides:
+        override(raw, text)
+    if seed is not None:
+        raw["seed"] = seed
+    if duration_s is not None:
+        raw["duration_s"] = duration_s
+    return load(Scenario, with_presets(raw), "scenario")
