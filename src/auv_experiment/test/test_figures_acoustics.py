@@ -14,7 +14,7 @@ from auv_core.messages import Outcome
 from auv_experiment.recording import Recording
 from auv_experiment.report.acoustics import acoustics_figures
 from auv_experiment.report.by_law import run_figures
-from auv_experiment.report.flock import Figure
+from auv_experiment.report.figure import Figure
 
 OF_ESTIMATES = ["packet_delivery", "estimate_error"]
 ALL = [

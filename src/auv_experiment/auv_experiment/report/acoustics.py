@@ -23,7 +23,7 @@ from auv_experiment.metrics import acoustics as metrics_acoustics
 from auv_experiment.metrics import run as metrics
 from auv_experiment.recording import IntArray, Recording
 from auv_experiment.report.estimates import ESTIMATE_DRAWERS
-from auv_experiment.report.flock import WIDTH_IN, Drawing, Figure, save_figures
+from auv_experiment.report.figure import WIDTH_IN, Drawing, Figure, save_figures
 from auv_experiment.report.plotting import legend_below, wilson_interval
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from auv_experiment.recording import Recording
 from auv_experiment.report.acoustics import acoustics_figures
-from auv_experiment.report.flock import Figure, draw_figures
+from auv_experiment.report.figure import Figure
+from auv_experiment.report.flock import draw_figures
 from auv_experiment.report.path import path_figures
 from auv_experiment.report.region import region_figures
 

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from auv_experiment.metrics import acoustics as metrics_acoustics
 from auv_experiment.metrics import run as metrics
 from auv_experiment.recording import FloatArray, IntArray, Recording
-from auv_experiment.report.flock import MAX_LINES, WIDTH_IN, Drawing
+from auv_experiment.report.figure import MAX_LINES, WIDTH_IN, Drawing
 from auv_experiment.report.plotting import (
     legend_below,
     log_scale,

@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from auv_experiment.metrics import path as metrics_path
 from auv_experiment.metrics import run as metrics
 from auv_experiment.recording import FloatArray, Recording
-from auv_experiment.report.flock import DPI, WIDTH_IN, Figure
+from auv_experiment.report.figure import DPI, WIDTH_IN, Figure
 from auv_experiment.report.plotting import (
     STYLE,
     legend_below,

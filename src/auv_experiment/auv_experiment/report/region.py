@@ -20,7 +20,7 @@ from auv_control.region import Ring
 from auv_experiment.metrics import region as metrics_region
 from auv_experiment.metrics import run as metrics
 from auv_experiment.recording import FloatArray, Recording
-from auv_experiment.report.flock import DPI, WIDTH_IN, Figure
+from auv_experiment.report.figure import DPI, WIDTH_IN, Figure
 from auv_experiment.report.plotting import (
     STYLE,
     band_handle,

@@ -1,0 +1,67 @@
+"""A run as the figures of a flock see it: what several of them need, and the names of its lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from matplotlib.lines import Line2D
+
+from auv_experiment.metrics import run as metrics
+from auv_experiment.recording import FloatArray, Recording
+from auv_experiment.report.figure import MAX_LINES
+from auv_experiment.report.plotting import marker, vehicle_style
+
+if TYPE_CHECKING:
+    from auv_experiment.scenario.schema import Scenario
+
+
+@dataclass(frozen=True, eq=False)
+class FlockRun:
+    """A recording and its scenario, with what several figures need."""
+
+    recording: Recording
+    scenario: Scenario
+
+    @cached_property
+    def t_s(self) -> FloatArray:
+        """Scenario times of the states (s)."""
+        return self.recording.t_s
+
+    @cached_property
+    def path_ned_m(self) -> FloatArray:
+        """The (K + 1, 3) positions of the path (m, map_ned)."""
+        return metrics.path_ned_m(self.recording, self.scenario)
+
+    @cached_property
+    def centroid_ned_m(self) -> FloatArray:
+        """The (K + 1, 3) mean of the flock's positions (m, map_ned)."""
+        return metrics.centroid_ned_m(self.recording)
+
+    @cached_property
+    def flock_ned_m(self) -> FloatArray:
+        """The (K + 1, N, 3) positions, NaN from a vehicle's loss on (m, map_ned)."""
+        return metrics.flock_positions_ned_m(self.recording)
+
+    @cached_property
+    def labels(self) -> list[str]:
+        """Vehicle names, the leaders marked where not every vehicle is one."""
+        ids, leaders = self.recording.vehicle_ids, set(self.scenario.leaders)
+        is_mixed = 0 < len(leaders) < len(ids)
+        return [f"{name} (leader)" if is_mixed and name in leaders else name for name in ids]
+
+
+def path_handle() -> Line2D:
+    """Return the path's line for a legend."""
+    return Line2D([], [], color="0.55", linewidth=3.0, alpha=0.55, label="path")
+
+
+def vehicle_handles(run: FlockRun) -> list[Line2D]:
+    """Return the vehicles' lines for a legend, none where there are too many to tell apart."""
+    if run.recording.n_vehicles > MAX_LINES:
+        return []
+    return [
+        Line2D([], [], marker=marker(i), label=label, **vehicle_style(i))
+        for i, label in enumerate(run.labels)
+    ]

@@ -1,0 +1,71 @@
+"""The plain questions to a run, answered."""
+
+from __future__ import annotations
+
+import html
+from typing import TYPE_CHECKING, Any
+
+from auv_experiment.metrics.surface import surface_warning
+
+if TYPE_CHECKING:
+    from auv_experiment.scenario.schema import Scenario
+
+_CLOSE_LIMIT_M = 4.0
+_CONSISTENT_SHARE = (0.90, 0.985)
+
+
+def verdicts(scenario: Scenario, metrics: dict[str, Any]) -> list[str]:
+    """Answer the plain questions, each with its number."""
+    get = metrics.get
+    contact_m = 2.0 * scenario.hull_radius_m
+    answers = []
+    nearest_m = get("pair_distance_min_m")
+    if nearest_m is not None:
+        detail = f"Smallest distance of two hull centres {nearest_m:.2f} m; hulls touch at {contact_m:g} m."
+        if get("collision"):
+            detail += f" First contact at {get('collision_at_s'):.1f} s."
+        answers.append(_answer("Did hulls touch?", bool(get("collision")), detail, good=False))
+        answers.append(_formed_answer(metrics))
+    if surface_warning(metrics):
+        answers.append(_answer("Did hulls leave the water?", True, surface_warning(metrics), good=False))
+    farthest_m = get("pair_distance_formed_max_m")
+    if farthest_m is not None:
+        detail = f"Once formed between {get('pair_distance_formed_min_m'):.2f} and {farthest_m:.2f} m apart."
+        answers.append(_answer("Did the flock stay together?", farthest_m <= _CLOSE_LIMIT_M, detail))
+    clearance_m = get("obstacle_clearance_min_m")
+    if clearance_m is not None:
+        detail = (
+            f"Smallest distance to an obstacle {clearance_m:.2f} m, hull radius {scenario.hull_radius_m:g} m."
+        )
+        answers.append(
+            _answer("Did it keep clear of obstacles?", clearance_m > scenario.hull_radius_m, detail)
+        )
+    lost = get("lost_vehicles") or []
+    answers.append(
+        _answer("Did every vehicle reach the end?", not lost, f"Lost: {', '.join(lost)}." if lost else "")
+    )
+    share = get("neighbour_within_2sigma_ratio")
+    if share is not None:
+        answers.append(_consistency_answer(share))
+    return answers
+
+
+def _answer(question: str, holds: bool, detail: str, *, good: bool = True) -> str:
+    kind = "good" if holds is good else "bad"
+    word = "Yes." if holds else "No."
+    return f'<li class="{kind}">{html.escape(question)} <b>{word}</b> {html.escape(detail)}</li>'
+
+
+def _formed_answer(metrics: dict[str, Any]) -> str:
+    formed_at_s = metrics.get("formed_at_s")
+    detail = "" if formed_at_s is None else f"Every pair had been under 4 m for 10 s at {formed_at_s:.1f} s."
+    return _answer("Did the flock form?", formed_at_s is not None, detail)
+
+
+def _consistency_answer(share: float) -> str:
+    low, high = _CONSISTENT_SHARE
+    judgement = "cautious: errors are smaller than they say" if share > high else "consistent"
+    if share < low:
+        judgement = "overconfident: errors are larger than they say"
+    detail = f"{share:.3f} of the errors lie inside 2 sigma, 0.954 expected; the filters are {judgement}."
+    return _answer("Do the filters cover their errors?", share >= low, detail)
