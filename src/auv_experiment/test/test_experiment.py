@@ -10,7 +10,8 @@ from auv_core.geometry import body_to_ned
 from auv_core.messages import VehicleState, Wrench
 from auv_experiment.compose import vehicle_configs
 from auv_experiment.inprocess.sampled import run_in_process
-from auv_experiment.metrics.run import compute_metrics, pair_distances_m
+from auv_experiment.metrics.distances import pair_distances_m
+from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.loading import load_scenario
 from auv_sim.vehicle import Vehicle

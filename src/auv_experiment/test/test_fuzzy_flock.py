@@ -7,7 +7,8 @@ import pytest
 
 from auv_core.params import ConfigError
 from auv_experiment.inprocess.sampled import run_in_process
-from auv_experiment.metrics.run import compute_metrics, pair_distances_m
+from auv_experiment.metrics.distances import pair_distances_m
+from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.scenario.loading import load_scenario
 
 DISTANCE_M, APPROACH_S, ERROR_M = 0.003, 0.1, 0.005

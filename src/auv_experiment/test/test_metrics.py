@@ -13,14 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from auv_experiment.metrics.run import (
-    centroid_ned_m,
-    compute_metrics,
-    link_counts,
-    metrics_to_json,
-    pair_distances_m,
-    vehicle_pairs,
-)
+from auv_experiment.metrics.distances import centroid_ned_m, pair_distances_m, vehicle_pairs
+from auv_experiment.metrics.links import link_counts
+from auv_experiment.metrics.run import compute_metrics, metrics_to_json
 from auv_experiment.metrics.safety import safe_command_metrics
 from auv_experiment.recording import Recording
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from auv_experiment.inprocess.sampled import run_in_process
+from auv_experiment.metrics.distances import pair_distances_m
 from auv_experiment.metrics.lyapunov import lyapunov_metrics
 from auv_experiment.metrics.region import region_metrics
-from auv_experiment.metrics.run import pair_distances_m
 from auv_experiment.scenario.loading import load_scenario
 from auv_thesis.ch4_6.ch4 import corner_starts
 

@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_core.messages import Outcome
+from auv_experiment.metrics.finite import finite
+from auv_experiment.metrics.windows import SETTLED_AFTER_S, after
 from auv_experiment.recording import FloatArray, IntArray, Recording
 
 BoolArray = NDArray[np.bool_]
@@ -26,7 +28,6 @@ LOSSES = (Outcome.OUTAGE, Outcome.NOISE, Outcome.COLLISION, Outcome.HALF_DUPLEX,
 """Causes in the order in which figures and tables show them."""
 CHI2_3_95PCT = 7.8147
 """Value under which 95 % of a chi-square distribution with three degrees of freedom lie."""
-SETTLED_AFTER_S = 100.0
 _TOLERANCE_S = 1e-9
 _MOST_ESTIMATES = 400_000
 _STEPS = (1, 3, 7, 13, 29, 61, 127)
@@ -210,7 +211,7 @@ def _packet_metrics(recording: Recording) -> dict[str, Any]:
     sent = recording.events[:, 1] == Outcome.SENT
     on_air_s = recording.event_values[sent, 1] - recording.event_values[sent, 0]
     run_s = float(recording.t_s[-1] - recording.t_s[0])
-    late = recording.t_s[:-1] > SETTLED_AFTER_S + _TOLERANCE_S
+    late = after(recording.t_s[:-1], SETTLED_AFTER_S)
     metrics: dict[str, Any] = {"packets_lost": total - counts[Outcome.DELIVERED]}
     for outcome in LOSSES:
         ratio = counts[outcome] / total if total else None
@@ -226,10 +227,10 @@ def _packet_metrics(recording: Recording) -> dict[str, Any]:
 def _filter_metrics(recording: Recording, formed_at_s: float) -> dict[str, float | None]:
     is_judged = recording.has_neighbours and not math.isnan(formed_at_s)
     ticks = judged_ticks(recording, formed_at_s if is_judged else math.inf)
-    position = _finite(neighbour_nees(recording, ticks, 3))
+    position = finite(neighbour_nees(recording, ticks, 3))
     return {
         "neighbour_nees_position_mean": _mean(position),
-        "neighbour_nees_mean": _mean(_finite(neighbour_nees(recording, ticks, 6))),
+        "neighbour_nees_mean": _mean(finite(neighbour_nees(recording, ticks, 6))),
         "neighbour_nees_within_95_ratio": _mean(position <= CHI2_3_95PCT),
     }
 
@@ -241,14 +242,10 @@ def _navigation_metrics(recording: Recording) -> dict[str, float | None]:
     judged = (sd_m > 0.0) & np.isfinite(level_m2)
     square_m2 = (error_m**2).sum(axis=-1)
     return {
-        "navigation_error_rms_m": _root(_mean(_finite(square_m2))),
-        "navigation_error_final_m": _root(_mean(_finite(square_m2[-1:]))),
+        "navigation_error_rms_m": _root(_mean(finite(square_m2))),
+        "navigation_error_final_m": _root(_mean(finite(square_m2[-1:]))),
         "navigation_nees_mean": _mean(level_m2[judged] / sd_m[judged] ** 2),
     }
-
-
-def _finite(values: FloatArray) -> FloatArray:
-    return values[np.isfinite(values)]
 
 
 def _mean(values: NDArray[Any]) -> float | None:
@@ -260,5 +257,5 @@ def _root(value: float | None) -> float | None:
 
 
 def _quantile(values: FloatArray) -> float | None:
-    finite = _finite(values)
-    return float(np.quantile(finite, 0.95)) if finite.size else None
+    known = finite(values)
+    return float(np.quantile(known, 0.95)) if known.size else None

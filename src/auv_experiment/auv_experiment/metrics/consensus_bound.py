@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from auv_core.plugins import find_plugin
+from auv_experiment.metrics.finite import norm
 from auv_experiment.metrics.lyapunov import TOLERANCE_RATIO, fall_metrics
 from auv_experiment.recording import FloatArray, Recording
 from auv_flocking.agent import SEPARATION
@@ -138,10 +139,10 @@ def _repulsion(positions: FloatArray, scenario: Scenario, law: Any) -> FloatArra
     """Return the potential of all pairs, and of all vehicles with all obstacles (m^2/s), (K,)."""
     spacing_m = scenario.agent.flocking.params.spacing_m if scenario.agent.flocking else 0.0
     first, second = np.triu_indices(positions.shape[1], 1)
-    total = _summed(law.potential, _norm(positions[:, first] - positions[:, second]), spacing_m)
+    total = _summed(law.potential, norm(positions[:, first] - positions[:, second]), spacing_m)
     of_obstacle = getattr(law, "obstacle_potential", law.potential)
     for obstacle in scenario.environment.obstacles:
-        distances_m = _norm(positions - np.array(obstacle.position_ned_m))
+        distances_m = norm(positions - np.array(obstacle.position_ned_m))
         total = total + _summed(of_obstacle, distances_m, obstacle.safety_distance_m)
     return total
 
@@ -200,8 +201,3 @@ def _velocity_ned_mps(recording: Recording) -> FloatArray:
     across = 2.0 * np.cross(vector, body)
     velocity: FloatArray = body + scalar * across + np.cross(vector, across)
     return velocity
-
-
-def _norm(vectors: FloatArray) -> FloatArray:
-    length: FloatArray = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
-    return length

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from auv_experiment.metrics.finite import largest
 from auv_experiment.metrics.path import (
     heading_rad,
     path_followers,
@@ -87,7 +88,7 @@ def formation_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
         metrics[f"{name}_settling_0p05_s"] = _settling_s(t_s, error[:, axis])
         metrics[f"{name}_overshoot_{unit}"] = _overshoot(error[:, axis])
     for axis, name in enumerate(AXES[:3]):
-        metrics[f"{name}_force_late_n"] = _largest(np.abs(force[late[:-1], axis]))
+        metrics[f"{name}_force_late_n"] = largest(np.abs(force[late[:-1], axis]))
     metrics |= _distance_metrics(recording, scenario)
     names = estimate_names(scenario)
     metrics["estimate_names"] = list(names)
@@ -139,9 +140,9 @@ def _distance_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
         "d12_minus_d23_final_m": float(d12[-1] - d23[-1]),
         "d12_settling_0p05_s": _settling_s(t_s, d12 - wanted12),
         "d23_settling_0p05_s": _settling_s(t_s, d23 - wanted23),
-        "d12_err_late_m": _largest(np.abs(d12 - wanted12)[late]),
-        "d23_err_late_m": _largest(np.abs(d23 - wanted23)[late]),
-        "d12_minus_d23_late_m": _largest(np.abs(d12 - d23)[late]),
+        "d12_err_late_m": largest(np.abs(d12 - wanted12)[late]),
+        "d23_err_late_m": largest(np.abs(d23 - wanted23)[late]),
+        "d12_minus_d23_late_m": largest(np.abs(d12 - d23)[late]),
         "d12_true_range_m": _range(np.linalg.norm(position[:, 1] - position[:, 0], axis=-1)),
         "d23_true_range_m": _range(np.linalg.norm(position[:, 2] - position[:, 1], axis=-1)),
     }
@@ -177,14 +178,9 @@ def _settling_s(t_s: FloatArray, error: FloatArray) -> float | None:
 
 def _overshoot(error: FloatArray) -> float | None:
     """Return the largest error on the other side of zero than the first."""
-    return _largest(-error if error[0] >= 0.0 else error)
+    return largest(-error if error[0] >= 0.0 else error)
 
 
 def _range(values: FloatArray) -> list[float] | None:
     finite = values[np.isfinite(values)]
     return [float(finite.min()), float(finite.max())] if finite.size else None
-
-
-def _largest(values: FloatArray) -> float | None:
-    finite = values[np.isfinite(values)]
-    return float(finite.max()) if finite.size else None

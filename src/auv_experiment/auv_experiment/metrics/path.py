@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from auv_experiment.metrics.finite import largest, smallest
 from auv_experiment.recording import FloatArray, Recording
 
 if TYPE_CHECKING:
@@ -77,13 +78,13 @@ def path_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
         return _worst_settling_s(t_s[window], np.abs(errors[window]), band)
 
     return {
-        "position_rms_m": _largest(_rms(distance_m)),
-        "position_rms_after_30s_m": _largest(_rms(distance_m[~is_start])),
-        "position_err_max_m": _largest(distance_m[is_later]),
-        "overshoot_x_m": _largest(error_m[is_start, :, 0]),
-        "undershoot_y_m": _smallest(error_m[is_start, :, 1]),
-        "velocity_err_x_peak_mps": _largest(np.abs(velocity_mps[..., 0])),
-        "velocity_err_y_peak_mps": _largest(np.abs(velocity_mps[..., 1])),
+        "position_rms_m": largest(_rms(distance_m)),
+        "position_rms_after_30s_m": largest(_rms(distance_m[~is_start])),
+        "position_err_max_m": largest(distance_m[is_later]),
+        "overshoot_x_m": largest(error_m[is_start, :, 0]),
+        "undershoot_y_m": smallest(error_m[is_start, :, 1]),
+        "velocity_err_x_peak_mps": largest(np.abs(velocity_mps[..., 0])),
+        "velocity_err_y_peak_mps": largest(np.abs(velocity_mps[..., 1])),
         "x_settling_0p1m_s": settling_s(error_m[..., 0], 0.1),
         "y_settling_0p2m_s": settling_s(error_m[..., 1], 0.2),
         "y_settling_0p1m_s": settling_s(error_m[..., 1], 0.1),
@@ -179,13 +180,3 @@ def _rms(columns: FloatArray) -> FloatArray:
     total = np.where(exists, columns**2, 0.0).sum(axis=0)
     rms: FloatArray = np.sqrt(np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0.0))
     return rms
-
-
-def _largest(values: FloatArray) -> float | None:
-    finite = values[np.isfinite(values)]
-    return float(finite.max()) if finite.size else None
-
-
-def _smallest(values: FloatArray) -> float | None:
-    finite = values[np.isfinite(values)]
-    return float(finite.min()) if finite.size else None

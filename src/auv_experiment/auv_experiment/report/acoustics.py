@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from auv_core.messages import Outcome
 from auv_experiment.metrics import acoustics as metrics_acoustics
-from auv_experiment.metrics import run as metrics
+from auv_experiment.metrics.links import link_counts
 from auv_experiment.recording import IntArray, Recording
 from auv_experiment.report.estimates import ESTIMATE_DRAWERS
 from auv_experiment.report.figure import WIDTH_IN, Drawing, Figure, save_figures
@@ -162,7 +162,7 @@ def _draw_packet_delay(recording: Recording) -> Drawing | None:
 
 
 def _draw_packet_delivery(recording: Recording) -> Drawing | None:
-    expected, delivered = metrics.link_counts(recording)
+    expected, delivered = link_counts(recording)
     if expected.sum() == 0:
         return None
     overall = delivered.sum() / expected.sum()

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from auv_experiment.metrics import acoustics as metrics_acoustics
-from auv_experiment.metrics import run as metrics
+from auv_experiment.metrics.neighbours import neighbour_error_ned_m, neighbour_sigma_m
 from auv_experiment.recording import FloatArray, IntArray, Recording
 from auv_experiment.report.figure import MAX_LINES, WIDTH_IN, Drawing
 from auv_experiment.report.plotting import (
@@ -39,10 +39,10 @@ _RADIUS_95PCT_SD = 2.4477
 def _draw_estimate_error(recording: Recording) -> Drawing | None:
     if not recording.has_neighbours:
         return None
-    error_m = metrics.neighbour_error_ned_m(recording)
+    error_m = neighbour_error_ned_m(recording)
     if not np.isfinite(error_m).any():
         return None
-    sigma_m = metrics.neighbour_sigma_m(recording)
+    sigma_m = neighbour_sigma_m(recording)
     square_m2 = (error_m * error_m).sum(axis=-1)
     i, j = _worst_pair(square_m2)
     t_s = recording.t_s[:-1]

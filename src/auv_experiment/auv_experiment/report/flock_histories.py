@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from auv_experiment.metrics import run as metrics
+from auv_experiment.metrics.distances import (
+    centroid_path_error_m,
+    consensus_error_m,
+    pair_distances_m,
+    vehicle_pairs,
+)
 from auv_experiment.recording import FloatArray
 from auv_experiment.report.figure import MAX_LINES, WIDTH_IN, Drawing
 from auv_experiment.report.flock_run import FlockRun
@@ -27,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def _draw_pair_distances(run: FlockRun) -> Drawing | None:
-    distances_m = metrics.pair_distances_m(run.recording)
+    distances_m = pair_distances_m(run.recording)
     if not np.isfinite(distances_m).any():
         return None
     canvas = Canvas(figsize=(WIDTH_IN, 3.6), layout="constrained")
@@ -63,7 +68,7 @@ def _draw_pair_distances(run: FlockRun) -> Drawing | None:
 
 def _draw_path_error(run: FlockRun) -> Drawing | None:
     vehicle_m = np.linalg.norm(run.flock_ned_m - run.path_ned_m[:, np.newaxis], axis=-1)
-    centroid_m = metrics.centroid_path_error_m(run.recording, run.scenario)
+    centroid_m = centroid_path_error_m(run.recording, run.scenario)
     if not np.isfinite(centroid_m).any():
         return None
     canvas, axes = _time_axes("distance to the reference point (m)")
@@ -79,7 +84,7 @@ def _draw_path_error(run: FlockRun) -> Drawing | None:
 
 
 def _draw_consensus_error(run: FlockRun) -> Drawing | None:
-    error_m = metrics.consensus_error_m(run.recording)
+    error_m = consensus_error_m(run.recording)
     if not np.isfinite(error_m).any():
         return None
     t_s = run.t_s[:-1]
@@ -144,7 +149,7 @@ def _plot_spacing(panels: tuple[Any, Any], scenario: Scenario) -> None:
 
 def _plot_pairs(axes: Any, run: FlockRun, t_s: FloatArray, distances_m: FloatArray) -> None:
     """Plot every pair, or the range and median where there are too many to tell apart."""
-    pairs = metrics.vehicle_pairs(run.recording.n_vehicles)
+    pairs = vehicle_pairs(run.recording.n_vehicles)
     if len(pairs) > MAX_LINES:
         low_m, high_m = np.nanmin(distances_m, axis=1), np.nanmax(distances_m, axis=1)
         axes.fill_between(t_s, low_m, high_m, color="0.75", linewidth=0, label=f"range of {len(pairs)} pairs")

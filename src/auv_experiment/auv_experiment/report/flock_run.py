@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.lines import Line2D
 
-from auv_experiment.metrics import run as metrics
+from auv_experiment.metrics.distances import centroid_ned_m, flock_positions_ned_m, path_ned_m
 from auv_experiment.recording import FloatArray, Recording
 from auv_experiment.report.figure import MAX_LINES
 from auv_experiment.report.plotting import marker, vehicle_style
@@ -32,17 +32,17 @@ class FlockRun:
     @cached_property
     def path_ned_m(self) -> FloatArray:
         """The (K + 1, 3) positions of the path (m, map_ned)."""
-        return metrics.path_ned_m(self.recording, self.scenario)
+        return path_ned_m(self.recording, self.scenario)
 
     @cached_property
     def centroid_ned_m(self) -> FloatArray:
         """The (K + 1, 3) mean of the flock's positions (m, map_ned)."""
-        return metrics.centroid_ned_m(self.recording)
+        return centroid_ned_m(self.recording)
 
     @cached_property
     def flock_ned_m(self) -> FloatArray:
         """The (K + 1, N, 3) positions, NaN from a vehicle's loss on (m, map_ned)."""
-        return metrics.flock_positions_ned_m(self.recording)
+        return flock_positions_ned_m(self.recording)
 
     @cached_property
     def labels(self) -> list[str]:

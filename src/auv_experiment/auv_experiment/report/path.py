@@ -16,7 +16,7 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 
 from auv_experiment.metrics import path as metrics_path
-from auv_experiment.metrics import run as metrics
+from auv_experiment.metrics.distances import flock_positions_ned_m
 from auv_experiment.recording import FloatArray, Recording
 from auv_experiment.report.figure import DPI, WIDTH_IN, Figure
 from auv_experiment.report.plotting import (
@@ -75,7 +75,7 @@ def _draw_plan(canvas: Canvas, recording: Recording, scenario: Scenario) -> tupl
     canvas.set_size_inches(WIDTH_IN, 6.0)
     axes = canvas.add_subplot()
     paths, _ = metrics_path.path_points_ned(recording, scenario)
-    positions = metrics.flock_positions_ned_m(recording)
+    positions = flock_positions_ned_m(recording)
     for i in range(recording.n_vehicles):
         plot_plan_line(axes, paths[:, i], color="0.6", linewidth=3.0, alpha=0.5, zorder=1)
         plot_plan_line(axes, positions[:, i], zorder=4, **vehicle_style(i))

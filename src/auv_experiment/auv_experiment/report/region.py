@@ -18,7 +18,7 @@ from matplotlib.patches import Circle
 
 from auv_control.region import Ring
 from auv_experiment.metrics import region as metrics_region
-from auv_experiment.metrics import run as metrics
+from auv_experiment.metrics.distances import pair_distances_m, vehicle_pairs
 from auv_experiment.recording import FloatArray, Recording
 from auv_experiment.report.figure import DPI, WIDTH_IN, Figure
 from auv_experiment.report.plotting import (
@@ -219,8 +219,8 @@ def _draw_distances(canvas: Canvas, recording: Recording, scenario: Scenario, ri
     log_scale(upper, to_ring_m)
     upper.set_ylim(0.3 * metrics_region.REACHED_M, None)
     upper.set_ylabel("distance to the ring (m)")
-    pairs_m = metrics.pair_distances_m(recording)
-    for p, (i, j) in enumerate(metrics.vehicle_pairs(recording.n_vehicles)):
+    pairs_m = pair_distances_m(recording)
+    for p, (i, j) in enumerate(vehicle_pairs(recording.n_vehicles)):
         name = f"{recording.vehicle_ids[i]} – {recording.vehicle_ids[j]}"
         plot_thinned(lower, t_s, pairs_m[:, p], label=name, **vehicle_style(p))
     contact_m = 2.0 * scenario.hull_radius_m

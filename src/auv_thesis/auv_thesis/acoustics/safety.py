@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from auv_experiment.metrics.run import pair_distances_m
+from auv_experiment.metrics.distances import pair_distances_m
 from auv_thesis.acoustics.safety_runs import (
     ABLATED,
     BARS,

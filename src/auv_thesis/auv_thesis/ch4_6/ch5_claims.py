@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from auv_experiment.metrics.consensus_bound import flock_metrics
-from auv_experiment.metrics.run import pair_distances_m
+from auv_experiment.metrics.distances import pair_distances_m
 from auv_thesis.ch4_6.ch5_tables import seconds, settled_m
 from auv_thesis.ch4_6.flock_runs import (
     AS_PRINTED_ON,

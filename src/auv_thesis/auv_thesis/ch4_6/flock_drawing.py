@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from auv_experiment.metrics.run import pair_distances_m, path_ned_m, vehicle_pairs
+from auv_experiment.metrics.distances import pair_distances_m, path_ned_m, vehicle_pairs
 from auv_experiment.report.plotting import legend_below, plot_thinned, vehicle_style
 from auv_thesis.items import Run
 

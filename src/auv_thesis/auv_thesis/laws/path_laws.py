@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 from auv_experiment.metrics import path as metrics_path
-from auv_experiment.metrics import run as metrics
+from auv_experiment.metrics.distances import obstacle_distances_m
 from auv_experiment.report.plotting import colour, legend_below, marker
 from auv_thesis.items import (
     DOES_NOT_HOLD,
@@ -102,7 +102,7 @@ def outcome(run: Run) -> Outcome:
         rms_m=float(np.sqrt(np.mean(shown_m**2))),
         worst_m=float(shown_m.max()),
         effort_n2s=float(np.sum(given_n**2) * scenario.period_s),
-        clearance_m=float(np.nanmin(metrics.obstacle_distances_m(recording, scenario))),
+        clearance_m=float(np.nanmin(obstacle_distances_m(recording, scenario))),
     )
 
 

@@ -1,0 +1,82 @@
+"""Where the vehicles of a run, their mean and their path are, and how far they are from each other."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_experiment.metrics.finite import norm
+from auv_experiment.recording import FloatArray, Recording
+
+if TYPE_CHECKING:
+    from auv_experiment.scenario.schema import Scenario
+
+BoolArray = NDArray[np.bool_]
+
+
+def vehicle_pairs(n_vehicles: int) -> list[tuple[int, int]]:
+    """Return the P unordered pairs of vehicle indices (i, j), i < j, in the order of all pair arrays."""
+    first, second = np.triu_indices(n_vehicles, 1)
+    return list(zip(first.tolist(), second.tolist(), strict=True))
+
+
+def pair_distances_m(recording: Recording) -> FloatArray:
+    """Return the (K + 1, P) distances between hull centres (m), lost vehicles included."""
+    first, second = np.triu_indices(recording.n_vehicles, 1)
+    return norm(recording.position_ned_m[:, first] - recording.position_ned_m[:, second])
+
+
+def flock_pair_distances_m(recording: Recording) -> FloatArray:
+    """Return the (K + 1, P) distances between hull centres (m), NaN from the loss of either vehicle on."""
+    return np.where(pair_is_gone(recording), np.nan, pair_distances_m(recording))
+
+
+def flock_positions_ned_m(recording: Recording) -> FloatArray:
+    """Return the (K + 1, N, 3) true positions (m, map_ned), NaN from a vehicle's loss on."""
+    return np.where(recording.is_gone[..., np.newaxis], np.nan, recording.position_ned_m)
+
+
+def centroid_ned_m(recording: Recording) -> FloatArray:
+    """Return the (K + 1, 3) mean of the flock's true positions (m, map_ned), NaN where no vehicle is left."""
+    positions = recording.position_ned_m
+    alive = ~recording.is_gone
+    total = np.where(alive[..., np.newaxis], positions, 0.0).sum(axis=1)
+    count = alive.sum(axis=1)[:, np.newaxis].astype(float)
+    mean: FloatArray = total / np.where(count > 0.0, count, np.nan)
+    return mean
+
+
+def path_ned_m(recording: Recording, scenario: Scenario) -> FloatArray:
+    """Return the (K + 1, 3) positions eta_d of the flock's path (m, map_ned), NaN where there is none."""
+    path = scenario.reference_of()
+    if path is None:
+        return np.full((len(recording.t_s), 3), math.nan)
+    return np.array([path.at(t_s).position for t_s in recording.t_s.tolist()], dtype=np.float64)
+
+
+def centroid_path_error_m(recording: Recording, scenario: Scenario) -> FloatArray:
+    """Return the (K + 1,) distances |mean of true positions - eta_d| (m)."""
+    return norm(centroid_ned_m(recording) - path_ned_m(recording, scenario))
+
+
+def consensus_error_m(recording: Recording) -> FloatArray:
+    """Return the (K, N) distances |c_i - mean of true positions| (m), NaN from a vehicle's loss on."""
+    error_m = norm(recording.centre_ned_m - centroid_ned_m(recording)[:-1, np.newaxis])
+    return np.where(recording.is_gone[:-1], np.nan, error_m)
+
+
+def obstacle_distances_m(recording: Recording, scenario: Scenario) -> FloatArray:
+    """Return the (K + 1, N, number of obstacles) distances from hull centres to obstacle centres (m)."""
+    centres = [obstacle.position_ned_m for obstacle in scenario.environment.obstacles]
+    obstacles = np.array(centres, dtype=np.float64).reshape(-1, 3)
+    return norm(recording.position_ned_m[:, :, np.newaxis] - obstacles)
+
+
+def pair_is_gone(recording: Recording) -> BoolArray:
+    """Return (K + 1, P) flags: one vehicle of the pair has been lost by that time."""
+    first, second = np.triu_indices(recording.n_vehicles, 1)
+    gone = recording.is_gone
+    return gone[:, first] | gone[:, second]

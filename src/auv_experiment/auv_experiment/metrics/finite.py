@@ -1,0 +1,42 @@
+"""Statistics of the numbers that exist: NaN and infinity do not count, and what would be of none is None."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from auv_experiment.recording import FloatArray
+
+
+def norm(vectors: FloatArray) -> FloatArray:
+    """Return the lengths of vectors along the last axis."""
+    length: FloatArray = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
+    return length
+
+
+def finite(values: FloatArray) -> FloatArray:
+    """Return the finite ones of some values, as a row."""
+    return values[np.isfinite(values)]
+
+
+def smallest(values: FloatArray) -> float | None:
+    """Return the smallest of the finite values."""
+    known = finite(values)
+    return float(known.min()) if known.size else None
+
+
+def largest(values: FloatArray) -> float | None:
+    """Return the largest of the finite values."""
+    known = finite(values)
+    return float(known.max()) if known.size else None
+
+
+def mean(values: FloatArray) -> float | None:
+    """Return the mean of the finite values."""
+    known = finite(values)
+    return float(known.mean()) if known.size else None
+
+
+def rms(values: FloatArray) -> float | None:
+    """Return the root mean square of the finite values."""
+    known = finite(values)
+    return float(np.sqrt(np.mean(known * known))) if known.size else None

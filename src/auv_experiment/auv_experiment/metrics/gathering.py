@@ -1,0 +1,107 @@
+"""Whether and when a flock gathered, and how near and far its vehicles were: distances of all pairs."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_experiment.metrics.distances import flock_pair_distances_m, pair_distances_m, pair_is_gone
+from auv_experiment.metrics.finite import largest, smallest
+from auv_experiment.metrics.windows import (
+    GATHERED_AFTER_S,
+    LATE_AFTER_S,
+    SETTLED_AFTER_S,
+    TIME_TOLERANCE_S,
+    after,
+)
+from auv_experiment.recording import FloatArray, Recording
+
+if TYPE_CHECKING:
+    from auv_experiment.scenario.schema import Scenario
+
+BoolArray = NDArray[np.bool_]
+
+APPROACH_MEAN_AFTER_S = 20.0
+APPROACH_BAND_RATIO = 0.02
+FORMED_DISTANCE_M = 4.0
+FORMED_FOR_S = 10.0
+
+
+def gathering_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
+    """
+    Return what the distances of all pairs say.
+
+    Parameters
+    ----------
+    recording : Recording
+        What happened.
+    scenario : Scenario
+        What was asked for: hull radius.
+
+    Returns
+    -------
+    metrics : dict
+        collision, collision_at_s
+            whether and when two hulls first touched (distance below two hull radii);
+        pair_distance_min_m
+            smallest distance of any pair at any time, lost vehicles included;
+        formed_at_s
+            end of the first 10 s during which all pairs stayed under 4 m, NaN if there is none;
+        pair_distance_formed_min_m, pair_distance_formed_max_m
+            over all pairs of the flock for t >= formed_at_s;
+        pair_distance_settled_min_m, pair_distance_settled_max_m
+            over all pairs of the flock for t > 100 s;
+        pair_distance_min_after_150s_m, pair_distance_max_after_200s_m
+            over all pairs of the flock for t > 150 s and t > 200 s, by when any flock should have formed;
+        approach_time_2pct_s
+            first time after which every pair stays within 2 % of its own mean over t > 20 s.
+
+    """
+    t_s = recording.t_s
+    pairs_m = pair_distances_m(recording)
+    ever_touching = (pairs_m < 2.0 * scenario.hull_radius_m).any(axis=1)
+    flock_pairs_m = flock_pair_distances_m(recording)
+    formed_at_s = _formed_at_s(t_s, flock_pairs_m, pair_is_gone(recording))
+    formed_m = flock_pairs_m[t_s >= formed_at_s - TIME_TOLERANCE_S]
+    settled_m = flock_pairs_m[after(t_s, SETTLED_AFTER_S)]
+    return {
+        "collision": bool(ever_touching.any()),
+        "collision_at_s": t_s[ever_touching.argmax()] if ever_touching.any() else None,
+        "pair_distance_min_m": smallest(pairs_m),
+        "formed_at_s": formed_at_s,
+        "pair_distance_formed_min_m": smallest(formed_m),
+        "pair_distance_formed_max_m": largest(formed_m),
+        "pair_distance_settled_min_m": smallest(settled_m),
+        "pair_distance_settled_max_m": largest(settled_m),
+        "pair_distance_min_after_150s_m": smallest(flock_pairs_m[after(t_s, GATHERED_AFTER_S)]),
+        "pair_distance_max_after_200s_m": largest(flock_pairs_m[after(t_s, LATE_AFTER_S)]),
+        "approach_time_2pct_s": _approach_time_s(t_s, flock_pairs_m),
+    }
+
+
+def _formed_at_s(t_s: FloatArray, flock_pairs_m: FloatArray, is_gone: BoolArray) -> float:
+    """Return the end of the first FORMED_FOR_S with all pairs near (s), NaN if there is none."""
+    is_near = ((flock_pairs_m < FORMED_DISTANCE_M) | is_gone).all(axis=1) & ~is_gone.all(axis=1)
+    last_far = np.maximum.accumulate(np.where(is_near, -1, np.arange(len(t_s))))
+    near_since_s = t_s[np.minimum(last_far + 1, len(t_s) - 1)]
+    is_formed = is_near & (t_s - near_since_s >= FORMED_FOR_S - TIME_TOLERANCE_S)
+    return float(t_s[is_formed.argmax()]) if is_formed.any() else math.nan
+
+
+def _approach_time_s(t_s: FloatArray, flock_pairs_m: FloatArray) -> float | None:
+    """Return the first time after which every pair stays within 2 % of its own late mean (s)."""
+    late_m = flock_pairs_m[after(t_s, APPROACH_MEAN_AFTER_S)]
+    exists = np.isfinite(late_m)
+    if not exists.any():
+        return None
+    count = exists.sum(axis=0)
+    mean_m = np.where(exists, late_m, 0.0).sum(axis=0) / np.maximum(count, 1)
+    with np.errstate(invalid="ignore"):
+        is_far = np.abs(flock_pairs_m - mean_m) > APPROACH_BAND_RATIO * mean_m
+    is_any_far = (is_far & (count > 0)).any(axis=1)
+    if is_any_far[-1]:
+        return None
+    return float(t_s[len(t_s) - is_any_far[::-1].argmax()]) if is_any_far.any() else float(t_s[0])

@@ -1,0 +1,20 @@
+"""From when on quantities of a run count: times by which a flock has gathered, and those after it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_experiment.recording import FloatArray
+
+BoolArray = NDArray[np.bool_]
+
+SETTLED_AFTER_S = 100.0
+GATHERED_AFTER_S = 150.0
+LATE_AFTER_S = 200.0
+TIME_TOLERANCE_S = 1e-9
+
+
+def after(t_s: FloatArray, start_s: float) -> BoolArray:
+    """Return which times are later than `start_s`, by more than rounding."""
+    return t_s > start_s + TIME_TOLERANCE_S
