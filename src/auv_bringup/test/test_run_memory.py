@@ -13,7 +13,8 @@ from auv_core.machine import free_memory
 from auv_core.params import ConfigError
 from auv_experiment import run_memory
 from auv_experiment.inprocess.sampled import run_in_process
-from auv_experiment.recording import Recording, bytes_per_tick
+from auv_experiment.recording import Recording
+from auv_experiment.recording_shapes import bytes_per_tick
 from auv_experiment.scenario.loading import load_scenario
 
 LARGE = ["vehicles.count=64", "random_starts.radius_m=60", "sampling=sampled"]

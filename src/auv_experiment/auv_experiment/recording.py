@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from auv_core.machine.free_memory import free_bytes, gigabytes
 from auv_core.machine.whole_files import whole_file
 from auv_core.messages import AcousticEvent, Outcome
+from auv_experiment.recording_shapes import NEIGHBOURS, dtype_of, fits, shapes_of
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -30,14 +31,6 @@ IntArray = NDArray[np.int64]
 FORMAT_VERSION = 3
 _VERSION_KEY = "format_version"
 _TOLERANCE_S = 1e-9
-_NUMBER_BYTES = 8
-NEIGHBOURS = (
-    "neighbour_position_ned_m",
-    "neighbour_velocity_ned_mps",
-    "neighbour_covariance",
-    "neighbour_age_s",
-    "neighbour_sonar_age_s",
-)
 _VALUES_OF_ROWS = (("delay_s", "received"), ("contact_values", "contacts"), ("event_values", "events"))
 
 
@@ -136,13 +129,13 @@ class Recording:
     def __post_init__(self) -> None:
         """Bring the arrays to their types and check that their shapes fit together."""
         self.vehicle_ids = tuple(str(name) for name in self.vehicle_ids)
-        for name, shape in _shapes(len(self.t_s), len(self.vehicle_ids)).items():
-            array = np.asarray(getattr(self, name), dtype=_dtype(name))
+        for name, shape in shapes_of(len(self.t_s), len(self.vehicle_ids)).items():
+            array = np.asarray(getattr(self, name), dtype=dtype_of(name))
             if array.size == 0 and None in shape:
                 array = array.reshape([size or 0 for size in shape])
             if name in NEIGHBOURS and len(array) == 0:
                 shape = (0, *shape[1:])
-            if not _fits(array.shape, shape):
+            if not fits(array.shape, shape):
                 raise RecordingError(f"{name}: shape {array.shape}, expected {shape}")
             setattr(self, name, array)
         for values, keys in _VALUES_OF_ROWS:
@@ -172,11 +165,11 @@ class Recording:
 
         """
         arrays: dict[str, Any] = {}
-        for name, shape in _shapes(len(t_s), len(vehicle_ids)).items():
-            fill_value = np.nan if _dtype(name) is np.float64 else 0
+        for name, shape in shapes_of(len(t_s), len(vehicle_ids)).items():
+            fill_value = np.nan if dtype_of(name) is np.float64 else 0
             if name in NEIGHBOURS and not has_neighbours:
                 shape = (0, *shape[1:])
-            arrays[name] = np.full([size or 0 for size in shape], fill_value, dtype=_dtype(name))
+            arrays[name] = np.full([size or 0 for size in shape], fill_value, dtype=dtype_of(name))
         arrays["t_s"] = np.array(t_s, dtype=np.float64)
         return cls(vehicle_ids=tuple(vehicle_ids), **arrays)
 
@@ -266,64 +259,6 @@ def law_states(
         if tick < n_ticks:
             table[tick, index, : len(state)] = state
     return table
-
-
-def bytes_per_tick(n_vehicles: int, *, has_neighbours: bool) -> int:
-    """Return what a recording without packets grows by in a tick (bytes)."""
-    before, after = _shapes(1, n_vehicles), _shapes(2, n_vehicles)
-    names = [name for name in after if has_neighbours or name not in NEIGHBOURS]
-    return _NUMBER_BYTES * sum(_count(after[name]) - _count(before[name]) for name in names)
-
-
-def bytes_of_rows(*, sent: float, heard: float) -> float:
-    """Return the size of so many packets sent, and of what became of so many at their receivers (bytes)."""
-    event = 6 + 3
-    return _NUMBER_BYTES * (sent * (3 + event) + heard * (4 + 1 + event))
-
-
-def _shapes(n_states: int, n: int) -> dict[str, tuple[int | None, ...]]:
-    """Return the expected shape of every array; None where any number of rows will do."""
-    k = n_states - 1
-    return {
-        "t_s": (n_states,),
-        "position_ned_m": (n_states, n, 3),
-        "attitude_quat_wxyz": (n_states, n, 4),
-        "velocity_body": (n_states, n, 6),
-        "command": (k, n, 6),
-        "reference_velocity_ned_mps": (k, n, 3),
-        "centre_ned_m": (k, n, 3),
-        "centre_velocity_ned_mps": (k, n, 3),
-        "law_state": (k, n, None),
-        "holding": (k, n),
-        "neighbour_position_ned_m": (k, n, n, 3),
-        "neighbour_velocity_ned_mps": (k, n, n, 3),
-        "neighbour_covariance": (k, n, n, 6, 6),
-        "neighbour_age_s": (k, n, n),
-        "neighbour_sonar_age_s": (k, n, n),
-        "nav_position_ned_m": (k, n, 3),
-        "nav_position_sd_m": (k, n),
-        "contacts": (None, 2),
-        "contact_values": (None, 3),
-        "sent": (None, 3),
-        "received": (None, 4),
-        "delay_s": (None,),
-        "events": (None, 6),
-        "event_values": (None, 3),
-        "lost_at_s": (n,),
-    }
-
-
-def _dtype(name: str) -> type[np.int64] | type[np.float64]:
-    return np.int64 if name in ("sent", "received", "contacts", "events", "holding") else np.float64
-
-
-def _count(shape: tuple[int | None, ...]) -> int:
-    return math.prod(size or 0 for size in shape)
-
-
-def _fits(shape: tuple[int, ...], expected: tuple[int | None, ...]) -> bool:
-    pairs = zip(shape, expected, strict=False)
-    return len(shape) == len(expected) and all(want is None or size == want for size, want in pairs)
 
 
 def _check_size(path: Path) -> None:

@@ -2,38 +2,25 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
 from collections.abc import Callable
-from contextlib import suppress
-from functools import partial
-from itertools import islice
 from operator import itemgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from auv_bag.bag import Bag
-from auv_bag.topics import STATUS_TOPIC
 from auv_bag.writer import BagError
 from auv_core.freshness import age_limit_s
-from auv_core.messages import Outcome
 from auv_experiment.recording import Recording, law_states
-from auv_experiment.tick_series import TickSeries
+from auv_experiment.run_messages import NEIGHBOUR_WIDTH, RunMessages
 from auv_flocking.holding import STALE_COMMAND, cause_number
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
 FloatArray = NDArray[np.float64]
-
-_MORE_TICKS = 1000
-"""So many ticks before and after its own a run in real time can have: it ends when it wakes up."""
-_EPOCH_STATES = 1000
-_OUTCOMES = frozenset(Outcome)
-_EVENTS_TOPIC = "/acoustic/events"
-_NEIGHBOUR_WIDTH = 3 + 3 + 36 + 1 + 1  # position, velocity, covariance, age, age of the sonar's last look
 
 
 def read_recording(
@@ -66,78 +53,40 @@ def read_recording(
     BagError
         If the bag cannot be read or holds no state of some vehicle.
     """
-    command_max_age_s = age_limit_s(scenario.command_max_age_s, scenario.period_s)
-    ids = [vehicle.id for vehicle in scenario.vehicles]
-    reader = _RunReader(ids, scenario.period_s, command_max_age_s, scenario.ticks)
+    messages = RunMessages([vehicle.id for vehicle in scenario.vehicles], scenario.period_s, scenario.ticks)
     bag = Bag(Path(bag_dir))
-    reader.read(bag)
-    if reader.left_out:
-        counts = ", ".join(f"{count} of {topic}" for topic, count in sorted(reader.left_out.items()))
-        off_time = f"; {reader.off_time}" if reader.off_time else ""
+    messages.read(bag)
+    if messages.left_out:
+        counts = ", ".join(f"{count} of {topic}" for topic, count in sorted(messages.left_out.items()))
+        off_time = f"; {messages.off_time}" if messages.off_time else ""
         tell(f"messages left out, which are not of this run: {counts}{off_time}")
-    return reader.recording(bag.path)
+    return _Arrays(messages, scenario).recording(bag.path)
 
 
-class _ForeignError(ValueError):
-    """A message of something that the run does not have."""
+class _Arrays:
+    """Makes the arrays of a run from its messages."""
 
-
-class _RunReader:
-    """Collects the messages of a run by vehicle and tick."""
-
-    def __init__(
-        self, vehicle_ids: list[str], period_s: float, command_max_age_s: float, most_ticks: int
-    ) -> None:
-        self._last_tick = most_ticks + _MORE_TICKS
-        self.left_out: Counter[str] = Counter()
-        self.off_time = ""
-        self._ids = vehicle_ids
-        self._most_ticks = most_ticks
-        self._command_max_age_ticks = command_max_age_s / period_s
-        self._period_s = period_s
-        n = len(vehicle_ids)
-        self._state = [TickSeries(13) for _ in range(n)]
-        self._nav = [TickSeries(4) for _ in range(n)]
-        self._command = [TickSeries(6) for _ in range(n)]
-        self._reference = [TickSeries(3) for _ in range(n)]
-        self._centre = [TickSeries(6) for _ in range(n)]
-        self._law_state: dict[tuple[int, int], list[float]] = {}
-        self._holding: dict[tuple[int, int], int] = {}
-        self._neighbours = [TickSeries(n * _NEIGHBOUR_WIDTH) for _ in range(n)]
-        self._sent: list[tuple[int, int, int]] = []
-        self._received: list[tuple[int, int, int, int, float]] = []
-        self._contacts: list[tuple[int, int, float, float, float]] = []
-        self._events: list[tuple[Any, ...]] = []
-        self._lost: set[str] = set()
-        self._epoch_ns = 0
-
-    def read(self, bag: Bag) -> None:
-        """Take every message that an array is made of."""
-        self._epoch_ns = self._find_epoch_ns(bag)
-        handlers = self._handlers()
-        for message in bag.messages(handlers.keys() & bag.topics.keys()):
-            try:
-                decoded = bag.decode(message)
-            except BagError:
-                self.left_out[message.topic] += 1
-                continue
-            try:
-                handlers[message.topic](decoded)
-            except _ForeignError as error:
-                self.left_out[message.topic] += 1
-                self.off_time = self.off_time or str(error)
+    def __init__(self, messages: RunMessages, scenario: Scenario) -> None:
+        self._messages = messages
+        self._ids = [vehicle.id for vehicle in scenario.vehicles]
+        self._most_ticks = scenario.ticks
+        self._period_s = scenario.period_s
+        limit_s = age_limit_s(scenario.command_max_age_s, scenario.period_s)
+        self._command_max_age_ticks = limit_s / scenario.period_s
 
     def recording(self, path: Path) -> Recording:
         """Return the arrays; `path` is that of the bag, for the error message."""
-        missing = [name for name, series in zip(self._ids, self._state, strict=True) if not series.values]
+        missing = [
+            name for name, series in zip(self._ids, self._messages.state, strict=True) if not series.values
+        ]
         if missing:
             raise BagError(f"{path} holds no state of {', '.join(missing)}")
-        n_ticks = min(self._most_ticks, *(max(series.values) for series in self._state))
+        n_ticks = min(self._most_ticks, *(max(series.values) for series in self._messages.state))
         t_s: FloatArray = np.arange(n_ticks + 1, dtype=np.float64) * self._period_s
         recording = Recording.empty(self._ids, t_s)
         for i, name in enumerate(self._ids):
             self._add_truth(recording, i)
-            self._add_decisions(recording, i, lost=name in self._lost)
+            self._add_decisions(recording, i, lost=name in self._messages.lost)
         self._add_laws(recording)
         self._add_packets(recording)
         self._add_sound(recording)
@@ -145,40 +94,44 @@ class _RunReader:
 
     def _add_truth(self, recording: Recording, i: int) -> None:
         """Fill in the states of vehicle i."""
-        state = self._state[i].table(recording.n_ticks + 1, hold_to_end=True)
+        state = self._messages.state[i].table(recording.n_ticks + 1, hold_to_end=True)
         recording.position_ned_m[:, i] = state[:, :3]
         recording.attitude_quat_wxyz[:, i] = state[:, 3:7]
         recording.velocity_body[:, i] = state[:, 7:]
-        nav = self._nav[i].table(recording.n_ticks, hold_to_end=True)
+        nav = self._messages.nav[i].table(recording.n_ticks, hold_to_end=True)
         recording.nav_position_ned_m[:, i] = nav[:, :3]
         recording.nav_position_sd_m[:, i] = nav[:, 3]
 
     def _add_decisions(self, recording: Recording, i: int, *, lost: bool) -> None:
         """Fill in what the computer of vehicle i made, up to its loss."""
         k, n = recording.n_ticks, recording.n_vehicles
-        recording.command[:, i] = self._command[i].table(k, hold_to_end=not lost)
-        recording.reference_velocity_ned_mps[:, i] = self._reference[i].table(k, hold_to_end=not lost)
-        centre = self._centre[i].table(k, hold_to_end=not lost)
+        recording.command[:, i] = self._messages.command[i].table(k, hold_to_end=not lost)
+        recording.reference_velocity_ned_mps[:, i] = self._messages.reference[i].table(
+            k, hold_to_end=not lost
+        )
+        centre = self._messages.centre[i].table(k, hold_to_end=not lost)
         recording.centre_ned_m[:, i] = centre[:, :3]
         recording.centre_velocity_ned_mps[:, i] = centre[:, 3:]
-        neighbours = self._neighbours[i].table(k, hold_to_end=not lost).reshape(k, n, _NEIGHBOUR_WIDTH)
+        neighbours = (
+            self._messages.neighbours[i].table(k, hold_to_end=not lost).reshape(k, n, NEIGHBOUR_WIDTH)
+        )
         recording.neighbour_position_ned_m[:, i] = neighbours[..., 0:3]
         recording.neighbour_velocity_ned_mps[:, i] = neighbours[..., 3:6]
         recording.neighbour_covariance[:, i] = neighbours[..., 6:42].reshape(k, n, 6, 6)
         recording.neighbour_age_s[:, i] = neighbours[..., 42]
         recording.neighbour_sonar_age_s[:, i] = neighbours[..., 43]
         if not lost:
-            is_resting = self._command[i].ages(k) > self._command_max_age_ticks
+            is_resting = self._messages.command[i].ages(k) > self._command_max_age_ticks
             recording.command[is_resting, i] = 0.0
             recording.holding[is_resting, i] = cause_number(STALE_COMMAND)
         if lost:
-            recording.lost_at_s[i] = (max(self._command[i].values, default=-1) + 1) * self._period_s
+            recording.lost_at_s[i] = (max(self._messages.command[i].values, default=-1) + 1) * self._period_s
 
     def _add_laws(self, recording: Recording) -> None:
         """Fill in what the laws remembered and when agents held the safe command."""
         k, n = recording.n_ticks, recording.n_vehicles
-        recording.law_state = law_states(self._held(self._law_state, k), k, n)
-        for (tick, i), cause in self._holding.items():
+        recording.law_state = law_states(self._held(self._messages.law_state, k), k, n)
+        for (tick, i), cause in self._messages.holding.items():
             if tick < k:
                 recording.holding[tick, i] = cause
 
@@ -187,7 +140,7 @@ class _RunReader:
     ) -> dict[tuple[int, int], list[float]]:
         """Return the states with those of the tick before in missed ticks, to the vehicle's last command."""
         held = dict(states)
-        for i, commands in enumerate(self._command):
+        for i, commands in enumerate(self._messages.command):
             for tick in range(1, min(n_ticks, max(commands.values, default=-1) + 1)):
                 if (tick, i) not in held and (tick - 1, i) in held:
                     held[tick, i] = held[tick - 1, i]
@@ -195,9 +148,9 @@ class _RunReader:
 
     def _add_packets(self, recording: Recording) -> None:
         """Fill in the packets of the ticks that are kept: by tick and vehicle, then as they came."""
-        sent = [row for row in self._sent if row[0] < recording.n_ticks]
+        sent = [row for row in self._messages.sent if row[0] < recording.n_ticks]
         sent.sort(key=itemgetter(0, 1))
-        received = [row for row in self._received if row[0] < recording.n_ticks]
+        received = [row for row in self._messages.received if row[0] < recording.n_ticks]
         received.sort(key=itemgetter(0, 2))
         recording.sent = np.array(sent, dtype=np.int64).reshape(-1, 3)
         recording.received = np.array([row[:4] for row in received], dtype=np.int64).reshape(-1, 4)
@@ -205,177 +158,10 @@ class _RunReader:
 
     def _add_sound(self, recording: Recording) -> None:
         """Fill in the sonar contacts and the acoustic log of the ticks that are kept."""
-        contacts = [row for row in self._contacts if row[0] < recording.n_ticks]
+        contacts = [row for row in self._messages.contacts if row[0] < recording.n_ticks]
         contacts.sort(key=itemgetter(0, 1))
         recording.contacts = np.array([row[:2] for row in contacts], dtype=np.int64).reshape(-1, 2)
         recording.contact_values = np.array([row[2:] for row in contacts], dtype=np.float64).reshape(-1, 3)
-        events = [row for row in self._events if row[0] < recording.n_ticks]
+        events = [row for row in self._messages.events if row[0] < recording.n_ticks]
         recording.events = np.array([row[:6] for row in events], dtype=np.int64).reshape(-1, 6)
         recording.event_values = np.array([row[6:] for row in events], dtype=np.float64).reshape(-1, 3)
-
-    def _find_epoch_ns(self, bag: Bag) -> int:
-        """
-        Return the stamp of tick 0 (ns): wall time in a real-time run.
-
-        It is what the first states say of most vehicles and ticks, since some may be a stranger's, and older
-        runs in real time stamped tick 0 with 0.
-        """
-        epochs_ns: defaultdict[int, dict[tuple[str, int], int]] = defaultdict(dict)
-        for message in islice(bag.messages({f"/{name}/state" for name in self._ids}), _EPOCH_STATES):
-            with suppress(BagError):
-                state = bag.decode(message)
-                epoch_ns = _nanoseconds(state.header.stamp) - self._since_epoch_ns(state.tick)
-                epochs_ns[round(epoch_ns * 1e-6)][message.topic, state.tick] = epoch_ns
-        likeliest = max(epochs_ns.values(), key=len, default={})
-        return next(reversed(likeliest.values()), 0)
-
-    def _check_time(self, i: int, state: Any) -> None:
-        """Leave out a state whose tick and stamp are not of the run's one time line."""
-        stamp_ns = _nanoseconds(state.header.stamp)
-        off_ns = stamp_ns - self._epoch_ns - self._since_epoch_ns(state.tick)
-        is_of_old_run = state.tick == stamp_ns == 0
-        if abs(off_ns) > 0.5e9 * self._period_s and not is_of_old_run:
-            raise _ForeignError(
-                f"/{self._ids[i]}/state of tick {state.tick} is stamped "
-                f"{abs(off_ns) * 1e-9:.3f} s {'late' if off_ns > 0 else 'early'}"
-            )
-
-    def _since_epoch_ns(self, tick: int) -> int:
-        return round(tick * self._period_s * 1e9)
-
-    def _handlers(self) -> dict[str, Callable[[Any], None]]:
-        """Return what to do with a message, by topic."""
-        handlers: dict[str, Callable[[Any], None]] = {
-            STATUS_TOPIC: self._take_status,
-            _EVENTS_TOPIC: self._take_events,
-        }
-        for i, name in enumerate(self._ids):
-            for topic, take in {
-                "state": self._take_state,
-                "nav": self._take_nav,
-                "cmd_wrench": self._take_wrench,
-                "cmd_vel": self._take_velocity_command,
-                "reference": self._take_reference,
-                "flocking_centre": self._take_centre,
-                "control_status": self._take_control_status,
-                "neighbours": self._take_neighbours,
-                "acoustic/tx": self._take_sent,
-                "acoustic/rx": self._take_received,
-            }.items():
-                handlers[f"/{name}/{topic}"] = partial(take, i)
-        return handlers
-
-    def _tick(self, stamp: Any) -> int:
-        return self._known(round((_nanoseconds(stamp) - self._epoch_ns) * 1e-9 / self._period_s))
-
-    def _known(self, tick: int) -> int:
-        """Return a tick that the run can have."""
-        if not -_MORE_TICKS <= tick <= self._last_tick:
-            raise _ForeignError
-        return tick
-
-    def _index(self, address: int) -> int:
-        """Return the place of the vehicle with an address."""
-        if not 1 <= address <= len(self._ids):
-            raise _ForeignError
-        return address - 1
-
-    def _scenario_s(self, stamp: Any) -> float:
-        return (_nanoseconds(stamp) - self._epoch_ns) * 1e-9
-
-    def _take_state(self, i: int, state: Any) -> None:
-        tick = self._known(state.tick)
-        self._check_time(i, state)
-        p, q = state.pose.position, state.pose.orientation
-        v, w = state.twist.linear, state.twist.angular
-        self._state[i].values[tick] = np.array(
-            [p.x, p.y, p.z, q.w, q.x, q.y, q.z, v.x, v.y, v.z, w.x, w.y, w.z]
-        )
-
-    def _take_nav(self, i: int, nav: Any) -> None:
-        self._nav[i].values[self._known(nav.tick)] = np.array([*_xyz(nav.pose.position), nav.position_sd_m])
-
-    def _take_wrench(self, i: int, command: Any) -> None:
-        force, torque = command.wrench.force, command.wrench.torque
-        self._command[i].values[self._tick(command.header.stamp)] = np.array(_xyz(force) + _xyz(torque))
-
-    def _take_velocity_command(self, i: int, command: Any) -> None:
-        linear, angular = command.twist.linear, command.twist.angular
-        self._command[i].values[self._tick(command.header.stamp)] = np.array(_xyz(linear) + _xyz(angular))
-
-    def _take_reference(self, i: int, reference: Any) -> None:
-        self._reference[i].values[self._tick(reference.header.stamp)] = np.array(_xyz(reference.twist.linear))
-
-    def _take_centre(self, i: int, centre: Any) -> None:
-        self._centre[i].values[self._known(centre.tick)] = np.array(
-            _xyz(centre.position) + _xyz(centre.velocity)
-        )
-
-    def _take_control_status(self, i: int, status: Any) -> None:
-        tick = self._known(status.tick)
-        if len(status.law_state):
-            self._law_state[tick, i] = list(status.law_state)
-        if status.holding:
-            self._holding[tick, i] = cause_number(status.holding)
-
-    def _take_neighbours(self, i: int, message: Any) -> None:
-        table = np.full((len(self._ids), _NEIGHBOUR_WIDTH), np.nan)
-        for estimate in message.neighbours:
-            row = table[self._index(estimate.address)]
-            row[0:6] = _xyz(estimate.position) + _xyz(estimate.velocity)
-            row[6:42] = estimate.covariance
-            row[42:44] = estimate.age_s, estimate.sonar_age_s
-        self._neighbours[i].values[self._known(message.tick)] = table.reshape(-1)
-
-    def _take_sent(self, _: int, outbox: Any) -> None:
-        self._sent += [
-            (self._known(packet.tick), 1 + self._index(packet.source), packet.sequence)
-            for packet in outbox.packets
-        ]
-
-    def _take_received(self, i: int, inbox: Any) -> None:
-        tick = self._known(inbox.tick)
-        self._received += [
-            (tick, 1 + self._index(each.packet.source), i + 1, each.packet.sequence, _delay_s(each))
-            for each in inbox.receptions
-        ]
-        self._contacts += [(tick, i + 1, c.range_m, c.bearing_rad, c.elevation_rad) for c in inbox.contacts]
-
-    def _take_events(self, message: Any) -> None:
-        tick = self._known(message.tick)
-        self._events += [
-            (tick, *self._event_keys(e), *self._event_times_s(e), e.snr_db) for e in message.events
-        ]
-
-    def _event_times_s(self, e: Any) -> tuple[float, float]:
-        if hasattr(e, "start_s"):  # a bag of before the times were stamps
-            return e.start_s, e.end_s
-        return self._scenario_s(e.start), self._scenario_s(e.end)
-
-    def _event_keys(self, e: Any) -> tuple[int, ...]:
-        """Return what an event is of, and of whom."""
-        self._index(e.source)
-        if e.destination:
-            self._index(e.destination)
-        if e.outcome not in _OUTCOMES:
-            raise _ForeignError
-        return e.outcome, e.source, e.destination, e.sequence, e.size_bytes
-
-    def _take_status(self, status: Any) -> None:
-        self._lost.update(status.lost_vehicles)
-
-
-def _nanoseconds(stamp: Any) -> int:
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
-
-
-def _delay_s(reception: Any) -> float:
-    """Return the time from the start of a transmission to the end of its reception (s)."""
-    if hasattr(reception, "sent_s"):  # a bag of before the times were stamps
-        return float(reception.arrival_s - reception.sent_s)
-    return (_nanoseconds(reception.arrival) - _nanoseconds(reception.sent)) * 1e-9
-
-
-def _xyz(vector: Any) -> list[float]:
-    """Return the components of a Point or Vector3."""
-    return [vector.x, vector.y, vector.z]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from auv_core.machine.free_memory import free_bytes, gigabytes
 from auv_core.params import ConfigError
 from auv_core.plugins import find_plugin
-from auv_experiment.recording import bytes_of_rows, bytes_per_tick
+from auv_experiment.recording_shapes import bytes_of_rows, bytes_per_tick
 from auv_flocking.neighbours.track import HISTORY_S, MOST_MEASUREMENTS
 from auv_sim.acoustics.medium import MAC
 
