@@ -23,7 +23,8 @@ import yaml
 from auv_bringup.launching.layout import process_specs
 from auv_bringup.launching.node_specs import NodeSpec, node_specs
 from auv_bringup.launching.node_start import Part, adopt, log_name, node_environment, parts_of
-from auv_core.machine.processes import ChildProcesses, schedule_as_batch
+from auv_core.machine.child_start import schedule_as_batch
+from auv_core.machine.processes import ChildProcesses
 from auv_experiment.compose import compile_ahead
 from auv_experiment.scenario.file import SCENARIOS_DIR
 from auv_experiment.scenario.loading import load_scenario

@@ -17,7 +17,7 @@ from auv_bringup.launching.node_specs import node_specs
 from auv_bringup.launching.node_start import node_environment
 from auv_core.cli.progress import Progress
 from auv_core.machine import processes
-from auv_core.machine.processes import Interrupts
+from auv_core.machine.interrupts import Interrupts
 from auv_experiment.scenario.loading import load_scenario
 
 pytestmark = pytest.mark.ros

@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 from auv_bag.topics import TopicSpec
 from auv_bag.writer import BagError
+from auv_core.machine.child_end import Exit
 from auv_core.machine.process_states import is_stopped
-from auv_core.machine.processes import Exit
 
 BAG_PROCESS_MODULE = "auv_bag.process"
 _ANSWER_LIMIT_S = 30.0

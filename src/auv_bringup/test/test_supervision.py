@@ -10,7 +10,7 @@ from auv_bringup.launching.launcher import Flight, of_asked_length
 from auv_bringup.launching.layout import process_specs
 from auv_bringup.launching.node_specs import node_specs
 from auv_bringup.launching.supervision import Supervisor
-from auv_core.machine.processes import Exit
+from auv_core.machine.child_end import Exit
 from auv_experiment.scenario.loading import load_scenario
 
 SCENARIO = load_scenario("flock_acoustic")

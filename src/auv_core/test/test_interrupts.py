@@ -7,12 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from auv_core.machine.interrupts import Interrupted, held_interrupts, make_signals_interrupt
+from auv_core.machine.interrupts import Interrupted, Interrupts, held_interrupts, make_signals_interrupt
 
 PROGRAM = """
 import signal, sys
-from auv_core.machine.interrupts import make_signals_interrupt
-from auv_core.machine.processes import Interrupts
+from auv_core.machine.interrupts import Interrupts, make_signals_interrupt
 make_signals_interrupt()
 try:
     if sys.argv[1] == "flight":
@@ -78,3 +77,13 @@ def test_a_held_signal_ends_the_command_only_after_the_block(number, keep_signal
     assert done == ["block"]
     with pytest.raises(Interrupted):
         signal.raise_signal(number)
+
+
+def test_interrupts_count_and_give_the_handlers_back():
+    before = signal.getsignal(signal.SIGTERM)
+    with Interrupts() as interrupts:
+        signal.raise_signal(signal.SIGTERM)
+        assert (interrupts.count, interrupts.is_hurried) == (1, False)
+        signal.raise_signal(signal.SIGINT)
+        assert (interrupts.count, interrupts.is_hurried) == (2, True)
+    assert signal.getsignal(signal.SIGTERM) is before

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from auv_core.machine import processes
-from auv_core.machine.processes import ChildProcesses, Interrupts, last_lines
+from auv_core.machine.child_end import last_lines
+from auv_core.machine.processes import ChildProcesses
 
 PATIENCE_S = 20.0
 
@@ -237,20 +238,3 @@ def test_children_die_with_their_parent(tmp_path, number):
     finally:
         for watch in watches:
             os.close(watch)
-
-
-def test_interrupts_count_and_give_the_handlers_back():
-    before = signal.getsignal(signal.SIGTERM)
-    with Interrupts() as interrupts:
-        signal.raise_signal(signal.SIGTERM)
-        assert (interrupts.count, interrupts.is_hurried) == (1, False)
-        signal.raise_signal(signal.SIGINT)
-        assert (interrupts.count, interrupts.is_hurried) == (2, True)
-    assert signal.getsignal(signal.SIGTERM) is before
-
-
-def test_last_lines_of_a_log(tmp_path):
-    log = tmp_path / "log"
-    log.write_bytes(b"\n".join(b"line %d" % i for i in range(5000)) + b"\n\n\xff\n")
-    assert last_lines(log, 3) == ["line 4998", "line 4999", "�"]
-    assert last_lines(tmp_path / "none") == []

@@ -198,7 +198,7 @@ def _reproduce(chosen: Sequence[Chapter], options: argparse.Namespace, arguments
 
 
 def _print_counts(outcomes: Sequence[ChapterOutcome]) -> None:
-    from auv_thesis.page.page import counts
+    from auv_thesis.page.overview import counts
 
     for kind, found in counts(outcomes).items():
         words = ", ".join(f"{count} {word}" for word, count in found.items() if count)

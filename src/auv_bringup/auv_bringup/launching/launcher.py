@@ -41,14 +41,10 @@ from auv_bringup.launching.shared_memory import clear_shared_memory
 from auv_bringup.launching.status_listener import StatusListener
 from auv_bringup.launching.supervision import Supervisor
 from auv_core.cli.progress import Progress
-from auv_core.machine.processes import (
-    SIGINT_GRACE_S,
-    ChildProcesses,
-    Interrupts,
-    last_lines,
-    schedule_as_batch,
-    threads_allow_fork,
-)
+from auv_core.machine.child_end import last_lines
+from auv_core.machine.child_start import schedule_as_batch, threads_allow_fork
+from auv_core.machine.interrupts import Interrupts
+from auv_core.machine.processes import SIGINT_GRACE_S, ChildProcesses
 from auv_experiment.compose import compile_ahead
 from auv_experiment.results import BAG, LOGS
 from auv_experiment.scenario.schema import Scenario

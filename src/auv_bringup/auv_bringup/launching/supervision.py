@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from auv_bringup.launching.end_claims import EXIT_STATUS, EndClaims
 from auv_bringup.launching.flight_status import LOST_STATUS, Status, start_of_run
 from auv_bringup.launching.layout import ProcessSpec, patience_s, start_patience_s, vehicles_of
-from auv_core.machine.processes import Exit
+from auv_core.machine.child_end import Exit
 from auv_ros.run_identity import follows, is_of_run
 
 NO_STATUS_S = 60.0

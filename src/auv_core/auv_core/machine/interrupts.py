@@ -5,8 +5,8 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
-from types import FrameType
-from typing import NoReturn
+from types import FrameType, TracebackType
+from typing import Any, NoReturn
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """What asks a command to end."""
@@ -60,3 +60,35 @@ def held_interrupts() -> Iterator[None]:
             signal.signal(number, handler)
     if came:
         raise Interrupted
+
+
+class Interrupts:
+    """
+    Counts requests to end (Ctrl-C, SIGTERM, SIGHUP) while entered, in place of Python's own handling; what
+    was ignored at the start stays ignored.
+
+    The first asks for a clean end, the second for a quick one.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._previous: dict[signal.Signals, Any] = {}
+
+    @property
+    def is_hurried(self) -> bool:
+        """Whether the end was asked for more than once."""
+        return self.count > 1
+
+    def __enter__(self) -> Interrupts:
+        for number in heeded_signals():
+            self._previous[number] = signal.signal(number, self._on_signal)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        for number, handler in self._previous.items():
+            signal.signal(number, handler)
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        self.count += 1

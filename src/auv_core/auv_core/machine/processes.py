@@ -8,23 +8,17 @@ here knows ROS.
 
 from __future__ import annotations
 
-import ctypes
-import multiprocessing
 import os
 import signal
 import subprocess
-import sys
-import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType, TracebackType
-from typing import Any, NoReturn
+from types import TracebackType
 
-from auv_core.machine.interrupts import SIGNALS, heeded_signals
+from auv_core.machine.child_end import Exit
+from auv_core.machine.child_start import ForkedChild, child_setup, run_forked
 from auv_core.machine.process_states import adopt_orphans, family_of, is_stopped, module_of, orphans
 
 SIGINT_GRACE_S = 6.0
@@ -33,36 +27,6 @@ HURRY_GRACE_S = 1.0
 _WAIT_SLICE_S = 0.05
 _LOOK_S = 0.02
 _KILL_TIMEOUT_S = 10.0
-_PR_SET_PDEATHSIG = 1
-_libc = ctypes.CDLL(None, use_errno=True)
-
-
-@dataclass(frozen=True)
-class Exit:
-    """A child that has ended: its name and how (exit status, or minus the number of the signal)."""
-
-    name: str
-    returncode: int
-
-    @property
-    def words(self) -> str:
-        """How it ended, for people."""
-        if self.returncode < 0:
-            return f"killed by {signal_name(-self.returncode)}"
-        return f"exit status {self.returncode}"
-
-
-class _Fork(multiprocessing.get_context("fork").Process):  # type: ignore[misc]
-    """A forked child in the words of `subprocess.Popen`."""
-
-    def poll(self) -> int | None:
-        return self.exitcode
-
-    def wait(self, timeout: float) -> int:
-        self.join(timeout)
-        if self.exitcode is None:
-            raise subprocess.TimeoutExpired(self.name, timeout)
-        return int(self.exitcode)
 
 
 class ChildProcesses:
@@ -80,7 +44,7 @@ class ChildProcesses:
     """
 
     def __init__(self) -> None:
-        self._running: dict[str, subprocess.Popen[bytes] | _Fork] = {}
+        self._running: dict[str, subprocess.Popen[bytes] | ForkedChild] = {}
         self._logs: dict[str, Path] = {}
         self._of_others: frozenset[int] = frozenset()
         self.returncodes: dict[str, int] = {}
@@ -95,7 +59,7 @@ class ChildProcesses:
                 stderr=subprocess.STDOUT,
                 env=dict(environ),
                 start_new_session=True,
-                preexec_fn=_child_setup(os.getpid()),
+                preexec_fn=child_setup(os.getpid()),
             )
         self._logs[name] = log
 
@@ -103,9 +67,9 @@ class ChildProcesses:
         """
         Start a child that has imported already what this process has; `run` gives its exit status.
 
-        This process must have no threads that could hold a lock, see `threads_allow_fork`.
+        This process must have no threads that could hold a lock, see `child_start.threads_allow_fork`.
         """
-        process = _Fork(target=_run_forked, args=(run, os.getpid(), log), name=name)
+        process = ForkedChild(target=run_forked, args=(run, os.getpid(), log), name=name)
         process.start()
         self._running[name] = process
         self._logs[name] = log
@@ -284,103 +248,9 @@ class ChildProcesses:
         return Exit(name, returncode)
 
 
-class Interrupts:
-    """
-    Counts requests to end (Ctrl-C, SIGTERM, SIGHUP) while entered, in place of Python's own handling; what
-    was ignored at the start stays ignored.
-
-    The first asks for a clean end, the second for a quick one.
-    """
-
-    def __init__(self) -> None:
-        self.count = 0
-        self._previous: dict[signal.Signals, Any] = {}
-
-    @property
-    def is_hurried(self) -> bool:
-        """Whether the end was asked for more than once."""
-        return self.count > 1
-
-    def __enter__(self) -> Interrupts:
-        for number in heeded_signals():
-            self._previous[number] = signal.signal(number, self._on_signal)
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        for number, handler in self._previous.items():
-            signal.signal(number, handler)
-
-    def _on_signal(self, number: int, frame: FrameType | None) -> None:
-        self.count += 1
-
-
-def schedule_as_batch() -> None:
-    """
-    Ask Linux not to interrupt this thread, nor what it starts, whenever it wakes another.
-
-    A node of a flight in lock-step wakes others with every message that it publishes; they need all of them.
-    """
-    with suppress(OSError):  # not allowed here: the flight takes longer
-        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
-
-
-def threads_allow_fork() -> bool:
-    """Return whether this process has no Python thread but this one: a fork would lose the others."""
-    return threading.active_count() == 1
-
-
-def _run_forked(run: Callable[[], int], parent_pid: int, log: Path) -> NoReturn:
-    """Be a child: a session of its own, output to its log, this process's death its own."""
-    os.setsid()
-    _child_setup(parent_pid)()
-    with log.open("ab", buffering=0) as output, Path(os.devnull).open("rb") as nothing:
-        os.dup2(nothing.fileno(), 0)
-        os.dup2(output.fileno(), 1)
-        os.dup2(output.fileno(), 2)
-    sys.stdout = os.fdopen(1, "w", buffering=1, encoding="utf-8", errors="backslashreplace")
-    sys.stderr = os.fdopen(2, "w", buffering=1, encoding="utf-8", errors="backslashreplace")
-    raise SystemExit(run())
-
-
-def signal_name(number: int) -> str:
-    """Return 'SIGKILL' for 9, and so on."""
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return f"signal {number}"
-
-
-def last_lines(log: Path, count: int = 5, most_bytes: int = 8192) -> list[str]:
-    """Return the last lines of a log that are not blank, [] if there are none."""
-    try:
-        with log.open("rb") as stream:
-            stream.seek(0, os.SEEK_END)
-            stream.seek(max(0, stream.tell() - most_bytes))
-            text = stream.read().decode("utf-8", errors="replace")
-    except OSError:
-        return []
-    return list(deque((line.rstrip() for line in text.splitlines() if line.strip()), maxlen=count))
-
-
 def _signal_group(pid: int, number: signal.Signals) -> None:
     """Signal a child and what it has started; a fork that has no session yet gets it alone."""
     try:
         os.killpg(pid, number)
     except ProcessLookupError:
         os.kill(pid, number)
-
-
-def _child_setup(parent_pid: int) -> Callable[[], None]:
-    """Return what a child does between fork and exec."""
-
-    def setup() -> None:
-        _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent_pid:  # the parent died before the line above
-            os._exit(1)
-        # A parent started in the background by a shell ignores SIGINT, and a child would inherit that.
-        for number in SIGNALS:
-            signal.signal(number, signal.SIG_DFL)
-
-    return setup

@@ -42,6 +42,11 @@ class Outcome:
         """Why there is no content, None where there is."""
         return self.content if isinstance(self.content, Failure) else None
 
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """The rows of a table, none of anything else."""
+        return self.content if isinstance(self.content, tuple) else ()
+
 
 @dataclass(frozen=True)
 class ChapterOutcome:

@@ -1,0 +1,59 @@
+"""The content of the page as JSON, without the images of its figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from auv_thesis.items import Claim, Figure, Table, Verdict
+from auv_thesis.page.outcome import ChapterOutcome
+from auv_thesis.page.overview import counts
+from auv_thesis.page.wording import slug, text_of
+
+if TYPE_CHECKING:
+    from auv_thesis.page.making import Making
+
+FIGURES_FOLDER = "figures"
+
+
+def figure_file(figure: Figure) -> str:
+    """Return the name of a figure's PNG file."""
+    return f"figure_{slug(figure.number)}.png"
+
+
+def summary_of(chapters: Sequence[ChapterOutcome], making: Making) -> dict[str, Any]:
+    """Return what the page says, without its figures' images."""
+    return {
+        "counts": counts(chapters),
+        "chapters": {outcome.chapter.key: _chapter_summary(outcome) for outcome in chapters},
+        "command": making.command,
+        "versions": making.versions,
+        "runs": [
+            {"run": run.name, "wall_s": run.wall_s, "cpu_s": run.cpu_s, "remark": run.remark}
+            for run in making.runs
+        ],
+    }
+
+
+def _chapter_summary(outcome: ChapterOutcome) -> dict[str, Any]:
+    summary: dict[str, Any] = {"title": outcome.chapter.title, "claims": [], "tables": [], "figures": []}
+    for one in outcome.all:
+        known: dict[str, Any] = {"number": one.item.number}
+        known["text" if isinstance(one.item, Claim) else "title"] = text_of(one.item)
+        if one.failure is not None:
+            known["failure"] = one.failure.line
+        if isinstance(one.content, Verdict):
+            known.update(holds=one.content.holds, evidence=one.content.evidence)
+        if isinstance(one.item, Table):
+            known["rows"] = [vars(row) for row in one.rows]
+        if isinstance(one.item, Figure):
+            known["file"] = f"{FIGURES_FOLDER}/{figure_file(one.item)}" if one.failure is None else None
+        kind = (
+            "claims"
+            if isinstance(one.item, Claim)
+            else "tables"
+            if isinstance(one.item, Table)
+            else "figures"
+        )
+        summary[kind].append(known)
+    return summary
