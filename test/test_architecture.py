@@ -18,7 +18,7 @@ WALL_CLOCK_FILES = {
     "auv_bringup/launching/shared_memory.py",
     "auv_bringup/launching/status_listener.py",
     "auv_bringup/launching/supervision.py",
-    "auv_bringup/tools/replay.py",
+    "auv_bringup/tools/playback.py",
     "auv_bringup/tools/run.py",
     "auv_bringup/tools/topic.py",
     "auv_core/cli/progress.py",
