@@ -1,14 +1,9 @@
-"""Claims about the whole source: where the wall clock and chance are, how long files are, what they say."""
+"""Claims about the whole source: where the wall clock and chance are, what files say."""
 
 import ast
 from pathlib import Path
 
 from source_tree import FILES, NODES, PURE, imported_packages, tree_of
-
-LONGEST_FILE = 450
-# A flat list of figures, one function each, that nobody reads from end to end.
-LONGER_FILES = {"auv_experiment/report/flock.py": 620}
-
 
 # People wait for these, or read their dates: they look at the wall clock. All else takes time as an argument.
 WALL_CLOCK_FILES = {
@@ -100,12 +95,6 @@ def test_every_module_says_what_it_is_for():
 def test_every_plugin_folder_says_how_to_add_to_it():
     folders = [f"{folder}/__init__.py" for folder in PLUGIN_FOLDERS]
     assert _offenders(folders, lambda tree: "To add" not in ast.get_docstring(tree)) == []
-
-
-def test_no_file_is_too_long_to_read_in_one_sitting():
-    lengths = {name: len(path.read_text(encoding="utf-8").splitlines()) for name, path in FILES.items()}
-    long = {name: n for name, n in lengths.items() if n > LONGER_FILES.get(name, LONGEST_FILE)}
-    assert long == {}
 
 
 def test_there_is_no_drawer_for_everything():

@@ -1,4 +1,4 @@
-"""Claims about where modules live: the order of packages, no circles, where ROS is, how full a folder is."""
+"""Claims about where modules live and how many: order of packages, no circles, where ROS is, what is too long."""
 
 import subprocess
 import sys
@@ -12,6 +12,7 @@ from source_tree import (
     ORDER,
     PACKAGES,
     PURE,
+    ROOT,
     SOURCE,
     imported_packages,
     imports_of,
@@ -20,6 +21,7 @@ from source_tree import (
 )
 
 MOST_MODULES = 20
+MOST_LINES = 350
 ROS_SIDE = {"auv_ros", "auv_bringup"}
 OF_ROS_SIDE = {"auv_msgs", "auv_ros"}
 ROS = {
@@ -124,6 +126,13 @@ print("all of them")
     )
     assert run.returncode == 0, run.stderr
     assert run.stdout.strip() == "all of them"
+
+
+def test_a_module_can_be_read_in_one_sitting():
+    others = [*SOURCE.glob("*/launch/*.py"), *ROOT.glob("scripts/*.py"), *ROOT.glob("benchmarks/*.py")]
+    lines = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in (*FILES.values(), *others)}
+    assert {"launch", "scripts", "benchmarks"} <= {path.parent.name for path in lines}
+    assert {str(path.relative_to(ROOT)): n for path, n in lines.items() if n > MOST_LINES} == {}
 
 
 def test_a_folder_can_be_overlooked():

@@ -33,12 +33,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from auv_control.body_regressor import Vec4, body_forces, transposed_times
 from auv_control.controllers import MotionView
+from auv_control.path_motion import Motion, composite_error, motion_of, virtual_motion
 from auv_control.references import PathPoint
-from auv_control.start_blend import blend, wrapped
+from auv_control.start_blend import wrapped
 from auv_core.geometry import heading_from_quaternion
 from auv_core.integrate import State
 from auv_core.messages import Vec6
@@ -221,7 +221,7 @@ class Controller:
         without adaptation.
         """
         motion = self._motion(state, view)
-        s = self._printed_s(motion)
+        s = composite_error(motion, self.params.error_rate_ps)
         printed = kinetic_energy(_six(s))
         if self._is_thesis:
             e = motion.error
@@ -230,7 +230,7 @@ class Controller:
                 k * c * x * x for k, c, x in stiffness
             )
             return printed + self._estimate_energy(state, range(8)), energy
-        nu, nu_r, _ = self._virtual_motion(motion)
+        nu, nu_r, _ = virtual_motion(motion, self.params.error_rate_ps)
         own_s = (nu[0] - nu_r[0], nu[1] - nu_r[1], nu[2] - nu_r[2], nu[3] - nu_r[3])
         eight = (0, 1, 2, 3, 8, 9, 10, 11)
         return (
@@ -238,12 +238,12 @@ class Controller:
             kinetic_energy(_six(own_s)) + self._estimate_energy(state, range(12)),
         )
 
-    def _printed(self, state: State, motion: _Motion) -> tuple[Vec4, Rates]:
+    def _printed(self, state: State, motion: Motion) -> tuple[Vec4, Rates]:
         """Return tau of (3.10) and Y^T s, with the regressor (3.19) along the path."""
         vx, vy, vz, vn = motion.target_rate
         ax, ay, az, an = motion.target_acceleration
         qx, qy, qz, qn = abs(vx) * vx, abs(vy) * vy, abs(vz) * vz, abs(vn) * vn
-        sx, sy, sz, sn = self._printed_s(motion)
+        sx, sy, sz, sn = composite_error(motion, self.params.error_rate_ps)
         kx, ky, kz, kn = self.params.error_gain
         x = ax * state[0] + qx * state[1] - kx * sx
         y = ay * state[2] + qy * state[3] - ky * sy
@@ -253,67 +253,19 @@ class Controller:
             x, y = motion.cosine * x + motion.sine * y, motion.cosine * y - motion.sine * x
         return (x, y, z, n), (ax * sx, qx * sx, ay * sy, qy * sy, az * sz, qz * sz, an * sn, qn * sn)
 
-    def _printed_s(self, motion: _Motion) -> Vec4:
-        """Return s = e' + LAM e (m/s, rad/s; NED), thesis Eq. (3.11)."""
-        (ex, ey, ez, en), (rx, ry, rz, rn) = motion.error, motion.error_rate
-        cx, cy, cz, cn = self.params.error_rate_ps
-        return (rx + cx * ex, ry + cy * ey, rz + cz * ez, rn + cn * en)
-
-    def _virtual(self, state: State, motion: _Motion) -> tuple[Vec4, Rates]:
+    def _virtual(self, state: State, motion: Motion) -> tuple[Vec4, Rates]:
         """Return tau of (3.10) and Y^T s in the body frame, with the virtual reference."""
-        nu, nu_r, nu_r_rate = self._virtual_motion(motion)
+        nu, nu_r, nu_r_rate = virtual_motion(motion, self.params.error_rate_ps)
         s1, s2, s3, s4 = s = (nu[0] - nu_r[0], nu[1] - nu_r[1], nu[2] - nu_r[2], nu[3] - nu_r[3])
         x, y, z, n = body_forces(state, nu, nu_r, nu_r_rate)
         k1, k2, k3, k4 = self.params.error_gain
         tau = (x - k1 * s1, y - k2 * s2, z - k3 * s3, n - k4 * s4)
         return tau, transposed_times(nu, nu_r, nu_r_rate, s)
 
-    def _virtual_motion(self, motion: _Motion) -> tuple[Vec4, Vec4, Vec4]:
-        """
-        Return nu, nu_r = J^T (eta_d' - LAM e) and nu_r' (m/s, rad/s, their rates; body).
-
-        Deviation: thesis (3.15) has J = I; the turning of the frame enters nu_r' here.
-        """
-        cx, cy, cz, cn = self.params.error_rate_ps
-        (ex, ey, ez, en), (rx, ry, rz, rn) = motion.error, motion.error_rate
-        (vx, vy, vz, vn), (ax, ay, az, an) = motion.target_rate, motion.target_acceleration
-        vx, vy, ax, ay = vx - cx * ex, vy - cy * ey, ax - cx * rx, ay - cy * ry
-        c, s, r = motion.cosine, motion.sine, motion.nu[3]
-        ur, vr = c * vx + s * vy, c * vy - s * vx
-        return (
-            motion.nu,
-            (ur, vr, vz - cz * ez, vn - cn * en),
-            (c * ax + s * ay + r * vr, c * ay - s * ax - r * ur, az - cz * rz, an - cn * rn),
-        )
-
-    def _motion(self, state: State, view: MotionView) -> _Motion:
+    def _motion(self, state: State, view: MotionView) -> Motion:
         """Return where the vehicle is and shall be, with the blend of the start."""
-        path = _path(view)
-        px, py, pz = path.position
-        vx, vy, vz = path.velocity
-        ax, ay, az = path.acceleration
-        pn, vn, an = path.heading_rad, path.heading_rate_radps, path.heading_acceleration_radps2
-        duration_s = self.params.blend_s
-        if duration_s:
-            start_s, ox, oy, oz, on = state[self._count :]
-            b, b1, b2 = blend(view.t_s - start_s, duration_s)
-            px, py, pz, pn = px + b * ox, py + b * oy, pz + b * oz, pn + b * on
-            vx, vy, vz, vn = vx + b1 * ox, vy + b1 * oy, vz + b1 * oz, vn + b1 * on
-            ax, ay, az, an = ax + b2 * ox, ay + b2 * oy, az + b2 * oz, an + b2 * on
-        psi = heading_from_quaternion(view.nav.attitude)
-        u, v, w, _, _, r = view.nav.nu
-        is_flat = self.params.frame == "flat"
-        c, s = (1.0, 0.0) if is_flat else (math.cos(psi), math.sin(psi))
-        x, y, z = view.nav.position
-        return _Motion(
-            nu=(u, v, w, r),
-            cosine=c,
-            sine=s,
-            target_rate=(vx, vy, vz, vn),
-            target_acceleration=(ax, ay, az, an),
-            error=(x - px, y - py, z - pz, wrapped(psi - pn)),
-            error_rate=(c * u - s * v - vx, s * u + c * v - vy, w - vz, r - vn),
-        )
+        p, start = self.params, state[self._count :]
+        return motion_of(view, _path(view), is_flat=p.frame == "flat", start=start, blend_s=p.blend_s)
 
     def _estimate_energy(self, state: State, indices: Iterable[int]) -> float:
         """Return a~^T GAM^-1 a~ / 2 over the adapted ones of the estimates (J), thesis Eq. (3.23)."""
@@ -334,21 +286,6 @@ class Controller:
                 for a, low, high in zip(estimates, self._low, self._high, strict=True)
             ]
         )
-
-
-class _Motion(NamedTuple):
-    """
-    One instant: nu (body, or NED where the frame is flat), J by cosine and sine, path and errors (NED; m, rad
-    and their rates).
-    """
-
-    nu: Vec4
-    cosine: float
-    sine: float
-    target_rate: Vec4
-    target_acceleration: Vec4
-    error: Vec4
-    error_rate: Vec4
 
 
 def _path(view: MotionView) -> PathPoint:
