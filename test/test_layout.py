@@ -1,4 +1,4 @@
-"""Claims about where modules live and how many: order of packages, no circles, where ROS is, what is too long."""
+"""Claims about modules: the order of packages, no circles, where ROS is, what is too long or too full."""
 
 import subprocess
 import sys

@@ -52,6 +52,98 @@ def _longer(row: Ints) -> Ints:
     return longer
 
 
+@inner
+def _cells(points: Floats, width_m: float) -> Ints:
+    """Return the (N, 3) indices of the points' cells."""
+    cells = np.empty((len(points), 3), np.int64)
+    for i in range(len(points)):
+        for axis in range(3):
+            cells[i, axis] = _cell(points[i, axis], width_m)
+    return cells
+
+
+@inner
+def _by_bucket(cells: Ints, mask: int) -> tuple[Ints, Ints]:
+    """Return where the points of each bucket begin, and the points of one bucket after the other, rising."""
+    count = len(cells)
+    start = np.zeros(mask + 2, np.int64)
+    for i in range(count):
+        start[_bucket(cells[i, 0], cells[i, 1], cells[i, 2], mask) + 1] += 1
+    for bucket in range(mask + 1):
+        start[bucket + 1] += start[bucket]
+    member = np.empty(count, np.int64)
+    free = start[:-1].copy()
+    for i in range(count):
+        bucket = _bucket(cells[i, 0], cells[i, 1], cells[i, 2], mask)
+        member[free[bucket]] = i
+        free[bucket] += 1
+    return start, member
+
+
+@inner
+def _are_near(points: Floats, i: int, j: int, reach_m: float) -> bool:
+    """Return whether two points are nearer than `reach_m`."""
+    dx = points[i, 0] - points[j, 0]
+    dy = points[i, 1] - points[j, 1]
+    dz = points[i, 2] - points[j, 2]
+    return bool(dx * dx + dy * dy + dz * dz < reach_m * reach_m)
+
+
+@inner
+def _smaller_partners(points: Floats, reach_m: float) -> tuple[Ints, Ints]:
+    """Return the partners i < j of one j after the other, with room behind them, and where each j's end."""
+    count = len(points)
+    buckets = 8
+    while buckets < 2 * count:
+        buckets *= 2
+    mask = buckets - 1
+    cells = _cells(points, reach_m * _WIDER)
+    start, member = _by_bucket(cells, mask)
+    found = 0
+    smaller = np.empty(_PAIRS_PER_POINT * count + 1, np.int64)
+    ends = np.empty(count, np.int64)
+    for j in range(count):
+        for number in range(27):
+            x = cells[j, 0] + number // 9 - 1
+            y = cells[j, 1] + number // 3 % 3 - 1
+            z = cells[j, 2] + number % 3 - 1
+            bucket = _bucket(x, y, z, mask)
+            for place in range(start[bucket], start[bucket + 1]):
+                i = member[place]
+                if i >= j:
+                    break
+                is_there = cells[i, 0] == x and cells[i, 1] == y and cells[i, 2] == z
+                if is_there and _are_near(points, i, j, reach_m):
+                    if found == len(smaller):
+                        smaller = _longer(smaller)
+                    smaller[found] = i
+                    found += 1
+        ends[j] = found
+    return smaller, ends
+
+
+@inner
+def _turned_round(smaller: Ints, ends: Ints) -> tuple[Ints, Ints]:
+    """Return the partners j > i of every i, as `near_pairs` does: since j rises, so do they."""
+    count = len(ends)
+    found = ends[count - 1] if count else 0
+    first = np.zeros(count + 1, np.int64)
+    for place in range(found):
+        first[smaller[place] + 1] += 1
+    for i in range(count):
+        first[i + 1] += first[i]
+    partners = np.empty(found, np.int64)
+    free = first[:-1].copy()
+    begin = 0
+    for j in range(count):
+        for place in range(begin, ends[j]):
+            i = smaller[place]
+            partners[free[i]] = j
+            free[i] += 1
+        begin = ends[j]
+    return first, partners
+
+
 @entry(NEAR_PAIRS)
 def near_pairs(points: Floats, reach_m: float) -> tuple[Ints, Ints]:
     """
@@ -72,66 +164,8 @@ def near_pairs(points: Floats, reach_m: float) -> tuple[Ints, Ints]:
         The j of each pair, of one i after the other, rising.
 
     """
-    count = len(points)
-    cells = np.empty((count, 3), np.int64)
-    buckets = 8
-    while buckets < 2 * count:
-        buckets *= 2
-    mask = buckets - 1
-    start = np.zeros(buckets + 1, np.int64)
-    for i in range(count):
-        for axis in range(3):
-            cells[i, axis] = _cell(points[i, axis], reach_m * _WIDER)
-        start[_bucket(cells[i, 0], cells[i, 1], cells[i, 2], mask) + 1] += 1
-    for bucket in range(buckets):
-        start[bucket + 1] += start[bucket]
-    member = np.empty(count, np.int64)
-    free = start[:-1].copy()
-    for i in range(count):
-        bucket = _bucket(cells[i, 0], cells[i, 1], cells[i, 2], mask)
-        member[free[bucket]] = i
-        free[bucket] += 1
-
-    # Every j with its smaller partners, as the cells give them ...
-    found = 0
-    smaller = np.empty(_PAIRS_PER_POINT * count + 1, np.int64)
-    ends = np.empty(count, np.int64)
-    first = np.zeros(count + 1, np.int64)
-    for j in range(count):
-        for number in range(27):
-            x = cells[j, 0] + number // 9 - 1
-            y = cells[j, 1] + number // 3 % 3 - 1
-            z = cells[j, 2] + number % 3 - 1
-            bucket = _bucket(x, y, z, mask)
-            for place in range(start[bucket], start[bucket + 1]):
-                i = member[place]
-                if i >= j:
-                    break
-                if cells[i, 0] == x and cells[i, 1] == y and cells[i, 2] == z:
-                    dx = points[i, 0] - points[j, 0]
-                    dy = points[i, 1] - points[j, 1]
-                    dz = points[i, 2] - points[j, 2]
-                    if dx * dx + dy * dy + dz * dz < reach_m * reach_m:
-                        if found == len(smaller):
-                            smaller = _longer(smaller)
-                        smaller[found] = i
-                        first[i + 1] += 1
-                        found += 1
-        ends[j] = found
-
-    # ... turned round: since j rises, so do the partners of every i.
-    for i in range(count):
-        first[i + 1] += first[i]
-    partners = np.empty(found, np.int64)
-    free_row = first[:-1].copy()
-    begin = 0
-    for j in range(count):
-        for place in range(begin, ends[j]):
-            i = smaller[place]
-            partners[free_row[i]] = j
-            free_row[i] += 1
-        begin = ends[j]
-    return first, partners
+    smaller, ends = _smaller_partners(points, reach_m)
+    return _turned_round(smaller, ends)
 
 
 @entry(NEAR_PAIRS)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from typing import TYPE_CHECKING, Any
@@ -113,17 +113,19 @@ def evaluate(
         on_result=note,
         on_message=tally.message,
     )
-    outcomes = (
+    made = (
         Outcome(item, content) for item, content in zip(items, contents, strict=True) if content is not None
     )
-    return tuple(
-        ChapterOutcome(
-            chapter,
-            tuple(next(outcomes) for _ in chapter.figures),
-            tuple(next(outcomes) for _ in chapter.tables),
-            tuple(next(outcomes) for _ in chapter.claims),
-        )
-        for chapter in chapters
+    return tuple(_chapter_outcome(chapter, made) for chapter in chapters)
+
+
+def _chapter_outcome(chapter: Chapter, made: Iterator[Outcome]) -> ChapterOutcome:
+    """Take what came of a chapter from what came of all, in their order."""
+    return ChapterOutcome(
+        chapter,
+        tuple(next(made) for _ in chapter.figures),
+        tuple(next(made) for _ in chapter.tables),
+        tuple(next(made) for _ in chapter.claims),
     )
 
 
