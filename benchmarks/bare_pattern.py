@@ -2,7 +2,7 @@
 The limits beside which lock-step is quoted: its message pattern and nothing else.
 
 Processes, nodes, topics, types and sizes of messages are those of a flock on a modem, and so is who waits for
-whom; but a node only publishes what was made beforehand, and the recorder only counts.  There are two:
+whom; but a node only publishes what was made in advance, and the recorder only counts.  There are two:
 
 * `plain`: messages and callbacks as rclpy has them, middleware and scheduling as they come;
 * `lean`: bytes instead of messages, and our settings of middleware and scheduling. It is the least that our

@@ -27,7 +27,7 @@ def domain_id() -> int:
 
 
 def clock_library(folder: Path, *flags: str) -> Path:
-    """Return the library, made in a folder, that shifts the system clock of who preloads it."""
+    """Return the library, made in a folder, that shifts the system clock of a process that preloads it."""
     made = folder / "clock_shift.so"
     subprocess.run(["cc", "-shared", "-fPIC", "-O1", *flags, "-o", made, _CLOCK_SHIFT, "-ldl"], check=True)
     return made

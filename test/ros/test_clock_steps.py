@@ -43,13 +43,13 @@ DURATION_S = {"realtime": 3.0, "lockstep": 120.0}
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
-    """Return the library that shifts the system clock of who preloads it."""
+    """Return the library that shifts the system clock of a process that preloads it."""
     return clock_library(tmp_path_factory.mktemp("clock"))
 
 
 @pytest.fixture(scope="module")
 def library_without_waits(tmp_path_factory):
-    """Return the one that leaves waits where they are: one step makes them too short or too long for ever."""
+    """Return the one that leaves waits where they are: one step makes them too short or endless."""
     return clock_library(tmp_path_factory.mktemp("clock"), "-DWITHOUT_WAITS")
 
 

@@ -46,7 +46,7 @@ class Stage:
         self.plan(2.0)
 
     def plan(self, duration_s):
-        """Let the flight be so long."""
+        """Set the length of the flight."""
         self.duration_s = duration_s
         scenario = load_scenario("flock_acoustic", duration_s=duration_s)
         specs = node_specs(scenario, mode="lockstep", bag_dir=self.folder / "bag")

@@ -1,4 +1,4 @@
-"""Nodes find each other before a run begins, and nobody who cannot be matched keeps them from it."""
+"""Nodes find each other before a run begins, and no node that cannot be matched keeps them from it."""
 
 import json
 import subprocess

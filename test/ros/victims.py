@@ -19,7 +19,7 @@ NAMED_WITHIN_S = 5.0
 RUN_LIMIT_S = 90.0
 REPORT_LIMIT_S = 60.0
 LONGEST_WAIT_S = 6.0
-"""A run is hit at a moment up to so long after its command: start-up takes the first seconds of it."""
+"""A run is hit at most this long after its command: start-up takes the first seconds of it."""
 SHM = Path("/dev/shm")
 
 _MARK = "SHOAL_TEST_RUN"
@@ -41,7 +41,7 @@ acoustics: {preset: lossy}
 
 @dataclass
 class Trial:
-    """What is done to a run (`signal_name` to a process of the kind `victim`), and what came of it."""
+    """What is done to a run (`signal_name` to a process of the kind `victim`), and its outcome."""
 
     mode: str
     layout: str

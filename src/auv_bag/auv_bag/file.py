@@ -83,7 +83,7 @@ def chunk_of(messages: Sequence[TimedMessage], register: Callable[[Writer], None
     Parameters
     ----------
     messages
-        In the order in which they shall stand.
+        In the order in which they are written.
     register
         Registers the channels of the bag, all of them, in the order of their numbers.
     """

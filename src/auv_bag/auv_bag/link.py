@@ -132,7 +132,7 @@ class BagLink:
         self._process.wait(_ANSWER_LIMIT_S)
 
     def _end_if_stopped(self) -> None:
-        """Kill the process if a signal has stopped it: whoever waits for it would wait for ever."""
+        """Kill the process if a signal has stopped it: a wait for it would have no end."""
         looks = 0
         while self._process.poll() is None:
             time.sleep(_LOOK_S)

@@ -34,7 +34,7 @@ MOST_CHUNK_BYTES = 1_000_000_000
 
 
 class ScannedMessage(NamedTuple):
-    """One message as it stands in the file."""
+    """One message as it is in the file."""
 
     time_ns: int
     channel: Channel

@@ -1,7 +1,7 @@
 """
 Give a bag whose writer was killed or stopped the end that it lacks, in place.
 
-Standard readers (rosbag2, rosbags, Foxglove) want an MCAP file to end with a summary. What stands in the file
+Standard readers (rosbag2, rosbags, Foxglove) want an MCAP file to end with a summary. What the file holds
 stays as it is; the record that broke off is cut away, the end of a file is written after the last whole one,
 and metadata.yaml is made from what the file holds, as `ros2 bag reindex` does.
 """

@@ -1,9 +1,9 @@
 """
 Zeros in the padding of serialised messages, and none at their end.
 
-CDR aligns numbers to their size.  The bytes skipped mean nothing, and the middleware leaves in them whatever
-its buffer held before, so two equal messages can differ there, and in how far their end is padded.  A bag
-that shall repeat to the byte needs gaps of zeros and no padding at the end.
+CDR aligns numbers to their size. The bytes skipped mean nothing, and the middleware leaves in them whatever
+its buffer held before, so two equal messages can differ there, and in how far their end is padded. A bag that
+must repeat to the byte needs gaps of zeros and no padding at the end.
 
 Alignment counts from the end of the 4-byte encapsulation header; numbers of 8 bytes align to 8 (plain CDR,
 XCDR1).

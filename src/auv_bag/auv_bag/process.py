@@ -3,7 +3,7 @@ Process that writes the bag of one recorder: ``python -m auv_bag.process FILE_DE
 
 The recorder starts it and talks to it over that line (:mod:`auv_bag.link`). It ends when told to
 close the bag, when the line ends, which it does with a recorder that is killed, or when the bag cannot be
-written; signals that ask for an end are the recorder's to heed. So all that was handed to it is in the bag,
+written; signals that ask for an end are left to the recorder. So all that was handed to it is in the bag,
 and the bag has its summary, unless this process itself is killed: then the chunk in progress is lost, see
 :mod:`auv_bag.writer`.
 """

@@ -8,7 +8,7 @@ The time of a message in the bag is the run's, never the wall clock's:
 * latched messages with stamp 0 or of a type without one, and all without a stamp that come before the run's
   time is known, have the time of tick 0.
 
-Messages of one time stand in the order of topics, and those of topics with several publishers in that of
+Messages of one time are in the order of topics, and those of topics with several publishers in that of
 their bytes. In lock-step they are held back until all of their time have surely come, so that equal runs make
 equal bags. What a latched topic says again, and the status of a run that does not run yet, is left out; for
 /flock/status they depend on the wall clock. Padding is zeroed, see :mod:`auv_bag.padding`.
@@ -181,7 +181,7 @@ def _place(message: tuple[int, bytes, bytes]) -> tuple[int, bytes]:
 
 def _offered_qos(spec: TopicSpec) -> Qos:
     """
-    Return what a replay of a topic shall offer.
+    Return what a replay of a topic must offer.
 
     It is what the run's nodes offer but for the liveliness, which tells the run's own writers from others.
     """

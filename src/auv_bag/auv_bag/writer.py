@@ -5,7 +5,7 @@ for) and ``metadata.yaml`` (version 9). What a killed writer leaves behind can b
 
 * chunks are small (64 kB before compression) and go to the file, unbuffered, when they are full; what
   waits for a chunk for longer goes behind the last one for the time being (:mod:`auv_bag.file`);
-* schemas and channels stand in the chunks, before their first message, so that a file without a summary
+* schemas and channels are in the chunks, before their first message, so that a file without a summary
   can be read from its start;
 * the ``rosbag2`` metadata record is written at the start too, so that a reindexer knows the version;
 * ``metadata.yaml`` is there from the start and is replaced, atomically, at every checkpoint.

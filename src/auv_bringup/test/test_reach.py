@@ -1,4 +1,4 @@
-"""Who can reach a run: this machine only, unless the user lets others in."""
+"""A run is reached from this machine only, unless the user lets others in."""
 
 import re
 

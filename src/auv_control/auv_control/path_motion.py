@@ -34,7 +34,7 @@ class Motion(NamedTuple):
 
 def motion_of(view: MotionView, path: PathPoint, *, is_flat: bool, start: State, blend_s: float) -> Motion:
     """
-    Return where a vehicle is and shall be.
+    Return where a vehicle is and where it must be.
 
     Parameters
     ----------

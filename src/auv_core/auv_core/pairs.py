@@ -3,7 +3,7 @@ Pairs of points that are near each other, by cell lists.
 
 Space is cut into cubes hardly wider than the reach, so that a point's partners are in its own cube and the 26
 around it.  Cubes are found by a hash of their three indices and hold their points in one sorted array: time
-and memory grow with the number of points, wherever they are.  What comes out is ordered by the points'
+and memory grow with the number of points, however they are spread.  What comes out is ordered by the points'
 numbers and does not depend on the cubes, so that sums over near pairs are the same, to the last bit, as sums
 over all pairs.
 """

@@ -67,7 +67,7 @@ def _coriolis(nu, c):
 
 
 def _coupling_cog_z_m(params):
-    """Return z_G as it stands in M and C (m)."""
+    """Return z_G as it enters M and C (m)."""
     return params.cog_z_m if params.cog_couples else 0.0
 
 

@@ -1,4 +1,4 @@
-"""Claims about worker processes: every call is made, whoever is killed or stopped, and every wait ends."""
+"""Claims about worker processes: every call is made, whatever is killed or stopped, and every wait ends."""
 
 import contextlib
 import multiprocessing

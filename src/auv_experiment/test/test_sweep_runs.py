@@ -1,4 +1,4 @@
-"""Claims about flying sweeps: each run once, kept, the same wherever it is flown; who dies is not missed."""
+"""Claims about flying sweeps: each run once, kept, the same on any host; a worker that dies is noticed."""
 
 import contextlib
 import functools

@@ -61,7 +61,9 @@ class AgentConfig:
     is_leader: bool = param("whether this vehicle knows the path", default=False)
     period_s: float = param("control period (s)", default=0.1, above=0.0)
     hold_s: float = param(
-        "hold station at most so long until every neighbour was heard (s)", default=0.0, minimum=0.0
+        "longest time to hold station while waiting for a first packet from every neighbour (s)",
+        default=0.0,
+        minimum=0.0,
     )
     obstacles_ned_m: tuple[float, ...] = param("obstacle positions, three numbers each (m; NED)", default=())
     obstacle_safety_distances_m: tuple[float, ...] = param(

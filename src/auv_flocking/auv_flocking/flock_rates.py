@@ -89,7 +89,7 @@ def flock_law(
     separation, consensus
         A separation law with `strength`, and the filter ``thesis``.
     obstacles : sequence of (position, safety distance)
-        What every vehicle knows to stand in the water (m; NED).
+        Obstacles that every vehicle knows of (m; NED).
 
     """
     p = law_params

@@ -85,7 +85,7 @@ def test_the_defaults_are_stable_up_to_24_s_on_every_graph():
         for weight in np.linspace(-degree, degree, 9):
             for age_s in (0.0, 1.0, 4.0, 8.0, 16.0, 24.0):
                 assert _unstable_roots(Params(), degree, weight, age_s) == 0
-    assert _unstable_roots(Params(), 0.875, -0.875, 40.0) > 0, "and not for ever"
+    assert _unstable_roots(Params(), 0.875, -0.875, 40.0) > 0, "and not without end"
 
 
 def _unstable_roots(params, degree, weight, age_s):

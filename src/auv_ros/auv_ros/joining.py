@@ -4,10 +4,10 @@ How far this machine's wall clock is ahead of that of a run, by what the run's s
 A status tells a scenario time that the run has reached. When it arrives the run is there or further, by a
 part of a tick and by the time that the message took. The own clock, read against the epoch, is taken for the
 run's where it says just that. Where it does not, either it is off or the message was late; both look alike in
-one message, and who follows a late one is late for ever. So statuses are heard for `JOIN_S`, and the one that
-was least late counts. Offsets below `JOIN_LIMIT_S` cannot be told from
-what ticks and messages take on a busy machine: clocks are then synchronised as well as inputs need it.
-It makes no difference whether the nodes are on one machine: only the own clock and the messages are asked.
+one message, and a node that follows a late one stays late. So statuses are heard for `JOIN_S`, and the one
+that was least late counts. Offsets below `JOIN_LIMIT_S` cannot be told from what ticks and messages take on a
+busy machine: clocks are then synchronised as well as inputs need it. It makes no difference whether the nodes
+are on one machine: only the own clock and the messages are asked.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """
 The end of a process in which the system clock was stepped.
 
-To end the middleware in order is to wait for its threads, which wait until times of the system clock.
-Where a step holds them, that takes for ever, and Python stands still.
+To end the middleware cleanly is to wait for its threads, which wait until times of the system clock.
+Where a step holds them, that has no end, and Python stands still.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 """
 The life of a ROS process of this project: start, spin, stop.
 
-Spinning is done by rclpy's EventsExecutor with finite time-outs (without one it spins for ever in the wheels
-that are published), and by the SingleThreadedExecutor where that one is missing.  SIGINT and SIGTERM only
-set a flag, however often they come, so that a node always finishes what it is doing, hands over what it has
-published, and leaves with its own exit status.  A SIGTERM that follows another signal says that nobody will
-acknowledge what is left to hand over.
+Spinning is done by rclpy's EventsExecutor with finite time-outs (without one it spins without end in the
+wheels that are published), and by the SingleThreadedExecutor where that one is missing. SIGINT and SIGTERM
+only set a flag, however often they come, so that a node always finishes what it is doing, hands over what it
+has published, and leaves with its own exit status. A SIGTERM that follows another signal says that nobody
+will acknowledge what is left to hand over.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     Parameters
     ----------
     make_nodes : callable
-        Makes the nodes, after ``rclpy.init``.  A node may have ``done`` (true when the process shall end),
+        Makes the nodes, after ``rclpy.init``.  A node may have ``done`` (true when the process must end),
         ``exit_code``, ``on_stop()``, which is called once, before the node is destroyed, ``waits_for()``,
         words that are said every 5 s as long as there are any, and ``on_run_end()``.  The process ends some
         seconds after its run.
@@ -216,7 +216,7 @@ class Audience:
 
 class Rendezvous:
     """
-    Waits until every publisher of a node is matched with those who must hear it, then calls `on_ready` once.
+    Waits until every publisher of a node is matched with all that must hear it, then calls `on_ready` once.
 
     A reliable writer that has matched a reader delivers everything from then on; so nothing of a run is
     lost, however slowly its processes find each other.

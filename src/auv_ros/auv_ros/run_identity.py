@@ -1,7 +1,7 @@
 """
-Which run a status tells of: one check for everybody who acts on /flock/status.
+Which run a status tells of: one check for all that act on /flock/status.
 
-Whoever offers what the run's own writers offer can publish there, another run or a forger.
+Any program that offers what the run's own writers offer can publish there, another run or a forger.
 """
 
 from __future__ import annotations

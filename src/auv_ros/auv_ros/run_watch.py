@@ -70,7 +70,7 @@ class RunEnd:
         Hearing(nodes[0]).listen(FlockStatus, STATUS_TOPIC, self._hear, LATCHED)
 
     def is_past(self) -> bool:
-        """Return whether the process shall end, and say so once it shall."""
+        """Return whether the process must end, and say so once it must."""
         if self._end_heard is None or time.monotonic() - self._end_heard[1] < _GRACE_S:
             return False
         self._nodes[0].get_logger().info("the run is over, so this process ends")

@@ -1,5 +1,5 @@
 """
-Who publishes on topics of a run without being of it.
+Programs outside of a run that publish on its topics.
 
 The middleware keeps such writers from being heard (`auv_ros.qos`); this says that they are there, with what
 the graph knows of them.  Nothing is asked per message: a look counts the writers of each topic, and asks for

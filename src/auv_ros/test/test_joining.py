@@ -1,4 +1,4 @@
-"""Claim: who joins a run of real time acts at the run's ticks, whatever his wall clock shows."""
+"""Claim: a node that joins a run of real time acts at the run's ticks, whatever its wall clock shows."""
 
 from itertools import chain, count
 

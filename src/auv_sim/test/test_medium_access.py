@@ -1,4 +1,4 @@
-"""Claims about who transmits when, and what comes of it in the water."""
+"""Claims about who transmits when, and the effect in the water."""
 
 import math
 from collections import Counter, defaultdict

@@ -13,7 +13,7 @@ To add a figure, a table or a claim, append it to the tuple of its file; to add 
 `ch5_claims.py` if one file would be too long, make the chapter `ch5`; any other name is a chapter of that
 name. What a file imports from another of its chapter is counted once.
 
-1. A `RunSpec` names a run: a scenario and what is changed in it. Equal ones are flown once, whoever asks.
+1. A `RunSpec` names a run: a scenario and what is changed in it. Equal ones are flown once.
 2. The functions get the finished runs in the order of `runs`. They fly nothing and keep nothing.
 3. Every number, word of evidence and verdict comes from the runs; only what the thesis prints is typed in.
 4. `draw` gets an empty Matplotlib figure, in the style of `auv_experiment.report.plotting`; axes are the

@@ -86,7 +86,7 @@ class RecorderNode(Node):
 
     @property
     def subscriptions(self) -> Iterator[Subscription]:
-        """The subscriptions that the executor shall serve: that of the clock, and what is not recorded."""
+        """The subscriptions that the executor must serve: that of the clock, and what is not recorded."""
         recorded = {id(each) for topic, each in self._by_topic.items() if topic != CLOCK_TOPIC}
         yield from (each for each in super().subscriptions if id(each) not in recorded)
 

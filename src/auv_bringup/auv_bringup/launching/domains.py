@@ -2,7 +2,7 @@
 ROS 2 domains: a run of its own domain, so that two runs on one machine do not hear each other.
 
 A run uses $ROS_DOMAIN_ID (0 if unset), where the user's own tools look. When another run holds that domain,
-whoever its user is, the next free one is taken. A domain is held by the name of a Unix socket in Linux's
+whichever user owns it, the next free one is taken. A domain is held by the name of a Unix socket in Linux's
 abstract namespace. Such a name is no file: nobody can put a link or a FIFO in its place, it is the same for
 all users of a network namespace, as UDP ports are, and the kernel drops it when its process ends, however it
 ends.

@@ -24,7 +24,7 @@ SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Linux keeps it
 _FILE = re.compile(r"(?:sem\.)?(?P<owner>fast(?:rtps|dds)_(?:port)?[0-9a-f]+)(?:_(?P<kind>el|sl|mutex))?")
 _MAPPED = re.compile(r"^\S+ \S+ \S+ ([0-9a-f]+):([0-9a-f]+) (\d+) .*fast(?:rtps|dds)_", re.MULTILINE)
 _OPENING_S = 0.1
-"""Within so long whoever has made a port has it in its memory."""
+"""Longest time (s) until a process that has made a port has it in its memory."""
 
 
 def clear_shared_memory(folder: Path = SHARED_MEMORY) -> int:

@@ -24,18 +24,18 @@ from auv_ros.run_identity import follows, is_of_run
 NO_STATUS_S = 60.0
 """Longest wait for the first word of the clock."""
 SILENCE_S = 4.0
-"""The clock sends about five statuses a second; after so long without one it does not answer any more."""
+"""The clock sends about five statuses a second; without one for this long it has stopped answering."""
 STALL_S = 4.5
 """Longest stall to be waited out; the clock, which notices it, acts well before."""
 RELAY_EXIT_GRACE_S = 1.0
 """The last status of a relay that ended may arrive after its end was seen."""
 STOPPED_S = 2.0
-"""A process that a signal (SIGSTOP) has stopped for so long is lost, also while the flight starts."""
+"""A process that a signal (SIGSTOP) has stopped for this long is lost, also while the flight starts."""
 SLOW_START_S = 15.0
-"""After so long the user is told for whom the start waits."""
+"""After this time the user is told which nodes the start waits for."""
 
 LEAVE_S = 10.0
-"""The process of the clock hands over what it has said and leaves within so long after the end of the run."""
+"""The process of the clock hands over what it has said and leaves within this time after the run."""
 LEAVE_RECORDING_S = 30.0
 """The same for a process that has a bag to close, too."""
 

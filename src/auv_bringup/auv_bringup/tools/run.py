@@ -1,4 +1,4 @@
-"""`./scripts/run`: fly a scenario, then say what came of it."""
+"""`./scripts/run`: fly a scenario, then report the result."""
 
 from __future__ import annotations
 

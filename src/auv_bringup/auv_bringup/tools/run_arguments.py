@@ -11,8 +11,8 @@ from auv_bringup.launching.plan import DEFAULT_SCENARIO, MODES
 from auv_core.cli.one_line_parser import OneLineParser
 
 _HELP = """\
-Fly a flock of autonomous underwater vehicles, and say in numbers and figures what came
-of it.
+Fly a flock of autonomous underwater vehicles, and report the result in numbers and
+figures.
 
 SCENARIO is a name of --list or the path of a YAML file; without one, flock_acoustic is
 flown: four vehicles that share what they know only through an acoustic channel that
@@ -49,7 +49,7 @@ results:
 ROS 2:
   The run uses $ROS_DOMAIN_ID (0 if unset), or the next domain that no other run holds,
   and says which. Traffic stays on this machine; --discovery subnet lets it out, and
-  only then are ROS_STATIC_PEERS and ROS_DISCOVERY_SERVER heeded. Look in from another
+  only then are ROS_STATIC_PEERS and ROS_DISCOVERY_SERVER used. Look in from another
   shell with `ros2 topic list`, `ros2 topic echo /auv_1/odom`, ... or, where there is no
   ros2 command, `./scripts/topic list`.
 

@@ -68,7 +68,7 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
         "--discovery", choices=("localhost", "subnet"), default="localhost", help="where to look"
     )
     parser.add_argument(
-        "--wait", type=_positive, default=3.0, metavar="S", help="look at most so long for topics (3)"
+        "--wait", type=_positive, default=3.0, metavar="S", help="longest time to look for topics (3)"
     )
     verbs = parser.add_subparsers(required=True, metavar="list|echo|hz|info")
     verb = verbs.add_parser("list", help="names of all topics")

@@ -263,7 +263,7 @@ class Controller:
         return tau, transposed_times(nu, nu_r, nu_r_rate, s)
 
     def _motion(self, state: State, view: MotionView) -> Motion:
-        """Return where the vehicle is and shall be, with the blend of the start."""
+        """Return where the vehicle is and where it must be, with the blend of the start."""
         p, start = self.params, state[self._count :]
         return motion_of(view, _path(view), is_flat=p.frame == "flat", start=start, blend_s=p.blend_s)
 

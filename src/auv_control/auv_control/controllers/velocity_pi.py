@@ -65,7 +65,7 @@ def control(
     Parameters
     ----------
     attitude, facing : (4,) tuple
-        Attitude that the vehicle has and that it shall have (quaternions, body to NED).
+        Attitude that the vehicle has and that it must reach (quaternions, body to NED).
     nu : (6,) tuple
         Body velocities (m/s, rad/s).
     integral, wanted : (3,) tuple

@@ -25,7 +25,7 @@ def heeded_signals() -> list[signal.Signals]:
     """
     Return `SIGNALS` without those that were ignored when the command started: `nohup` and `trap '' HUP` hold.
 
-    SIGINT is always heeded, since a shell script ignores it for all that it starts in the background.
+    SIGINT is always obeyed, since a shell script ignores it for all that it starts in the background.
     """
     return [
         number
@@ -35,7 +35,7 @@ def heeded_signals() -> list[signal.Signals]:
 
 
 def make_signals_interrupt() -> None:
-    """Let the signals that are heeded raise KeyboardInterrupt."""
+    """Let the signals that are obeyed raise KeyboardInterrupt."""
 
     def interrupt(number: int, frame: FrameType | None) -> NoReturn:
         del number, frame

@@ -70,7 +70,7 @@ Constants = tuple[float, ...]
 
 
 def _static_moment_kgm(params: Params) -> float:
-    """Return m z_G as it stands in M and C."""
+    """Return m z_G as it enters M and C."""
     return params.mass_kg * params.cog_z_m if params.cog_couples else 0.0
 
 

@@ -167,7 +167,7 @@ def heard_graphs(recording: Recording, *, window_s: float = WINDOW_S, every_s: f
 
 
 def _is_heard(t_s: FloatArray, arrived_s: FloatArray, left_s: FloatArray, window_s: float) -> BoolArray:
-    """Return (T,) whether the newest of the packets that have arrived on a link left at most so long ago."""
+    """Return (T,) whether the newest packet that has arrived on a link left at most this long ago."""
     order = np.argsort(arrived_s, kind="stable")
     newest_s = np.concatenate([[-np.inf], np.maximum.accumulate(left_s[order])])
     count = np.searchsorted(arrived_s[order], t_s + _TOLERANCE_S, side="right")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 START_PHASE_S = 30.0
 """From the start until then a vehicle is on its way to the path."""
 SETTLING_WINDOW_S = 60.0
-"""With obstacles a vehicle must settle for so long only: later ones push it off the path again."""
+"""With obstacles a vehicle must settle for this time only: later ones push it off the path again."""
 _TOLERANCE_S = 1e-9
 
 

@@ -50,7 +50,7 @@ class Drawing:
 def save_figures(
     drawers: Mapping[str, Callable[[], Drawing | None]], scenario: Scenario, out_dir: Path
 ) -> list[Figure]:
-    """Draw, in the style of all figures, and write each drawing that comes of it as ``<name>.png``."""
+    """Draw, in the style of all figures, and write each drawing as ``<name>.png``."""
     out_dir.mkdir(parents=True, exist_ok=True)
     figures = []
     for name, draw in drawers.items():

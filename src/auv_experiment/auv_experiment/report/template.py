@@ -48,7 +48,7 @@ summary { cursor: pointer; font-weight: 600; }
 <h1>$title</h1>
 <p class="facts">$facts</p>
 <p>$flown</p>
-<h2>What came of it</h2>
+<h2>Result</h2>
 <ul class="verdicts">
 $verdicts
 </ul>

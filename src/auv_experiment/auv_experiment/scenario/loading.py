@@ -1,7 +1,7 @@
 """
 Scenarios as text: read from YAML with overrides, seed and presets; written as YAML and as JSON.
 
-What may stand in them is `auv_experiment.scenario.schema`.
+`auv_experiment.scenario.schema` says what may be in them.
 """
 
 from __future__ import annotations

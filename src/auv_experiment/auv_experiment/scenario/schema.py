@@ -42,7 +42,7 @@ class Obstacle:
 
 @dataclass(frozen=True, kw_only=True)
 class Environment:
-    """The water and what stands in it."""
+    """The water and what is in it."""
 
     current_ned_mps: Vec3 = param(
         "velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0), minimum=-5.0, maximum=5.0
@@ -125,7 +125,9 @@ class AgentSettings:
     neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
     inputs: InputLimits = param("what is too old or impossible to be used", default=InputLimits())
     hold_s: float = param(
-        "hold station at most so long until every neighbour was heard (s)", default=0.0, minimum=0.0
+        "longest time to hold station while waiting for a first packet from every neighbour (s)",
+        default=0.0,
+        minimum=0.0,
     )
 
 

@@ -1,4 +1,4 @@
-"""`./scripts/sweep`: fly a study on all cores or on a cluster, and show what came of it."""
+"""`./scripts/sweep`: fly a study on all cores or on a cluster, and show the results."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ how it works:
 results:
   DIR/runs.parquet    one row per run: parameters, seed, status, every metric
   DIR/summary.csv     mean, confidence interval and range of every metric at every point
-  DIR/figures/*.png   the metrics that the study names, with confidence bands
+  DIR/figures/*.png   the metrics that the study names, with intervals
   DIR/index.html      figures and tables on one page that needs no other file
   DIR/failures.txt    tracebacks of what failed; only if something did
   DIR/parts/          finished runs, for the next call

@@ -98,7 +98,7 @@ def fly_all(client: Client, runs: Sequence[PlannedRun], on_result: OnResult, on_
     runs : sequence of PlannedRun
         No key twice.
     on_result : callable
-        Told each run and what came of it, as they end.
+        Told each run and its outcome, as they end.
     on_message : callable
         Told in one line when there is no worker, or when one is silent.
 

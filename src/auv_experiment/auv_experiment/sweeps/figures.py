@@ -1,9 +1,9 @@
 """
 Figures of a sweep, drawn from its table alone: one per metric.
 
-Along a parameter of the grid: the mean at each of its values with its 95 % confidence band, a line for every
-value of the others. Along a drawn parameter: every run, and mean and band over as many runs each. Without
-parameters: the distribution over the seeds with its band.
+Along a parameter of the grid: the mean at each of its values with its 95 % interval, a line for every
+value of the others. Along a drawn parameter: every run, and mean and interval over as many runs each. Without
+parameters: the distribution over the seeds with its interval.
 """
 
 from __future__ import annotations

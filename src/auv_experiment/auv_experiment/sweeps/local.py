@@ -31,7 +31,7 @@ def fly_here(
     runs : sequence of PlannedRun
         No key twice.
     on_result : callable
-        Told each run and what came of it, as they end.
+        Told each run and its outcome, as they end.
     on_message : callable
         Told in one line when a worker is replaced.
     n_workers : int

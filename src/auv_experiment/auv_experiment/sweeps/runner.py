@@ -54,7 +54,7 @@ def run_sweep(
     is_fresh : bool
         Fly runs that are kept, too.
     on_known : callable
-        Told each run that is kept or flown, and what came of it.
+        Told each run that is kept or flown, and its outcome.
 
     Returns
     -------

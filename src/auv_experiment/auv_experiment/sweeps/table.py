@@ -2,7 +2,7 @@
 The table of a sweep: one row per run, in one Parquet file that says by itself what was asked for.
 
 Columns: ``run``; ``scenario.<dotted path>`` for every parameter; ``seed``, ``key``, ``status`` (done or
-failed), ``error``; every metric under its name; ``wall_s`` and ``cpu_s``.  Rows stand in the study's order,
+failed), ``error``; every metric under its name; ``wall_s`` and ``cpu_s``.  Rows are in the study's order,
 so that all but the last two columns are the same however the runs were flown.
 """
 

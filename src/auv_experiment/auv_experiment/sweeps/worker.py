@@ -1,4 +1,4 @@
-"""What a worker of a sweep does: one run at a time, all that comes of it told by what it returns."""
+"""What a worker of a sweep does: one run at a time, its result told by what it returns."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NO_RESULTS = {"scenario", "seed", "mode", "real_time_factor", "lost_vehicles"}
 
 
 class SourceMismatchError(RuntimeError):
-    """A worker has another source or other packages than who asks it; the message is one line."""
+    """A worker has another source or other packages than the sweep that asks it; the message is one line."""
 
 
 @dataclass(frozen=True)
@@ -48,14 +48,14 @@ class Finished:
 
 def fly_run(scenario_json: str, source: str) -> Finished:
     """
-    Fly a run and return what came of it, a failure of the run included.
+    Fly a run and return the outcome, a failure of the run included.
 
     Parameters
     ----------
     scenario_json : str
         Resolved scenario.
     source : str
-        `source_version` of who asks.
+        `source_version` of the sweep that asks.
 
     Raises
     ------

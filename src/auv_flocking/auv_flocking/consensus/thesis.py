@@ -36,7 +36,7 @@ class Params:
 
     rate_ps: float = param("rate k of the filter (1/s)", default=1.0, above=0.0)
     reach_m: float | None = param(
-        "only who is nearer than this is a neighbour in the filter (m); left out: everybody who is heard",
+        "only a vehicle nearer than this is a neighbour in the filter (m); left out: every one that is heard",
         default=None,
         above=0.0,
     )

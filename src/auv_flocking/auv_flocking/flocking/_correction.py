@@ -1,7 +1,7 @@
 """
 The correction of `communication_aware` in numbers: cohesion, repulsion by age and uncertainty, the barrier.
 
-Symbols, reasons and sources stand in that module; this is its arithmetic, for one vehicle and all that it
+Symbols, reasons and sources are in that module; this is its arithmetic, for one vehicle and all that it
 knows of, in a form that also compiles.
 """
 

@@ -75,7 +75,7 @@ class Params:
 
 
 class SeparationLaw(Protocol):
-    """What every law of the folder ``separation`` has; what some have besides stands there."""
+    """What every law of the folder ``separation`` has; that folder says what some have besides."""
 
     def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
         """Return the velocity because of another (m/s; NED)."""

@@ -2,11 +2,11 @@
 The extended Kalman filter of a neighbour, thesis Eqs. (5.29)-(5.35): one belief in, the next belief out.
 
 While both navigations state that they do not err, the state is position and velocity (m, m/s; NED); with the
-first one that does, the four states of `navigation_offset` are added.  The arithmetic of predicting and
-updating stands in `kalman`.  The spectral density of the acceleration is fixed, or follows what the
-neighbour's own packets show: the mean square change of the reported velocity per second, with a fading
-memory.  Nothing is remembered here: a belief is never changed, so that a track can go back to an earlier one
-when a packet comes late.
+first one that does, the four states of `navigation_offset` are added. The arithmetic of predicting and
+updating is in `kalman`. The spectral density of the acceleration is fixed, or follows what the neighbour's
+own packets show: the mean square change of the reported velocity per second, with a fading memory. Nothing is
+remembered here: a belief is never changed, so that a track can go back to an earlier one when a packet comes
+late.
 """
 
 from __future__ import annotations

@@ -85,7 +85,7 @@ class Stated(NamedTuple):
         return self.own_m2 + self.sender_m2
 
     def rate(self, drift_rate_mps: float) -> float:
-        """Return the variance of the offset's rate when whoever errs drifts at this rate (m^2/s^2)."""
+        """Return the variance of the offset's rate if navigations that err drift at this rate (m^2/s^2)."""
         drifting = (self.own_m2 > 0.0) + (self.sender_m2 > 0.0)
         return drifting * drift_rate_mps * drift_rate_mps
 

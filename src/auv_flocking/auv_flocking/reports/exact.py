@@ -1,5 +1,5 @@
 """
-The report in floating-point numbers, for runs where the bytes shall cost no accuracy.
+The report in floating-point numbers, for runs where rounding must cost no accuracy.
 
 Little-endian: version (1 byte), address (1), sequence (4), time tag (8), then fifteen 32-bit floats:
 position, velocity, flocking centre, its rate, flock velocity, all NED; the stamp of the flock velocity (64

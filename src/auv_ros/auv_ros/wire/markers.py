@@ -17,7 +17,7 @@ from auv_ros.wire.stencil import Stencil
 
 MARKER_TICKS = 5
 STANDING_MARKER_TICKS = 50
-"""What does not move (path, obstacles) is drawn again for those who come later, and that takes no hurry."""
+"""What does not move (path, obstacles) is drawn again for viewers that come later, which is not urgent."""
 
 _STAMP_AT = 8
 _NOWHERE: Vec3 = (1.25e300, -2.5e300, 5e300)

@@ -6,5 +6,5 @@ modem: ..., mac: ..., outage: ..., sonar: ...}``; ``acoustics.preset`` names a f
 in the sections left out.
 
 `medium` is the whole, `receiver` one modem's ear, `water` the formulas, `links` the counters, `event_log` the
-order of the acoustic log and what may not stand in it, `talk` modems without vehicles.
+order of the acoustic log and what must not be in it, `talk` modems without vehicles.
 """

@@ -1,4 +1,4 @@
-"""What the acoustic log says: its order, and what may never stand in it."""
+"""What the acoustic log says: its order, and what must never be in it."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ The acoustic medium: everything between the vehicles' modems.
 The medium is asked once per control period: `exchange` says what arrives now and who may transmit, `transmit`
 takes what the vehicles hand over.  Inside the period it works on continuous time: a transmission starts at
 its medium-access opportunity, ends after its airtime, and is heard range over sound speed later; it can be
-delivered from the next tick on.  What a receiver makes of what reaches it stands in `receiver`.
+delivered from the next tick on.  `receiver` has what a receiver makes of what reaches it.
 """
 
 from __future__ import annotations

@@ -91,7 +91,7 @@ class Receiver:
         return not self._signals and not self._own
 
     def expect(self, transmission: Transmission) -> None:
-        """Take note of a transmission of another modem, whoever it is for."""
+        """Take note of a transmission of another modem, to whatever address."""
         self._signals.append(Signal(transmission))
 
     def go_deaf(self, start_s: float, end_s: float) -> None:

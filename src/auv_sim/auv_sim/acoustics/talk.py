@@ -1,4 +1,4 @@
-"""Modems without vehicles: everybody who is asked for data hands over the next packet."""
+"""Modems without vehicles: each modem that is asked for data hands over the next packet."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def talk(
     payload_bytes : int
         Size of every packet; they are all for everybody.
     talkers : collection of int, optional
-        Addresses of those who answer when asked; everybody if left out.
+        Addresses of the modems that answer when asked; all if left out.
     made : dict, optional
         Filled with the tick in which each packet was made, by (source, sequence).
 

@@ -1,4 +1,4 @@
-"""What the relay tells those who look on: counters of the acoustic links, their diagnostics and markers."""
+"""What the relay tells observers: counters of the acoustic links, their diagnostics and markers."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class LinkReports:
         self._publish_diagnostics(diagnostics_bytes([status], t_s))
 
     def note(self, index: int, inbox: Inbox) -> None:
-        """Take note of who was heard by the vehicle at an index."""
+        """Note which vehicles were heard by the one at an index."""
         for reception in inbox.receptions:
             self._links.append((inbox.tick, reception.packet.source - 1, index))
 

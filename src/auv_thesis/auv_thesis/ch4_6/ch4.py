@@ -37,7 +37,7 @@ STARTS = 30
 """Random starts per set of layer gains."""
 STARTS_SEED = 0
 APPROACH_S = 12.0
-"""Vehicles from the corners meet within so long, or not at all."""
+"""Vehicles from the corners meet within this time (s), or not at all."""
 _COARSE = ("dt_s=0.02", "period_s=0.02")
 _PRINTED = "agent.controller.params.layer_gains_pm3=[0.1,0.1]"
 _NO_G = "agent.controller.params.gravity_compensation=false"

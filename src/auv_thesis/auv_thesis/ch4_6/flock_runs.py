@@ -37,7 +37,7 @@ MATCHED = (
 
 
 def on_channel(slot_s: float, loss: float, changes: tuple[str, ...] = ()) -> RunSpec:
-    """Return the flock without obstacles on a TDMA channel of so long slots and so many losses."""
+    """Return the flock without obstacles on a TDMA channel with these slots and losses."""
     return RunSpec(
         "ch5_communication",
         (

@@ -27,7 +27,7 @@ differs from the print. Equations of chapter 1 are definitions of the literature
 _FIGURES_WORDS = """\
 Which runs each of them is made from, and by which function of
 `src/auv_thesis/auv_thesis`. `./scripts/reproduce` makes them all; a run by itself is
-`./scripts/run`, then what stands here.
+`./scripts/run`, then the arguments listed here.
 """
 
 

@@ -32,7 +32,7 @@ Content = bytes | tuple[Row, ...] | Verdict
 
 @dataclass(frozen=True)
 class Outcome:
-    """A figure, a table or a claim, and what came of it."""
+    """A figure, a table or a claim, and its outcome."""
 
     item: Item
     content: Content | Failure

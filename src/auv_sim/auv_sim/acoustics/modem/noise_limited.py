@@ -2,8 +2,9 @@
 A modem whose reach is set by noise: sonar equation, signal to noise, bit errors, packet errors.
 
 SNR = SL - TL - (NL + 10 log10 B), with source level SL, transmission loss TL of the propagation, ambient
-noise NL at the carrier (turbulence, shipping, wind, thermal; Coates) and band B.  Interfering packets add to
-the noise.  Ambient noise is that of the water, but stands here, since only a modem with levels asks for it.
+noise NL at the carrier (turbulence, shipping, wind, thermal; Coates) and band B. Interfering packets add to
+the noise. Ambient noise is that of the water, but is computed here, since only a modem with levels asks for
+it.
 """
 
 from __future__ import annotations
