@@ -13,7 +13,7 @@ import pytest
 from auv_core.messages import Outcome
 from auv_experiment.recording import Recording
 from auv_experiment.report.acoustics import acoustics_figures
-from auv_experiment.report.by_law import run_figures
+from auv_experiment.report.by_law import run_drawers
 from auv_experiment.report.figure import Figure
 
 OF_ESTIMATES = ["packet_delivery", "estimate_error"]
@@ -136,9 +136,10 @@ def test_equal_runs_give_equal_files(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("follows", ["velocity", "region", "path"])
 def test_the_figures_of_every_run_end_with_those_of_its_network(monkeypatch: Any, follows: str) -> None:
-    for name in ("draw_figures", "region_figures", "path_figures"):
-        monkeypatch.setattr(f"auv_experiment.report.by_law.{name}", lambda *_, **__: ["of the law"])
-    monkeypatch.setattr("auv_experiment.report.by_law.acoustics_figures", lambda *_: ["of the network"])
-    figures: Any = run_figures(talking_fleet(2, 4), SimpleNamespace(follows=follows), Path())
+    for name in ("flock_drawers", "region_drawers", "path_drawers"):
+        monkeypatch.setattr(f"auv_experiment.report.by_law.{name}", lambda *_, **__: {"of the law": None})
+    monkeypatch.setattr("auv_experiment.report.by_law.acoustics_drawers", lambda _: {"of the network": None})
+    scenario: Any = SimpleNamespace(follows=follows)
+    figures = list(run_drawers(talking_fleet(2, 4), scenario))
     assert figures[0] == "of the law"
     assert figures[-1] == "of the network"

@@ -23,7 +23,7 @@ from auv_experiment.metrics import acoustics as metrics_acoustics
 from auv_experiment.metrics.links import link_counts
 from auv_experiment.recording import IntArray, Recording
 from auv_experiment.report.estimates import ESTIMATE_DRAWERS
-from auv_experiment.report.figure import WIDTH_IN, Drawing, Figure, save_figures
+from auv_experiment.report.figure import WIDTH_IN, Drawer, Drawing, Figure, save_figures
 from auv_experiment.report.plotting import legend_below, wilson_interval
 
 if TYPE_CHECKING:
@@ -64,12 +64,16 @@ def acoustics_figures(
         In the order in which a report shows them.
 
     """
-    drawers = {
+    return save_figures(acoustics_drawers(recording, only=only), scenario, out_dir)
+
+
+def acoustics_drawers(recording: Recording, *, only: Collection[str] | None = None) -> dict[str, Drawer]:
+    """Return what draws each figure of network, navigation and neighbour filters, by name."""
+    return {
         name: partial(draw, recording)
         for name, draw in (_DRAWERS | ESTIMATE_DRAWERS).items()
         if only is None or name in only
     }
-    return save_figures(drawers, scenario, out_dir)
 
 
 def _draw_packet_losses(recording: Recording) -> Drawing | None:

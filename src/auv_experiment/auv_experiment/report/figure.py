@@ -47,9 +47,17 @@ class Drawing:
     caption: str
 
 
-def save_figures(
-    drawers: Mapping[str, Callable[[], Drawing | None]], scenario: Scenario, out_dir: Path
-) -> list[Figure]:
+Drawer = Callable[[], Drawing | None]
+"""Draws one figure, None where its data do not exist."""
+
+
+def draw_in_style(draw: Drawer) -> Drawing | None:
+    """Draw in the style of all figures."""
+    with matplotlib.rc_context(STYLE):
+        return draw()
+
+
+def save_figures(drawers: Mapping[str, Drawer], scenario: Scenario, out_dir: Path) -> list[Figure]:
     """Draw, in the style of all figures, and write each drawing as ``<name>.png``."""
     out_dir.mkdir(parents=True, exist_ok=True)
     figures = []

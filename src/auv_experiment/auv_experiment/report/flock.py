@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from auv_experiment.recording import Recording
-from auv_experiment.report.figure import Figure, save_figures
+from auv_experiment.report.figure import Drawer, Figure, save_figures
 from auv_experiment.report.flock_histories import HISTORY_DRAWERS
 from auv_experiment.report.flock_run import FlockRun
 from auv_experiment.report.flock_tracks import TRACK_DRAWERS
@@ -48,7 +48,13 @@ def draw_figures(
         In the order in which a report shows them.
 
     """
+    return save_figures(flock_drawers(recording, scenario, only=only), scenario, out_dir)
+
+
+def flock_drawers(
+    recording: Recording, scenario: Scenario, *, only: Collection[str] | None = None
+) -> dict[str, Drawer]:
+    """Return what draws each figure of a group, by name; see `draw_figures`."""
     run = FlockRun(recording, scenario)
     every = {**TRACK_DRAWERS, **HISTORY_DRAWERS}
-    drawers = {name: partial(draw, run) for name, draw in every.items() if only is None or name in only}
-    return save_figures(drawers, scenario, out_dir)
+    return {name: partial(draw, run) for name, draw in every.items() if only is None or name in only}

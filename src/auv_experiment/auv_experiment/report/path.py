@@ -7,10 +7,11 @@ approach on the left and the rest of the run on the right, on a scale of its own
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
@@ -18,15 +19,13 @@ from matplotlib.lines import Line2D
 from auv_experiment.metrics import path as metrics_path
 from auv_experiment.metrics.distances import flock_positions_ned_m
 from auv_experiment.recording import FloatArray, Recording
-from auv_experiment.report.figure import DPI, WIDTH_IN, Figure
+from auv_experiment.report.figure import WIDTH_IN, Drawer, Drawing, Figure, save_figures
 from auv_experiment.report.plotting import (
-    STYLE,
     legend_below,
     mark,
     plot_obstacle,
     plot_plan_line,
     plot_thinned,
-    save_canvas,
     span_time,
     vehicle_style,
 )
@@ -57,18 +56,19 @@ def path_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> lis
         In the order in which a report shows them; empty where no vehicle has a path.
 
     """
+    return save_figures(path_drawers(recording, scenario), scenario, out_dir)
+
+
+def path_drawers(recording: Recording, scenario: Scenario) -> dict[str, Drawer]:
+    """Return what draws each figure of a path-following run, by name; see `path_figures`."""
     if not metrics_path.path_followers(scenario) or not np.isfinite(recording.position_ned_m).any():
-        return []
-    out_dir.mkdir(parents=True, exist_ok=True)
-    figures = []
-    for name, draw in _DRAWERS.items():
-        with matplotlib.rc_context(STYLE):
-            canvas = Canvas(layout="constrained")
-            title, caption = draw(canvas, recording, scenario)
-            path = out_dir / f"{name}.png"
-            save_canvas(canvas, path, DPI)
-        figures.append(Figure(path, title, caption))
-    return figures
+        return {}
+
+    def drawn(draw: Callable[..., tuple[str, str]]) -> Drawing:
+        canvas = Canvas(layout="constrained")
+        return Drawing(canvas, *draw(canvas, recording, scenario))
+
+    return {name: partial(drawn, draw) for name, draw in _DRAWERS.items()}
 
 
 def _draw_plan(canvas: Canvas, recording: Recording, scenario: Scenario) -> tuple[str, str]:

@@ -6,11 +6,11 @@ The drawing functions that take axes serve the report and the reproduction of th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
@@ -20,9 +20,8 @@ from auv_control.region import Ring
 from auv_experiment.metrics import region as metrics_region
 from auv_experiment.metrics.distances import pair_distances_m, vehicle_pairs
 from auv_experiment.recording import FloatArray, Recording
-from auv_experiment.report.figure import DPI, WIDTH_IN, Figure
+from auv_experiment.report.figure import WIDTH_IN, Drawer, Drawing, Figure, save_figures
 from auv_experiment.report.plotting import (
-    STYLE,
     band_handle,
     colour,
     equal_box,
@@ -32,7 +31,6 @@ from auv_experiment.report.plotting import (
     marker,
     plot_plan_line,
     plot_thinned,
-    save_canvas,
     span_time,
     vehicle_style,
 )
@@ -64,19 +62,20 @@ def region_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> l
         In the order in which a report shows them; empty where the law steers to no ring.
 
     """
+    return save_figures(region_drawers(recording, scenario), scenario, out_dir)
+
+
+def region_drawers(recording: Recording, scenario: Scenario) -> dict[str, Drawer]:
+    """Return what draws each figure of a run to a region, by name; see `region_figures`."""
     ring = metrics_region.ring_of(scenario)
     if ring is None or not np.isfinite(recording.position_ned_m).any():
-        return []
-    out_dir.mkdir(parents=True, exist_ok=True)
-    figures = []
-    for name, draw in _DRAWERS.items():
-        with matplotlib.rc_context(STYLE):
-            canvas = Canvas(layout=None if draw is _draw_space else "constrained")
-            title, caption = draw(canvas, recording, scenario, ring)
-            path = out_dir / f"{name}.png"
-            save_canvas(canvas, path, DPI)
-        figures.append(Figure(path, title, caption))
-    return figures
+        return {}
+
+    def drawn(draw: Callable[..., tuple[str, str]]) -> Drawing:
+        canvas = Canvas(layout=None if draw is _draw_space else "constrained")
+        return Drawing(canvas, *draw(canvas, recording, scenario, ring))
+
+    return {name: partial(drawn, draw) for name, draw in _DRAWERS.items()}
 
 
 def plot_tracks_in_space(axes: Any, recording: Recording, ring: Ring, order: Sequence[int]) -> None:
