@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -98,9 +98,22 @@ def override(raw: dict[str, Any], override: str) -> None:
 
     """
     path, equals, text = override.partition("=")
-    keys = path.split(".")
-    if not equals or not all(keys) or not path.isprintable():
+    if not equals or not all(path.split(".")) or not path.isprintable():
         raise ConfigError(f"--set {shown(override)} is not allowed; allowed: path.to.key=value")
+    put(raw, path, lambda: parse_yaml(text, f"--set {path}"))
+
+
+def put(raw: dict[str, Any], path: str, value: Callable[[], Any]) -> None:
+    """
+    Put what `value` returns under a dotted path; it is called when the place is found.
+
+    Raises
+    ------
+    ConfigError
+        For a path that leads nowhere.
+
+    """
+    keys = path.split(".")
     target: Any = raw
     for depth in range(1, len(keys)):
         where = _place(target, keys[:depth])
@@ -108,7 +121,8 @@ def override(raw: dict[str, Any], override: str) -> None:
         # A copy: what the file names by an alias (*name) in several places changes only here.
         target[where] = {} if inner is None else inner.copy() if isinstance(inner, dict | list) else inner
         target = target[where]
-    target[_place(target, keys)] = parse_yaml(text, f"--set {path}")
+    place = _place(target, keys)
+    target[place] = value()
 
 
 def _place(target: Any, keys: list[str]) -> str | int:

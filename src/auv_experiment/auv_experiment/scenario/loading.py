@@ -7,8 +7,9 @@ Scenarios as text: read from YAML with overrides, seed and presets; written as Y
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from auv_core.params import dump, load
 from auv_experiment.scenario.file import SCENARIOS_DIR, find_file, override, read_raw, with_presets
@@ -61,6 +62,11 @@ def load_for_seeds(
     undrawn = _undrawn(name_or_path, overrides)
     for seed in seeds:
         yield with_starts(replace(undrawn, seed=seed))
+
+
+def scenario_from_raw(raw: Mapping[str, Any]) -> Scenario:
+    """Return what `load_scenario` makes of a file that holds this; raise ConfigError with one line."""
+    return with_starts(load(Scenario, with_presets(dict(raw)), "scenario"))
 
 
 def list_scenarios() -> list[tuple[str, str]]:
