@@ -8,7 +8,6 @@ killed lacks little, and one that is closed does not tell when its writer was as
 
 from __future__ import annotations
 
-import fcntl
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from io import BytesIO
@@ -16,6 +15,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from mcap.writer import CompressionType, Writer
+
+from auv_core.machine.file_locks import lock_file
 
 
 class TimedMessage(NamedTuple):
@@ -36,7 +37,7 @@ class BagFile:
     def __init__(self, path: Path) -> None:
         self._file = path.open("xb", buffering=0)
         with suppress(OSError):  # a file system without locks
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock_file(self._file.fileno())
         self._position = 0
         self._has_tail = False
 

@@ -8,7 +8,6 @@ and metadata.yaml is made from what the file holds, as `ros2 bag reindex` does.
 
 from __future__ import annotations
 
-import fcntl
 import mmap
 import os
 import struct
@@ -39,6 +38,7 @@ from mcap.stream_reader import get_chunk_data_stream
 from auv_bag.bag import find_files, offered_qos
 from auv_bag.mcap_scan import MAGIC, RECORD_HEAD, McapScan, records_of
 from auv_bag.metadata import METADATA_FILE, information_text, metadata_text, topic_text
+from auv_core.machine.file_locks import lock_file
 from auv_core.machine.whole_files import WriteError, write_text
 
 _CHUNK_HEAD = struct.Struct("<QQQII")
@@ -77,7 +77,7 @@ def _mend_file(path: Path, *, is_alone: bool) -> str:
         return ""
     try:
         with path.open("r+b") as file:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock_file(file.fileno())
             _write_end(file.fileno(), scan, path.parent / METADATA_FILE if is_alone else None)
     except BlockingIOError:
         return f"{path} is still being written; what is in it so far is read"

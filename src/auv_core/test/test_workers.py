@@ -14,6 +14,7 @@ import pytest
 
 from auv_core.cli.one_line_parser import MOST_WORKERS
 from auv_core.machine import worker_watch, workers
+from auv_core.machine.failure import WorkersError
 
 WAIT_S = 60.0
 LONGER_THAN_A_PIPE_BYTES = 1 << 22
@@ -180,7 +181,7 @@ def test_a_worker_that_stops_in_the_middle_of_its_result_holds_up_nobody(hasty_w
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
 def test_workers_that_all_end_while_they_start_are_told_in_one_line(hasty_watch, monkeypatch, number):
     monkeypatch.setattr(workers, "_become_worker", lambda parent: send_self(number))
-    with pytest.raises(workers.WorkersError, match=r"^all of 6 worker processes ended while they started$"):
+    with pytest.raises(WorkersError, match=r"^all of 6 worker processes ended while they started$"):
         collect([lambda advance: 1] * 4)
     assert multiprocessing.active_children() == []
 
@@ -190,7 +191,7 @@ def test_a_process_that_cannot_be_started_is_told_in_one_line(monkeypatch):
         raise BlockingIOError(11, "Resource temporarily unavailable")
 
     monkeypatch.setattr(workers, "_start", refuse)
-    with pytest.raises(workers.WorkersError, match=r"no worker process can be started \(Resource temp"):
+    with pytest.raises(WorkersError, match=r"no worker process can be started \(Resource temp"):
         collect([lambda advance: 1])
 
 

@@ -32,11 +32,11 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from auv_core.machine.leaving import leave
 from auv_core.params import ConfigError
 from auv_msgs.msg import FlockStatus
 from auv_ros.hearing import Hearing
 from auv_ros.joining import Joining
-from auv_ros.leaving import leave
 from auv_ros.parameters import refuse_unknown_parameters
 from auv_ros.qos import LATCHED
 from auv_ros.run_config import RunConfig, TickClock, WallWatch
@@ -62,7 +62,7 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     """
     Run nodes until a signal comes or one of them is done; return the exit status.
 
-    Where the system clock was stepped meanwhile, the process ends here, see `auv_ros.leaving`.
+    Where the system clock was stepped meanwhile, the process ends here, see `auv_core.machine.leaving`.
 
     Parameters
     ----------

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import shlex
 import sys
 import time
@@ -13,8 +12,9 @@ from typing import TYPE_CHECKING
 
 from auv_core.cli.failures import DONE, FAILED, answered
 from auv_core.cli.one_line_parser import MOST_WORKERS, OneLineParser, fail, whole_number
+from auv_core.machine.failure import WorkersError
+from auv_core.machine.processors import processor_count
 from auv_core.machine.whole_files import write_text
-from auv_core.machine.workers import WorkersError
 from auv_core.params import ConfigError
 from auv_experiment import results
 from auv_thesis.items import Chapter, ChapterError, chapters, choose, with_seeds
@@ -106,7 +106,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--workers",
         type=_workers,
-        default=len(os.sched_getaffinity(0)),
+        default=processor_count(),
         metavar="N",
         help="number of processes (default: one per processor, %(default)s)",
     )

@@ -10,7 +10,7 @@ from typing import Any
 from auv_bringup.launching.flight_status import Status
 from auv_bringup.launching.layout import ProcessSpec
 from auv_bringup.launching.node_start import adopt
-from auv_ros.leaving import keep
+from auv_core.machine.leaving import keep
 from auv_ros.run_config import WallWatch
 from auv_ros.run_identity import status_epoch_s
 from auv_ros.steady_timer import NEVER_S, SteadyTimer

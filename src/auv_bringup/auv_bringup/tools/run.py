@@ -23,9 +23,9 @@ from auv_bringup.launching.verdict import LOST, verdict
 from auv_bringup.tools.run_arguments import parse
 from auv_core.cli.failures import DONE, INTERRUPTED, answered, internal_error
 from auv_core.cli.one_line_parser import fail
+from auv_core.machine.leaving import leave_if_kept
 from auv_core.params import ConfigError
 from auv_experiment import results
-from auv_ros.leaving import leave_if_kept
 
 if TYPE_CHECKING:
     from auv_bringup.launching.launcher import Flight

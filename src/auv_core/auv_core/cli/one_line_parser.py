@@ -15,12 +15,33 @@ MOST_WORKERS = 256
 """Most processes that a command starts on this machine."""
 
 
+_SCRIPTS = "./scripts/"
+_called_as = _SCRIPTS
+
+
+def call_commands(prefix: str) -> None:
+    """From now on say `prefix` before the name of a command where it is ``./scripts/`` otherwise."""
+    global _called_as
+    _called_as = prefix
+
+
 class OneLineParser(argparse.ArgumentParser):
     """A parser whose complaints are one line; so are those of its subcommands."""
 
+    def format_help(self) -> str:
+        """Return the help."""
+        return _named(super().format_help())
+
     def error(self, message: str) -> NoReturn:
         """End the program with a complaint."""
-        self.exit(BAD_ARGUMENTS, f"error: {' '.join(message.split())} ({self.prog} --help says more)\n")
+        self.exit(
+            BAD_ARGUMENTS, f"error: {' '.join(message.split())} ({_named(self.prog)} --help says more)\n"
+        )
+
+
+def _named(text: str) -> str:
+    """Return a text with the commands called as the user calls them."""
+    return text.replace(_SCRIPTS, _called_as)
 
 
 def refusal(text: str, allowed: str) -> argparse.ArgumentTypeError:
@@ -42,6 +63,6 @@ def whole_number(text: str, most: int) -> int:
 
 def fail(status: int, line: str) -> int:
     """Print a complaint of one line on standard error; return `status`, the exit status that it gives."""
-    sys.stderr.write(f"error: {printable(line)}\n")
+    sys.stderr.write(f"error: {printable(_named(line))}\n")
     sys.stderr.flush()
     return status

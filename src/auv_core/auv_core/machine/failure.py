@@ -19,6 +19,10 @@ class Failure:
         return cls(one_line(error), "".join(traceback.format_exception(error)))
 
 
+class WorkersError(RuntimeError):
+    """There is nobody to make calls; the message is one line."""
+
+
 def one_line(error: BaseException) -> str:
     """Return kind and message of an exception on one line."""
     return f"{type(error).__name__}: {' '.join(str(error).split()) or 'no message'}"

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
-import resource
 from pathlib import Path
 
 import psutil
+
+try:
+    import resource
+except ImportError:
+    resource = None  # type: ignore[assignment]
 
 _RESERVED_BYTES = 200e6
 """Addresses that libraries reserve beyond the memory that they use; they count against `ulimit -v`."""
@@ -21,10 +25,17 @@ def free_bytes() -> float:
         for limit, usage in _CGROUP_FILES:
             if (group / limit).is_file():
                 free = min(free, _number(group / limit) - _number(group / usage))
-    limit_bytes, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if limit_bytes != resource.RLIM_INFINITY:
+    if (limit_bytes := _address_limit_bytes()) < math.inf:
         free = min(free, limit_bytes - psutil.Process().memory_info().vms - _RESERVED_BYTES)
     return max(free, 0.0)
+
+
+def _address_limit_bytes() -> float:
+    """Return how much address space this process may have (`ulimit -v`); infinity for no limit."""
+    if resource is None:
+        return math.inf
+    limit_bytes, _ = resource.getrlimit(resource.RLIMIT_AS)
+    return math.inf if limit_bytes == resource.RLIM_INFINITY else limit_bytes
 
 
 def _control_groups() -> list[Path]:

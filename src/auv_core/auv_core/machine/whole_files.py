@@ -57,7 +57,10 @@ def reserve(path: Path, room_bytes: int) -> None:
     reserved = _reserved(path)
     try:
         with reserved.open("wb") as stream:
-            os.posix_fallocate(stream.fileno(), 0, room_bytes)
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(stream.fileno(), 0, room_bytes)
+            else:
+                stream.write(bytes(room_bytes))
     except OSError as error:
         reserved.unlink(missing_ok=True)
         raise write_error(path, error) from error

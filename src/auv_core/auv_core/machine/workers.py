@@ -23,7 +23,7 @@ from contextlib import suppress
 from multiprocessing import connection
 from typing import Any
 
-from auv_core.machine.failure import Failure
+from auv_core.machine.failure import Failure, WorkersError
 from auv_core.machine.interrupts import SIGNALS
 from auv_core.machine.worker_pipe import Inbox, send
 from auv_core.machine.worker_watch import Watch
@@ -43,10 +43,6 @@ _fork = multiprocessing.get_context("fork")
 
 Advance = Callable[[float], None]
 Call = Callable[[Advance], Any]
-
-
-class WorkersError(RuntimeError):
-    """There is nobody to make calls; the message is one line."""
 
 
 def spread(
@@ -277,7 +273,8 @@ def _serve(calls: Sequence[Call], stream: socket.socket, parent_pid: int) -> Non
 
 
 def _become_worker(parent_pid: int) -> None:
-    _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if hasattr(_libc, "prctl"):
+        _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent_pid:  # the parent died before the line above
         os._exit(1)
     signal.signal(signal.SIGINT, signal.SIG_IGN)

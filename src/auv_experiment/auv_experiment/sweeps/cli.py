@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import fcntl
 import math
 import os
 import sys
@@ -15,6 +14,8 @@ from typing import TYPE_CHECKING
 
 from auv_core.cli.failures import DONE, FAILED, answered
 from auv_core.cli.one_line_parser import MOST_WORKERS, OneLineParser, fail, refusal, whole_number
+from auv_core.machine.file_locks import lock_file
+from auv_core.machine.processors import processor_count
 from auv_core.params import ConfigError
 from auv_experiment.results import FIGURES, ResultsError, make_folder
 from auv_experiment.sweeps.study import Study, list_studies, load_study
@@ -85,7 +86,7 @@ def _parser() -> argparse.ArgumentParser:
     where.add_argument(
         "--workers",
         type=partial(whole_number, most=MOST_WORKERS),
-        default=len(os.sched_getaffinity(0)),
+        default=processor_count(),
         metavar="N",
         help="number of processes (default: one per processor, %(default)s)",
     )
@@ -150,7 +151,7 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
         print(f"all allowed: {n_points} points, {len(study.seeds)} seeds each; nothing was flown")
         return DONE
     from auv_core.cli.tally import Tally
-    from auv_core.machine.workers import WorkersError
+    from auv_core.machine.failure import WorkersError
     from auv_experiment.sweeps.patience import Patience
     from auv_experiment.sweeps.runner import run_sweep
 
@@ -176,7 +177,11 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
 @contextmanager
 def _alone_in(folder: Path) -> Iterator[None]:
     """Hold a folder against other sweeps; the kernel lets it go if this process is killed."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        descriptor = os.open(folder, os.O_RDONLY)
+    except PermissionError:  # a system that opens no folders
+        yield
+        return
     try:
         _lock(descriptor, folder)
         yield
@@ -186,7 +191,7 @@ def _alone_in(folder: Path) -> Iterator[None]:
 
 def _lock(descriptor: int, folder: Path) -> None:
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock_file(descriptor)
     except BlockingIOError:
         raise ResultsError(
             f"--out {str(folder)!r}: another sweep is flying into it; allowed: a folder of its own"

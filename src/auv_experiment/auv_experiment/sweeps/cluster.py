@@ -21,8 +21,7 @@ from typing import Any
 from distributed import Client, Future, KilledWorker
 from distributed.comm import get_address_host_port
 
-from auv_core.machine.failure import one_line
-from auv_core.machine.workers import WorkersError
+from auv_core.machine.failure import WorkersError, one_line
 from auv_core.params import ConfigError
 from auv_experiment.run_key import source_version
 from auv_experiment.sweeps.plan import PlannedRun
