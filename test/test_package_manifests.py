@@ -19,10 +19,12 @@ OFFICIAL_KEYS = {
     "matplotlib": "python3-matplotlib",
     "numba": "python3-numba",
     "numpy": "python3-numpy",
+    "pandas": "python3-pandas",
     "psutil": "python3-psutil",
     "rosbags": "python3-rosbags-pip",
     "scipy": "python3-scipy",
     "tqdm": "python3-tqdm",
+    "xarray": "python3-xarray",
     "yaml": "python3-yaml",
 }
 # Those of requirements/rosdep.yaml.

@@ -19,6 +19,7 @@ ORDER = (
     "auv_experiment",
     "auv_thesis",
     "auv_bringup",
+    "shoal",
 )
 PACKAGES = ORDER[1:]
 

@@ -1,0 +1,24 @@
+"""Build and installation of shoal."""
+
+from setuptools import find_packages, setup
+
+package_name = "shoal"
+
+setup(
+    name=package_name,
+    version="0.1.0",
+    packages=find_packages(include=[package_name, f"{package_name}.*"]),
+    package_data={package_name: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
+        (f"share/{package_name}", ["package.xml"]),
+    ],
+    install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
+    zip_safe=False,
+    maintainer="The Shoal authors",
+    maintainer_email="shoal@example.org",
+    description="The Python interface of Shoal, and its one command",
+    license="Apache-2.0",
+    entry_points={"console_scripts": ["shoal = shoal.commands:main"]},
+)

@@ -1,0 +1,86 @@
+"""`shoal run | sweep | reproduce | replay | topic`: the commands of Shoal under one name."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import os
+import sys
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from auv_core.cli.failures import BAD_INPUT, DONE
+from auv_core.cli.one_line_parser import call_commands, fail
+from auv_core.params import shown
+from shoal import __version__
+
+
+class _Command(NamedTuple):
+    module: str
+    words: str
+    needs_ros: bool = False
+    needs_fork: bool = False
+
+
+COMMANDS = {
+    "run": _Command("auv_bringup.tools.run", "fly a scenario, then say what came of it"),
+    "sweep": _Command("auv_experiment.sweeps.cli", "fly a grid or a sample of scenarios with many seeds"),
+    "reproduce": _Command(
+        "auv_thesis.cli", "redo the figures, tables and claims of the thesis", needs_fork=True
+    ),
+    "replay": _Command("auv_bringup.tools.replay", "publish a recorded bag again", needs_ros=True),
+    "topic": _Command("auv_bringup.tools.topic", "look at the topics of a running flock", needs_ros=True),
+}
+_HELP_WORDS = ("-h", "--help")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; return its exit status."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    name = words[0] if words else "--help"
+    if name in _HELP_WORDS:
+        sys.stdout.write(_help())
+        return DONE
+    if name == "--version":
+        sys.stdout.write(f"shoal {__version__}\n")
+        return DONE
+    if name not in COMMANDS:
+        return fail(BAD_INPUT, f"command: {shown(name)} is not allowed; allowed: {', '.join(COMMANDS)}")
+    call_commands("shoal ")
+    command = COMMANDS[name]
+    if not set(_HELP_WORDS) & set(words) and (missing := _what_is_missing(command)):
+        return fail(BAD_INPUT, f"shoal {name}: {missing}")
+    status: int = importlib.import_module(command.module).main(words[1:])
+    return status
+
+
+def _what_is_missing(command: _Command) -> str:
+    """Return in words what a command needs and this machine lacks, '' for nothing."""
+    if command.needs_ros and importlib.util.find_spec("rclpy") is None:
+        return "rclpy cannot be imported; allowed: where ROS 2 Jazzy and the workspace are sourced"
+    if command.needs_fork and not hasattr(os, "fork"):
+        return "this system cannot fork processes; allowed: on Linux"
+    return ""
+
+
+def _help() -> str:
+    width = max(map(len, COMMANDS))
+    lines = [f"  {name:<{width}}  {command.words}" for name, command in COMMANDS.items()]
+    return "\n".join(
+        [
+            "usage: shoal COMMAND [ARGUMENT...]; shoal COMMAND --help says more",
+            "",
+            "Groups of underwater vehicles that talk to each other only through water.",
+            "",
+            *lines,
+            "",
+            "  --version  say which version this is",
+            "",
+            "In Python: import shoal",
+            "",
+        ]
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,169 @@
+"""Flights in one process: one, or many."""
+
+from __future__ import annotations
+
+import io
+import tempfile
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from auv_core.cli.tally import Tally
+from auv_core.machine.processors import processor_count
+from auv_core.params import ConfigError
+from auv_experiment.inprocess.evaluated_run import fly
+from auv_experiment.results import make_folder
+from auv_experiment.scenario import schema
+from auv_experiment.sweeps.local import fly_here
+from auv_experiment.sweeps.plan import plan_runs
+from auv_experiment.sweeps.runner import run_sweep
+from auv_experiment.sweeps.study import Study, load_study, study_from_plain
+from auv_experiment.sweeps.table import read_table
+from shoal.result import Result
+from shoal.scenario import Scenario, load, resolve
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def run(
+    scenario: Scenario | schema.Scenario | str | Path,
+    *,
+    seed: int | None = None,
+    duration_s: float | None = None,
+    on_progress: Callable[[float], None] | None = None,
+) -> Result:
+    """
+    Fly a scenario in this process, without ROS; equal calls give equal numbers.
+
+    Parameters
+    ----------
+    scenario : Scenario, str or Path
+        What to fly: of `load`, or what `load` takes.
+    seed : int, optional
+        Seed of every random number, in place of the scenario's.
+    duration_s : float, optional
+        Length of the flight (s), in place of the scenario's.
+    on_progress : callable, optional
+        Called now and then with the scenario time reached (s).
+
+    Returns
+    -------
+    result : Result
+        What came of it.
+
+    Raises
+    ------
+    ConfigError
+        Where the scenario is not allowed, or will not fit into memory; one line.
+    DivergedError
+        Where a motion has no finite solution.
+
+    Examples
+    --------
+    >>> import shoal
+    >>> result = shoal.run("ch5_one_leader", seed=3, duration_s=1.0)
+    >>> result.recording.n_vehicles
+    4
+
+    """
+    resolved = resolve(scenario, seed=seed, duration_s=duration_s)
+    flight = fly(resolved, on_progress=on_progress)
+    return Result(resolved, flight.recording, mode="inprocess", metrics=flight.metrics)
+
+
+def sweep(
+    what: Scenario | str | Path,
+    *,
+    grid: Mapping[str, Sequence[Any]] | None = None,
+    seeds: Iterable[int] | None = None,
+    duration_s: float | None = None,
+    workers: int | None = None,
+    folder: str | Path | None = None,
+) -> pd.DataFrame:
+    """
+    Fly a scenario with many seeds and values, or a study, on the processors of this machine.
+
+    Parameters
+    ----------
+    what : Scenario, str or Path
+        With `grid` or `seeds` a scenario, as `run` takes it; without them the name of a study or its file.
+    grid : mapping, optional
+        Values by dotted key of the scenario; every combination is flown.
+    seeds : iterable of int, optional
+        Seeds of every combination; 1 alone, if left out.
+    duration_s : float, optional
+        Length of every flight (s).
+    workers : int, optional
+        Number of processes; one for each processor, if left out.
+    folder : str or Path, optional
+        Keeps finished runs and the table: the same call then goes on where it was.
+
+    Returns
+    -------
+    table : pandas.DataFrame
+        One row for each run: ``param.<key>``, ``seed``, ``status``, ``error``, and every metric.
+
+    Raises
+    ------
+    ConfigError
+        Where a run is not allowed; nothing has then been flown.
+
+    Examples
+    --------
+    >>> import shoal
+    >>> loss = "acoustics.outage.params.loss_prob"
+    >>> table = shoal.sweep(
+    ...     "flock_acoustic", grid={loss: [0.0, 0.5]}, seeds=range(2), duration_s=2.0, workers=1
+    ... )
+    >>> len(table)
+    4
+
+    """
+    import pandas as pd
+
+    count = processor_count() if workers is None else workers
+    if count < 1:
+        raise ConfigError(f"workers: {count} is not allowed; allowed: a whole number from 1")
+    with tempfile.TemporaryDirectory(prefix="shoal-") as passing:
+        place = Path(passing if folder is None else folder)
+        make_folder(place)
+        if grid is None and seeds is None:
+            if isinstance(what, Scenario):
+                raise ConfigError("seeds: missing; allowed: seeds, or a grid, to fly a scenario with")
+            study = load_study(str(what))
+            study = study if duration_s is None else replace(study, duration_s=duration_s)
+        else:
+            study = _study_of(
+                what, grid or {}, [1] if seeds is None else list(seeds), duration_s, Path(passing)
+            )
+        runs = plan_runs(study)
+        with Tally("runs", io.StringIO()) as tally:
+            run_sweep(study, runs, place, partial(fly_here, n_workers=count), tally=tally)
+        return pd.DataFrame(read_table(place).columns).drop(columns=["key"])
+
+
+def _study_of(
+    what: Scenario | str | Path,
+    grid: Mapping[str, Sequence[Any]],
+    seeds: list[int],
+    duration_s: float | None,
+    folder: Path,
+) -> Study:
+    """Return the study that flies a scenario over a grid; the scenario's file is put into `folder`."""
+    scenario = what if isinstance(what, Scenario) else load(what)
+    path = scenario.save(folder / "scenario.yaml")
+    plain: dict[str, Any] = {
+        "schema": 1,
+        "name": scenario["name"],
+        "title": scenario["title"],
+        "scenario": str(path),
+        "seeds": seeds,
+    }
+    if grid:
+        plain["grid"] = {key: list(values) for key, values in grid.items()}
+    if duration_s is not None:
+        plain["duration_s"] = duration_s
+    return study_from_plain(plain)

@@ -1,0 +1,169 @@
+"""A run that is flown step by step, and whose commands may come from outside."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from auv_core.compiled import use_compiler
+from auv_core.messages import Command, Inbox, VehicleState, VelocityCommand, Wrench
+from auv_core.params import ConfigError, shown
+from auv_experiment.inprocess.stepwise import StepwiseRun
+from auv_experiment.run_memory import check_memory
+from auv_experiment.scenario import schema
+from shoal.result import Result
+from shoal.scenario import Scenario, load
+
+_LENGTHS = {True: 4, False: 6}
+
+
+class Simulation:
+    """
+    A flock between two ticks: look at it, replace commands, step.
+
+    A scenario in continuous time is flown sampled, as nodes fly it. Flown to its end without commands from
+    outside, it gives what `run` gives, to the last bit.
+
+    Parameters
+    ----------
+    scenario : Scenario, str or Path
+        What to fly, as `run` takes it.
+    seed : int, optional
+        Seed of every random number, in place of the scenario's.
+
+    Examples
+    --------
+    >>> import shoal
+    >>> simulation = shoal.Simulation("flock_acoustic", seed=3)
+    >>> while simulation.time_s < 1.0:
+    ...     thrust = simulation.commands["auv_1"].tau
+    ...     simulation.step({"auv_1": [0.5 * each for each in thrust]})
+    >>> round(simulation.states["auv_1"].position[2])
+    15
+
+    """
+
+    def __init__(self, scenario: Scenario | str | Path, *, seed: int | None = None) -> None:
+        self._scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+        use_compiler()
+        self.reset(seed)
+
+    def reset(self, seed: int | None = None) -> None:
+        """
+        Begin anew, at time 0.
+
+        Parameters
+        ----------
+        seed : int, optional
+            Seed of the new run; the scenario's, if left out.
+
+        """
+        self.scenario: schema.Scenario = replace(self._scenario.resolved(seed=seed), sampling="sampled")
+        check_memory(self.scenario)
+        self.vehicle_ids = tuple(vehicle.id for vehicle in self.scenario.vehicles)
+        self._run = StepwiseRun(self.scenario)
+        self._decided: list[Command] | None = None
+
+    @property
+    def time_s(self) -> float:
+        """Scenario time (s)."""
+        return self._run.tick * self.scenario.period_s
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the run has reached its end."""
+        return self._run.tick >= self.scenario.ticks
+
+    @property
+    def states(self) -> dict[str, VehicleState]:
+        """True state of every vehicle by name: position (m; NED), attitude, nu (m/s, rad/s; FRD)."""
+        return dict(zip(self.vehicle_ids, self._run.states, strict=True))
+
+    @property
+    def estimates(self) -> dict[str, VehicleState]:
+        """What every vehicle's navigation says of its own state, by name."""
+        return dict(zip(self.vehicle_ids, self._run.navs, strict=True))
+
+    @property
+    def inboxes(self) -> dict[str, Inbox]:
+        """What the modem and the sonar of every vehicle tell it at this tick, by name."""
+        self._decisions()
+        return dict(zip(self.vehicle_ids, self._run.inboxes, strict=True))
+
+    @property
+    def commands(self) -> dict[str, Command]:
+        """What every vehicle's own computer commands at this tick, by name."""
+        return dict(zip(self.vehicle_ids, self._decisions(), strict=True))
+
+    def step(self, commands: Mapping[str, Command | Sequence[float]] | None = None) -> None:
+        """
+        Fly one control period.
+
+        Parameters
+        ----------
+        commands : mapping, optional
+            Commands that take the place of those of the vehicles' own computers, by name: six numbers
+            [X, Y, Z, K, M, N] (N, N m; body FRD), or of a kinematic vehicle velocity and yaw rate in four
+            (m/s; NED, and rad/s). Actuators limit them as they limit any command.
+
+        Raises
+        ------
+        ConfigError
+            For a vehicle that there is not, or numbers that are no command; nothing is then flown.
+        DivergedError
+            Where a motion has no finite solution.
+
+        """
+        decided = list(self._decisions())
+        for name, given in (commands or {}).items():
+            if name not in self.vehicle_ids:
+                raise ConfigError(
+                    f"commands: {shown(name)} is not allowed; allowed: {', '.join(self.vehicle_ids)}"
+                )
+            decided[self.vehicle_ids.index(name)] = _command(name, given, self.scenario.kinematic)
+        self._run.act(decided)
+        self._decided = None
+
+    def result(self) -> Result:
+        """
+        Return what came of a run that has reached its end.
+
+        Raises
+        ------
+        RuntimeError
+            Before the end.
+
+        """
+        if not self.is_done:
+            raise RuntimeError(
+                f"flown for {self.time_s:g} s of {self.scenario.duration_s:g} s; no result yet"
+            )
+        return Result(self.scenario, self._run.finished(), mode="inprocess")
+
+    def _decisions(self) -> list[Command]:
+        if self._decided is None:
+            if self.is_done:
+                raise RuntimeError(f"the run has reached its end at {self.time_s:g} s; reset begins anew")
+            self._decided = self._run.decide()
+        return self._decided
+
+
+def _command(name: str, given: Command | Sequence[float], takes_velocity: bool) -> Command:
+    """Return what was given for a vehicle as its kind of command."""
+    numbers: tuple[Any, ...] = tuple(given)
+    if isinstance(given, Wrench):
+        numbers = given.tau
+    elif isinstance(given, VelocityCommand):
+        numbers = (*given.velocity, given.yaw_rate_radps)
+    length = _LENGTHS[takes_velocity]
+    if len(numbers) != length or not all(
+        isinstance(each, int | float) and math.isfinite(each) for each in numbers
+    ):
+        raise ConfigError(f"commands.{name}: {shown(given)} is not allowed; allowed: {length} finite numbers")
+    values = [float(each) for each in numbers]
+    if takes_velocity:
+        return VelocityCommand((values[0], values[1], values[2]), values[3])
+    return Wrench((values[0], values[1], values[2], values[3], values[4], values[5]))
