@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_experiment.recording import FORMAT_VERSION, Recording
-from auv_experiment.scenario.schema import scenario_to_yaml
+from auv_experiment.scenario.loading import scenario_to_yaml
 
 if TYPE_CHECKING:
     import pandas as pd

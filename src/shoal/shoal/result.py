@@ -13,13 +13,14 @@ from auv_experiment import results
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.recording import Recording, RecordingError
 from auv_experiment.scenario import schema
+from auv_experiment.scenario.loading import scenario_to_yaml
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from auv_experiment.report.flock import Drawer
+    from auv_experiment.report.figure import Drawer
     from shoal.scenario import Scenario
 
 
@@ -112,7 +113,7 @@ class Result:
         'distance between hull centres (m)'
 
         """
-        from auv_experiment.report.flock import draw_in_style
+        from auv_experiment.report.figure import draw_in_style
 
         if name not in self._drawers:
             raise ConfigError(f"figure: {shown(name)} is not allowed; allowed: {', '.join(self._drawers)}")
@@ -178,7 +179,7 @@ class Result:
             raise results.ResultsError(
                 f"folder: {str(place)!r} is not empty; allowed: a new or an empty folder"
             )
-        write_text(place / results.SCENARIO_FILE, schema.scenario_to_yaml(self.scenario))
+        write_text(place / results.SCENARIO_FILE, scenario_to_yaml(self.scenario))
         results.write_json(place / results.PROVENANCE_FILE, results.provenance(self.scenario, mode=self.mode))
         self.recording.save(place / results.RECORDING_FILE)
         factor = self.metrics.get("real_time_factor")

@@ -10,7 +10,7 @@ from typing import Any
 
 from auv_core.machine.whole_files import write_text
 from auv_core.params import ConfigError, dump
-from auv_experiment.scenario import schema
+from auv_experiment.scenario import loading, schema
 from auv_experiment.scenario.file import find_file, put, read_raw
 from auv_experiment.scenario.strict_yaml import to_yaml
 
@@ -26,7 +26,7 @@ def scenarios() -> dict[str, str]:
     True
 
     """
-    return dict(schema.list_scenarios())
+    return dict(loading.list_scenarios())
 
 
 def load(name_or_path: str | Path) -> Scenario:
@@ -137,7 +137,7 @@ class Scenario(MutableMapping[str, Any]):
         """
         changes = {"seed": seed, "duration_s": duration_s}
         given = {key: value for key, value in changes.items() if value is not None}
-        return schema.scenario_from_raw({**copy.deepcopy(self._raw), **given})
+        return loading.scenario_from_raw({**copy.deepcopy(self._raw), **given})
 
     def to_yaml(self) -> str:
         """Return the text of a file from which `load` makes an equal scenario."""
