@@ -74,7 +74,7 @@ class Scenario(MutableMapping[str, Any]):
     >>> scenario = shoal.load("flock_acoustic")
     >>> scenario["acoustics.outage.params.loss_prob"] = 0.5
     >>> scenario["dt_s"]
-    0.01
+    0.02
     >>> scenario["duration_s"] = -1.0
     >>> scenario.check()
     Traceback (most recent call last):
