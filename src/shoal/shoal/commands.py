@@ -23,7 +23,7 @@ class _Command(NamedTuple):
 
 
 COMMANDS = {
-    "run": _Command("auv_bringup.tools.run", "fly a scenario, then say what came of it"),
+    "run": _Command("auv_bringup.tools.run", "fly a scenario, then report the result"),
     "sweep": _Command("auv_experiment.sweeps.cli", "fly a grid or a sample of scenarios with many seeds"),
     "reproduce": _Command(
         "auv_thesis.cli", "redo the figures, tables and claims of the thesis", needs_fork=True

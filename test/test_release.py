@@ -1,6 +1,8 @@
-"""The changelogs of the packages, as catkin_pkg reads them."""
+"""One version in every file that states it; the changelogs of the packages, as catkin_pkg reads them."""
 
 import importlib.util
+import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -30,7 +32,7 @@ MARKDOWN = """# Changelog
 
 @pytest.fixture(scope="module")
 def script():
-    spec = importlib.util.spec_from_file_location("changelog_rst", ROOT / "scripts" / "changelog_rst.py")
+    spec = importlib.util.spec_from_file_location("release", ROOT / "scripts" / "release.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -70,3 +72,40 @@ def test_the_changelog_of_this_tree_can_be_released(script, tmp_path):
 def test_a_heading_that_is_no_version_is_refused(script):
     with pytest.raises(script.ChangelogError, match=r"'## 0\.3' is not allowed; allowed: ## \[Unreleased\]"):
         script.changelog_rst("auv_core", "## 0.3\n")
+
+
+@pytest.fixture
+def tree(script, tmp_path):
+    """Return a copy of the files that a release writes."""
+    for pattern in ("CHANGELOG.md", *script.STATED):
+        for path in ROOT.glob(pattern):
+            copy = tmp_path / path.relative_to(ROOT)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, copy)
+    return tmp_path
+
+
+def test_every_file_states_the_same_version(script):
+    stated = script.stated_versions(ROOT)
+    packages = {path.parent.name for path in ROOT.glob("src/*/package.xml")}
+    assert {"CITATION.cff", *(f"src/{name}/package.xml" for name in packages)} <= set(stated)
+    assert {re.sub(r"\.dev\d+$", "", version) for version in stated.values()} == {stated["CITATION.cff"]}
+
+
+def test_a_release_writes_version_and_date_everywhere(script, tree):
+    assert script.main(["9.9.9", "2026-12-31"], tree) == 0
+    assert set(script.stated_versions(tree).values()) == {"9.9.9"}
+    assert "## [Unreleased]\n\n## [9.9.9] - 2026-12-31\n" in (tree / "CHANGELOG.md").read_text(
+        encoding="utf-8"
+    )
+    changelog = get_changelog_from_path(str(tree / "src" / "auv_core" / "CHANGELOG.rst"), "auv_core")
+    assert [version for version, _, _ in changelog.foreach_version()][:1] == ["9.9.9"]
+
+
+@pytest.mark.parametrize("arguments", [["0.2"], ["0.2.0"], ["0.2.0", "March"], ["v0.2.0", "2026-03-01"]])
+def test_a_version_or_date_of_another_form_is_refused(script, tree, capsys, arguments):
+    before = script.stated_versions(tree)
+    with pytest.raises(SystemExit, match="2"):
+        script.main(arguments, tree)
+    assert "allowed: a version and a date, like 0.2.0 2026-03-01" in capsys.readouterr().err
+    assert script.stated_versions(tree) == before
