@@ -52,7 +52,7 @@ def run(
     Returns
     -------
     result : Result
-        What came of it.
+        Metrics, recording and figures of the run.
 
     Raises
     ------
