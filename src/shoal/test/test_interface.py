@@ -1,5 +1,6 @@
 """Scenario, result, simulation and command of the Python interface."""
 
+import os
 import subprocess
 import sys
 
@@ -137,5 +138,14 @@ def test_the_command_names_what_it_knows(capsys):
 
 
 def test_the_command_sets_the_threads_before_numpy_is_there():
-    program = "import sys, shoal.commands; sys.exit('numpy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", program], check=False, timeout=60).returncode == 0
+    program = "import sys, shoal.commands; print('numpy' in sys.modules)"
+    path = os.pathsep.join(sys.path)
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.stdout == "False\n", done.stderr
