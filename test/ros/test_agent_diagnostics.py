@@ -8,7 +8,8 @@ pytest.importorskip("rclpy")
 
 from auv_core.messages import Inbox, Packet, Reception, VehicleState
 from auv_core.params import load
-from auv_flocking.agent import Agent, AgentConfig
+from auv_flocking.agent import Agent
+from auv_flocking.agent_config import AgentConfig
 from auv_flocking.mail import Mail
 from auv_flocking.nodes.agent_diagnostics import agent_statuses
 from auv_flocking.report import Report

@@ -11,7 +11,7 @@ from auv_bringup.launching.node_specs import node_specs
 from auv_core.params import load
 from auv_experiment.compose import agent_configs, vehicle_configs
 from auv_experiment.scenario.loading import load_scenario
-from auv_flocking.agent import AgentConfig
+from auv_flocking.agent_config import AgentConfig
 from auv_ros.run_config import RunConfig
 from auv_sim.acoustics.medium import MediumConfig
 from auv_sim.vehicle import VehicleConfig

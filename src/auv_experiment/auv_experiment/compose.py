@@ -13,7 +13,8 @@ from auv_core.compiled import use_compiler
 from auv_core.plugins import find_plugin
 from auv_core.state_checks import LARGEST
 from auv_experiment.scenario.schema import Scenario
-from auv_flocking.agent import Agent, AgentConfig
+from auv_flocking.agent import Agent
+from auv_flocking.agent_config import AgentConfig
 from auv_flocking.input_limits import InputLimits
 from auv_sim.streams import Purpose, uniform
 from auv_sim.vehicle import MODELS, Vehicle, VehicleConfig

@@ -78,7 +78,7 @@ def re_estimate(
     config
         Settings of the filters.
     report_format
-        Format of the reports (`auv_flocking.agent.make_format`).
+        Format of the reports (`auv_flocking.agent_config.make_format`).
     period_s
         Control period (s); the estimates of tick k are for k * period_s.
     limits

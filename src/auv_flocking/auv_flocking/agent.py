@@ -9,151 +9,33 @@ report to the modem when it asks for one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from auv_control.controllers import VelocityReference
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3, body_to_ned
-from auv_core.messages import (
-    Command,
-    Inbox,
-    Packet,
-    VehicleState,
-    VelocityCommand,
-    Wrench,
-    command_numbers,
-)
-from auv_core.params import Section, param
+from auv_core.messages import Command, Inbox, Packet, VehicleState, VelocityCommand, Wrench, command_numbers
 from auv_core.plugins import find_plugin
 from auv_core.state_checks import is_command
-from auv_flocking.flock_task import FlockTask, Obstacles
+from auv_flocking.agent_config import (
+    CONTROLLERS,
+    FLOCKING,
+    REFERENCES,
+    SEPARATION,
+    AgentConfig,
+    make_consensus,
+    make_format,
+)
+from auv_flocking.flock_task import FlockTask
 from auv_flocking.flocking import FlockVelocity
 from auv_flocking.holding import NO_FINITE_COMMAND, OUT_OF_REPORT
-from auv_flocking.input_limits import InputJudge, InputLimits
+from auv_flocking.input_limits import InputJudge
 from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbours.estimates import Estimates
 from auv_flocking.neighbours.filter import with_rounding
-from auv_flocking.neighbours.table import NeighbourConfig, NeighbourTable
+from auv_flocking.neighbours.table import NeighbourTable
 from auv_flocking.packet_judge import PacketJudge, Refusal
 from auv_flocking.report import Report, ReportError, why_not_carried
-from auv_flocking.reports import compact
-
-REFERENCES = "auv_control.references"
-CONTROLLERS = "auv_control.controllers"
-FLOCKING = "auv_flocking.flocking"
-SEPARATION = "auv_flocking.separation"
-CONSENSUS = "auv_flocking.consensus"
-REPORTS = "auv_flocking.reports"
-COMPACT = Section("compact", compact.Params())
-
-
-@dataclass(frozen=True, kw_only=True)
-class AgentConfig:
-    """Everything that one agent needs to know."""
-
-    vehicle_id: str = param("name of the vehicle, also its namespace")
-    address: int = param("acoustic address of this vehicle, from 1", minimum=1, maximum=254)
-    fleet_size: int = param("number of vehicles", minimum=1, maximum=254)
-    fleet_ids: tuple[str, ...] = param(
-        "names of the vehicles in the order of their addresses, for messages", default=()
-    )
-    is_leader: bool = param("whether this vehicle knows the path", default=False)
-    period_s: float = param("control period (s)", default=0.1, above=0.0)
-    hold_s: float = param(
-        "longest time to hold station while waiting for a first packet from every neighbour (s)",
-        default=0.0,
-        minimum=0.0,
-    )
-    obstacles_ned_m: tuple[float, ...] = param("obstacle positions, three numbers each (m; NED)", default=())
-    obstacle_safety_distances_m: tuple[float, ...] = param(
-        "safety distance of each obstacle (m)", default=(), above=0.0
-    )
-    reference: Section | None = param("path to follow, if any", default=None, plugins=REFERENCES)
-    flocking: Section | None = param(
-        "flocking law, under a controller that follows a velocity", default=None, plugins=FLOCKING
-    )
-    separation: Section | None = param("separation law of the flock", default=None, plugins=SEPARATION)
-    consensus: Section | None = param(
-        "consensus filter of the flocking centre", default=None, plugins=CONSENSUS
-    )
-    report: Section = param("bytes of a report", default=COMPACT, plugins=REPORTS)
-    neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
-    inputs: InputLimits = param("what is too old or impossible to be used", default=InputLimits())
-    controller: Section = param("from velocity, path or region to command", plugins=CONTROLLERS)
-
-    def __post_init__(self) -> None:
-        check_parts(self.controller, self.flocking, self.separation, self.consensus, self.reference)
-        if len(self.fleet_ids) not in (0, self.fleet_size):
-            raise ValueError(
-                f"fleet_ids: {len(self.fleet_ids)} names are not allowed; allowed: {self.fleet_size}, or none"
-            )
-        if len(self.obstacles_ned_m) != 3 * len(self.obstacle_safety_distances_m):
-            raise ValueError(
-                f"obstacles_ned_m: {len(self.obstacles_ned_m)} numbers are not allowed; "
-                "allowed: three for each of the "
-                f"{len(self.obstacle_safety_distances_m)} safety distances"
-            )
-
-    @property
-    def obstacles(self) -> Obstacles:
-        """Obstacle positions (m; NED) with their safety distances (m)."""
-        x = self.obstacles_ned_m
-        return tuple(
-            ((x[3 * i], x[3 * i + 1], x[3 * i + 2]), safety_distance_m)
-            for i, safety_distance_m in enumerate(self.obstacle_safety_distances_m)
-        )
-
-
-def check_parts(
-    controller: Section,
-    flocking: Section | None,
-    separation: Section | None,
-    consensus: Section | None,
-    reference: Section | None,
-    *,
-    where: str = "",
-) -> None:
-    """
-    Check that the parts of an agent fit together.
-
-    Raises
-    ------
-    ValueError
-        Where a controller lacks a part that it works with, or has one that it has no use for; `where` is put
-        before the name of the part.
-
-    """
-    follows = find_plugin(CONTROLLERS, controller.kind).Controller.follows
-    for name, section in (("flocking", flocking), ("separation", separation), ("consensus", consensus)):
-        if follows == "velocity" and section is None:
-            raise ValueError(
-                f"{where}{name}: missing; allowed: a section, since the controller "
-                f"{controller.kind} follows a velocity that a flocking law gives"
-            )
-        if follows != "velocity" and section is not None:
-            raise ValueError(
-                f"{where}{name}: {section.kind!r} is not allowed; allowed: nothing, since the controller "
-                f"{controller.kind} follows a {follows} by itself"
-            )
-    if reference is None and follows != "region":
-        raise ValueError(
-            f"reference: missing; allowed: a section, since the controller {controller.kind} "
-            f"follows a {follows}"
-        )
-
-
-def make_consensus(section: Section | None, fleet_size: int) -> Any:
-    """Return the consensus filter of a section, or None."""
-    if section is None:
-        return None
-    return find_plugin(CONSENSUS, section.kind).Consensus(section.params, fleet_size)
-
-
-def make_format(report: Section, consensus: Any) -> Any:
-    """Return the format of the reports: the section's, with what the consensus filter adds."""
-    shared_fields = () if consensus is None else consensus.shared_fields
-    return find_plugin(REPORTS, report.kind).Format(report.params, shared_fields)
 
 
 class Agent:

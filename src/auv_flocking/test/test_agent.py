@@ -7,7 +7,8 @@ import pytest
 
 from auv_core.messages import Inbox, Packet, Reception, VehicleState, VelocityCommand
 from auv_core.params import ConfigError, load
-from auv_flocking.agent import Agent, AgentConfig, make_format
+from auv_flocking.agent import Agent
+from auv_flocking.agent_config import AgentConfig, make_format
 from auv_flocking.report import Report
 from auv_flocking.reports import exact
 

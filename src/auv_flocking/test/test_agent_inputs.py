@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from auv_core.messages import Inbox, Packet, Reception, SonarContact, VehicleState, command_numbers
 from auv_core.params import ConfigError, load
-from auv_flocking.agent import Agent, AgentConfig
+from auv_flocking.agent import Agent
+from auv_flocking.agent_config import AgentConfig
 from auv_flocking.holding import (
     BAD_NAVIGATION,
     CAUSES,

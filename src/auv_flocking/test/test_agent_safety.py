@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from auv_core.messages import Inbox, VehicleState, VelocityCommand, Wrench, command_numbers
 from auv_core.params import ConfigError, load
-from auv_flocking.agent import Agent, AgentConfig
+from auv_flocking.agent import Agent
+from auv_flocking.agent_config import AgentConfig
 from auv_flocking.holding import BAD_NAVIGATION, NO_FINITE_COMMAND
 
 SAFE_WRENCH = Wrench((0.0,) * 6)

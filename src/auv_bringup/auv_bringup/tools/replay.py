@@ -49,7 +49,7 @@ def _re_estimate(bag: Bag) -> int:
     from auv_experiment.compose import input_limits
     from auv_experiment.re_estimate import re_estimate
     from auv_experiment.scenario.loading import load_scenario
-    from auv_flocking.agent import make_consensus, make_format
+    from auv_flocking.agent_config import make_consensus, make_format
 
     scenario_file = bag.folder.parent / "scenario.yaml"
     if not scenario_file.is_file():

@@ -19,7 +19,7 @@ from auv_experiment.inprocess.fleet_loop import fly, lists_pairs
 from auv_experiment.inprocess.hull_lanes import LANES, from_lanes, hull_rates, point_rates, to_lanes
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario, VehicleEntry
-from auv_flocking.agent import FLOCKING, REFERENCES, SEPARATION, make_consensus
+from auv_flocking.agent_config import FLOCKING, REFERENCES, SEPARATION, make_consensus
 from auv_flocking.consensus import thesis
 from auv_flocking.flock_rates import FlockLaw, flock_law, flock_rates
 from auv_flocking.flocking import potential

@@ -13,7 +13,8 @@ from auv_core.messages import Vec6
 from auv_core.plugins import find_plugin
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario
-from auv_flocking.agent import CONTROLLERS, Agent
+from auv_flocking.agent import Agent
+from auv_flocking.agent_config import CONTROLLERS
 from auv_flocking.flock_task import FlockTask
 from auv_sim.vehicle import MODELS, check_finite
 

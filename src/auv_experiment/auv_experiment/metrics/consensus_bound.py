@@ -30,7 +30,7 @@ from auv_core.plugins import find_plugin
 from auv_experiment.metrics.finite import norm
 from auv_experiment.metrics.lyapunov import TOLERANCE_RATIO, fall_metrics
 from auv_experiment.recording import FloatArray, Recording
-from auv_flocking.agent import SEPARATION
+from auv_flocking.agent_config import SEPARATION
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario

@@ -17,7 +17,7 @@ from auv_core.geometry import Vec3
 from auv_core.messages import VehicleState
 from auv_core.plugins import find_plugin
 from auv_experiment.recording import FloatArray, Recording
-from auv_flocking.agent import CONTROLLERS
+from auv_flocking.agent_config import CONTROLLERS
 from auv_sim.vehicle import MODELS
 
 if TYPE_CHECKING:

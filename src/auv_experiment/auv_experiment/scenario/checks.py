@@ -9,7 +9,7 @@ from auv_core.params import shown
 from auv_core.plugins import find_plugin
 from auv_experiment.scenario.file import ID, ID_WORDS, MOST_VEHICLES
 from auv_experiment.scenario.reach import check_reach
-from auv_flocking.agent import CONTROLLERS, check_parts, make_consensus, make_format
+from auv_flocking.agent_config import CONTROLLERS, check_parts, make_consensus, make_format
 from auv_sim.acoustics.medium import AcousticMedium
 from auv_sim.vehicle import MODELS
 

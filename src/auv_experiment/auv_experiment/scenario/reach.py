@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from auv_core.geometry import Box, Vec3, distance
 from auv_core.plugins import find_plugin
-from auv_flocking.agent import CONTROLLERS, make_consensus, make_format
+from auv_flocking.agent_config import CONTROLLERS, make_consensus, make_format
 from auv_flocking.reports import Bounds
 from auv_sim.acoustics.medium import MODEM, PROPAGATION
 from auv_sim.vehicle import MODELS

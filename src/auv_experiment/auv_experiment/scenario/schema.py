@@ -20,7 +20,15 @@ from auv_core.params import Section, param, shown
 from auv_core.plugins import find_plugin
 from auv_experiment.scenario.checks import check_scenario
 from auv_experiment.scenario.file import ID, ID_WORDS
-from auv_flocking.agent import COMPACT, CONSENSUS, CONTROLLERS, FLOCKING, REFERENCES, REPORTS, SEPARATION
+from auv_flocking.agent_config import (
+    COMPACT,
+    CONSENSUS,
+    CONTROLLERS,
+    FLOCKING,
+    REFERENCES,
+    REPORTS,
+    SEPARATION,
+)
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.table import NeighbourConfig
 from auv_sim.acoustics.medium import MAC, MODEM, OUTAGE, PROPAGATION, SONAR, MediumConfig

@@ -6,7 +6,8 @@ import math
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from auv_flocking.agent import Agent, AgentConfig
+from auv_flocking.agent import Agent
+from auv_flocking.agent_config import AgentConfig
 from auv_flocking.mail import Mail
 from auv_flocking.neighbours.estimates import AGE
 from auv_flocking.packet_judge import refusal_words, vehicle_name

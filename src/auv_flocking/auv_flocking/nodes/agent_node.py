@@ -20,7 +20,8 @@ from auv_core.alarm import Alarm
 from auv_core.geometry import Vec3
 from auv_core.messages import Inbox, command_numbers
 from auv_core.messages import VehicleState as State
-from auv_flocking.agent import Agent, AgentConfig
+from auv_flocking.agent import Agent
+from auv_flocking.agent_config import AgentConfig
 from auv_flocking.holding import cause_number
 from auv_flocking.mail import Mail
 from auv_flocking.neighbours.estimates import CENTRE
