@@ -28,13 +28,15 @@ from auv_bag.ros_types import message_class
 from auv_bag.topics import CLOCK_TOPIC, topics_of_graph
 from auv_bringup.launching.node_specs import NodeSpec
 from auv_core.messages import Inbox
-from auv_ros.lifecycle import Audience, Rendezvous, main_loop, publishes_bytes
+from auv_ros.lifecycle import main_loop
 from auv_ros.qos import EVERY_TICK, LATCHED
+from auv_ros.rendezvous import Rendezvous
+from auv_ros.topic import Topics
 from auv_ros.wire import conversions as convert
 from auv_ros.wire.acoustics import inbox_bytes, outbox_bytes
 from auv_ros.wire.markers import HULL, MARKER_TICKS, sphere
 
-RELAY, RECORDER = "/acoustic_relay_node", "/recorder_node"
+RELAY = "/acoustic_relay_node"
 DIAGNOSTIC_TICKS = 10
 
 
@@ -71,24 +73,22 @@ class _BareNode(Node):
         self._types = {
             topic.name: topic.type_name for topic in topics_of_graph(fleet, kinematic=False, lockstep=True)
         }
-        self._audiences: list[Audience] = []
-        self._recorder = {RECORDER}
+        self._spoken = Topics(self, is_recorded=True)
         self._is_lean = is_lean
 
     def _publisher(self, topic: str, data: bytes, *listeners: str) -> Callable[[], None]:
         """Return what publishes a message with these bytes."""
         kind = self._kind(topic)
-        publisher = self.create_publisher(kind, topic, EVERY_TICK)
-        self._audiences.append(Audience(publisher, frozenset({*listeners} | self._recorder)))
+        spoken = self._spoken.add(kind, topic, heard_by=listeners)
         if self._is_lean:
-            return partial(publishes_bytes(publisher), data)
-        return partial(publisher.publish, deserialize_message(data, kind))
+            return partial(spoken.publish_bytes, data)
+        return partial(spoken.publish, deserialize_message(data, kind))
 
     def _listen(self, topic: str, callback: Callable[[Any], None]) -> None:
         self.create_subscription(self._kind(topic), topic, callback, EVERY_TICK, raw=self._is_lean)
 
     def _meet(self, start: Callable[[], None]) -> None:
-        self._meeting = Rendezvous(self, self._audiences, start)
+        self._meeting = Rendezvous(self, self._spoken, start)
 
     def _kind(self, topic: str) -> Any:
         full = topic if topic.startswith("/") else f"{self.get_namespace()}/{topic}"

@@ -23,6 +23,8 @@ WALL_CLOCK_FILES = {
     "auv_experiment/inprocess/evaluated_run.py",
     "auv_experiment/results.py",
     "auv_ros/lifecycle.py",
+    "auv_ros/pace.py",
+    "auv_ros/rendezvous.py",
     "auv_ros/run_watch.py",
     "auv_ros/steady_timer.py",
     "auv_thesis/cli.py",

@@ -76,22 +76,23 @@ def test_an_idle_executor_wakes_for_what_comes(ros):
 def test_a_reader_that_asks_for_more_than_is_offered_keeps_nobody_waiting(ros):
     from std_msgs.msg import Int64
 
-    from auv_ros.lifecycle import Audience, Rendezvous
     from auv_ros.qos import EVERY_TICK, LATCHED
+    from auv_ros.rendezvous import Rendezvous
+    from auv_ros.topic import Topic
 
     node, spin_until = ros
     talker, listener, stranger = node("talker"), node("listener"), node("stranger")
-    publisher = talker.create_publisher(Int64, "said", EVERY_TICK)
+    topic = Topic(talker, Int64, "said", heard_by=["/listener"])
     stranger.create_subscription(Int64, "said", lambda _: None, LATCHED)
     ready = []
-    meeting = Rendezvous(talker, [Audience(publisher, frozenset({"/listener"}))], lambda: ready.append(True))
+    meeting = Rendezvous(talker, [topic], lambda: ready.append(True))
     assert spin_until(lambda: talker.count_subscribers("said") == 1)
     assert not meeting.ready
     assert meeting.missing() == ["/listener"]
     heard = []
     listener.create_subscription(Int64, "said", heard.append, EVERY_TICK)
     assert spin_until(lambda: bool(ready))
-    publisher.publish(Int64(data=7))
+    topic.publish(Int64(data=7))
     assert spin_until(lambda: bool(heard))
     assert ready == [True]
 
@@ -100,8 +101,9 @@ def test_nodes_that_wait_do_not_ask_the_graph(ros, monkeypatch):
     """In a process of hundreds of nodes these questions were most of the start."""
     from std_msgs.msg import Int64
 
-    from auv_ros.lifecycle import Audience, Rendezvous
     from auv_ros.qos import EVERY_TICK
+    from auv_ros.rendezvous import Rendezvous
+    from auv_ros.topic import Topic
 
     node, spin_until = ros
     talker, listener = node("talker"), node("listener")
@@ -109,9 +111,9 @@ def test_nodes_that_wait_do_not_ask_the_graph(ros, monkeypatch):
     for name in ("get_publishers_info_by_topic", "get_subscriptions_info_by_topic"):
         whole = getattr(talker, name)
         monkeypatch.setattr(talker, name, lambda topic, ask=whole: (asked.append(topic), ask(topic))[1])
-    publisher = talker.create_publisher(Int64, "said", EVERY_TICK)
+    topic = Topic(talker, Int64, "said", heard_by=["/listener"])
     ready = []
-    Rendezvous(talker, [Audience(publisher, frozenset({"/listener"}))], lambda: ready.append(True))
+    Rendezvous(talker, [topic], lambda: ready.append(True))
     end_s = time.monotonic() + 0.3
     assert spin_until(lambda: time.monotonic() > end_s)
     assert (ready, asked) == ([], [])
@@ -156,26 +158,27 @@ def test_readers_of_another_type_and_readers_that_never_match_do_not_keep_a_node
     import rclpy
     from std_msgs.msg import Int64, String
 
-    from auv_ros import lifecycle as node_main
-    from auv_ros.lifecycle import Audience, Rendezvous
+    from auv_ros import rendezvous
     from auv_ros.qos import EVERY_TICK
+    from auv_ros.rendezvous import Rendezvous
+    from auv_ros.topic import Topic
 
     node, spin_until = ros
     talker, listener = node("talker"), node("listener")
-    publisher = talker.create_publisher(Int64, "said", EVERY_TICK)
+    topic = Topic(talker, Int64, "said", heard_by=["/listener"])
     context = rclpy.Context()
     rclpy.init(context=context, args=[])
     stranger = rclpy.create_node("stranger", context=context)
     stranger.create_subscription(String, "said", lambda _: None, 10)
     assert spin_until(lambda: talker.count_subscribers("said") == 1)
     ready, late = [], []
-    Rendezvous(talker, [Audience(publisher, frozenset({"/listener"}))], lambda: ready.append(True))
+    Rendezvous(talker, [topic], lambda: ready.append(True))
     listener.create_subscription(Int64, "said", lambda _: None, EVERY_TICK)
     assert spin_until(lambda: bool(ready))
     # A reader that the graph takes for one that matches, and that does not.
-    monkeypatch.setattr(node_main, "_can_match", lambda offer, reader: True)
-    monkeypatch.setattr(node_main, "_STRANGERS_S", 0.3)
-    meeting = Rendezvous(talker, [Audience(publisher, frozenset({"/listener"}))], lambda: late.append(True))
+    monkeypatch.setattr(rendezvous, "_can_match", lambda offer, reader: True)
+    monkeypatch.setattr(rendezvous, "_STRANGERS_S", 0.3)
+    meeting = Rendezvous(talker, [topic], lambda: late.append(True))
     assert meeting.missing() == ["/listener"]
     assert spin_until(lambda: bool(late))
     stranger.destroy_node()

@@ -184,6 +184,18 @@ def test_neighbour_estimates_hold_every_number(count):
         assert [neighbour.age_s, neighbour.sonar_age_s] == row[42:].tolist()
 
 
+def test_neighbours_come_and_go():
+    from auv_msgs.msg import NeighbourEstimates
+    from auv_ros.wire import conversions as convert
+
+    writer = convert.NeighboursWriter()
+    for addresses in ([], [2], [2, 4], [3, 4]):
+        rows = np.arange(44.0 * len(addresses)).reshape(len(addresses), 44)
+        message = read(writer.filled(2.5, 25, addresses, rows), NeighbourEstimates)
+        assert [neighbour.address for neighbour in message.neighbours] == addresses
+        assert [neighbour.position.x for neighbour in message.neighbours] == rows[:, 0].tolist()
+
+
 def test_a_flocking_centre_holds_every_number():
     from auv_msgs.msg import FlockingCentre
     from auv_ros.wire import conversions as convert
@@ -300,16 +312,17 @@ def test_bytes_that_are_no_inbox_or_outbox_are_refused(data):
                 read_it(broken)
 
 
+@pytest.mark.parametrize("holding", ["", "stale navigation: 0.8 s old"])
 @pytest.mark.parametrize("size", [0, 1, 4])
-def test_a_control_status_holds_what_the_law_remembers(size):
+def test_a_control_status_holds_what_the_law_remembers_and_why_it_holds(size, holding):
     from auv_msgs.msg import ControlStatus
     from auv_ros.wire import conversions as convert
 
     memory = [1.5 * k for k in range(1, size + 1)]
-    data = convert.control_stencil("auv_1", size).filled(2.5, 25, 1, 0, size, *memory)
+    data = convert.control_bytes("auv_1", 2.5, 25, holding, memory)
     message = read(data, ControlStatus)
     assert_stamped(message.header, 2.5, "auv_1/base_link_frd")
-    assert (message.tick, message.holding, list(message.law_state)) == (25, "", memory)
+    assert (message.tick, message.holding, list(message.law_state)) == (25, holding, memory)
 
 
 def test_a_sphere_filled_in_is_the_sphere_built():

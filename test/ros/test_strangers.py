@@ -18,6 +18,7 @@ from auv_ros.hearing import Hearing
 from auv_ros.lifecycle import make_executor
 from auv_ros.qos import EVERY_TICK, OWN_DEPTH, own_qos
 from auv_ros.strangers import StrangerWatch
+from auv_ros.topic import Topics
 from auv_sim.nodes.link_reports import LinkReports
 
 pytestmark = pytest.mark.ros
@@ -85,7 +86,7 @@ def heard_on(at, topic):
 
 def test_the_relay_tells_refused_writers_with_their_topics():
     with desk() as at:
-        reports = LinkReports(at.node)
+        reports = LinkReports(Topics(at.node))
         said = at.listen(DiagnosticArray, "/diagnostics")
         at.until(lambda: heard_on(at, "/diagnostics"), "the reader")
         reports.tell_strangers([], {"/auv_1/state": 2}, 5.0, are_admitted=False)

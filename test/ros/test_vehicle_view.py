@@ -24,6 +24,7 @@ def flown():
 
     from auv_experiment.compose import vehicle_configs
     from auv_experiment.scenario.loading import load_scenario
+    from auv_ros.topic import Topics
     from auv_sim.nodes.vehicle_view import VehicleView
     from auv_sim.vehicle import Vehicle
 
@@ -35,7 +36,7 @@ def flown():
         return topics.setdefault(topic, Publisher())
 
     node = SimpleNamespace(create_publisher=create_publisher)
-    view = VehicleView(node, config, vehicle.navigation.velocity_sd_mps)
+    view = VehicleView(Topics(node), config, vehicle.navigation.velocity_sd_mps)
     states, navs = [], []
     for tick in range(N_TICKS):
         if tick == 3:

@@ -10,14 +10,12 @@ will acknowledge what is left to hand over.
 
 from __future__ import annotations
 
-import math
 import signal
 import sys
 import time
 import traceback
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
 import rclpy
 from rcl_interfaces.msg import SetParametersResult
@@ -26,24 +24,15 @@ from rclpy.duration import Duration
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.publisher import Publisher
-from rclpy.qos import QoSCompatibility, qos_check_compatible
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
-from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from auv_core.machine.leaving import leave
 from auv_core.params import ConfigError
-from auv_msgs.msg import FlockStatus
-from auv_ros.hearing import Hearing
-from auv_ros.joining import Joining
 from auv_ros.parameters import refuse_unknown_parameters
-from auv_ros.qos import LATCHED
-from auv_ros.run_config import RunConfig, TickClock, WallWatch
-from auv_ros.run_identity import status_epoch_s
-from auv_ros.run_watch import RunEnd, listed, say_waits
+from auv_ros.run_config import WallWatch
+from auv_ros.run_watch import RunEnd, say_waits
 from auv_ros.steady_timer import NEVER_S, SteadyTimer
-from auv_ros.strangers import full_name
 
 _WAKE_S = 0.25
 _SWITCH_S = 1e-4
@@ -51,11 +40,6 @@ _SWITCH_S = 1e-4
 _HAND_OVER_S = 5.0
 _HAND_OVER_UNSEEN_S = 0.5
 _HAND_OVER_LOOK = Duration(nanoseconds=100_000_000)
-_LOOK_S = 0.02
-_STRANGERS_S = 3.0
-"""Longest wait for readers that are not the run's own, once its own are there."""
-
-WAITS_FOR_RUN = "the run to begin: /flock/status of /clock_node"
 
 
 def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str] | None = None) -> int:
@@ -155,146 +139,12 @@ def make_executor(context: Context | None = None) -> Executor:
     return EventsExecutor(context=context)
 
 
-def publishes_bytes(publisher: Publisher) -> Callable[[bytes], None]:
-    """
-    Return what publishes serialised messages, for messages of every tick.
-
-    It is what `Publisher.publish` calls after it has looked at the type of the message and taken a lock that
-    a process of one thread does not need.
-    """
-    publish: Callable[[bytes], None] = publisher.handle.publish_raw
-    return publish
-
-
-def tick_clock(run: RunConfig, period_s: float) -> TickClock:
-    """Return the clock of a run on this machine's steady clock."""
-    return TickClock(run, period_s, time.monotonic, time.time)
-
-
-def when_running(node: Node, ticks: TickClock, begin: Callable[[], None]) -> None:
-    """Call `begin` once scenario time 0 is known, from the configuration or from the status of the run."""
-    if ticks.started:
-        begin()
-        return
-    joining = Joining(ticks.scenario_s(1))
-
-    def on_status(status: FlockStatus) -> None:
-        if status.state == FlockStatus.WAITING:
-            joining.wait()
-        epoch_s = status_epoch_s(status)
-        is_possible = epoch_s > 0.0 and 0.0 <= status.time_s < status.duration_s
-        if ticks.started or status.state != FlockStatus.RUNNING or not is_possible:
-            return
-        off_s = joining.hear(status.time_s, time.time() - epoch_s, time.monotonic())
-        if off_s is None:
-            return
-        if off_s:
-            node.get_logger().warning(
-                f"the system clock is {off_s:+.1f} s off that of the run; the run's is followed"
-            )
-        ticks.join(epoch_s, off_s)
-        begin()
-
-    Hearing(node).listen_decoded(FlockStatus, "/flock/status", on_status, LATCHED)
-
-
 def _refuse_changes(parameters: Sequence[Parameter]) -> SetParametersResult:
     """Refuse to set a parameter of a node that runs, a built-in one like `use_sim_time` too."""
     names = ", ".join(parameter.name for parameter in parameters)
     return SetParametersResult(
         successful=False, reason=f"{names}: not changed; parameters are set when a node starts"
     )
-
-
-@dataclass(frozen=True)
-class Audience:
-    """A publisher and the full names of the nodes that must hear it from the first message on."""
-
-    publisher: Publisher
-    nodes: frozenset[str]
-
-
-class Rendezvous:
-    """
-    Waits until every publisher of a node is matched with all that must hear it, then calls `on_ready` once.
-
-    A reliable writer that has matched a reader delivers everything from then on; so nothing of a run is
-    lost, however slowly its processes find each other.
-    """
-
-    def __init__(self, node: Node, audiences: Iterable[Audience], on_ready: Callable[[], None]) -> None:
-        self._node = node
-        self._waiting = list(audiences)
-        self._on_ready = on_ready
-        self._offers: dict[str, list[TopicEndpointInfo]] = {}
-        self._alone_since_s = math.inf
-        self.ready = False
-        self._timer = SteadyTimer(node, _LOOK_S, self._look)
-
-    def missing(self) -> list[str]:
-        """Return the full names of the nodes not found, or found and not connected, yet; sorted."""
-        absent = set().union(*(self._absent(audience) for audience in self._waiting))
-        return sorted(absent or set().union(*(audience.nodes for audience in self._waiting)))
-
-    def waits_for(self) -> str:
-        """Return who is missing, or which topics are not matched, in words."""
-        topics = [audience.publisher.topic_name for audience in self._waiting]
-        return listed(self.missing()) or listed(topics)
-
-    def _look(self) -> None:
-        self._waiting = [audience for audience in self._waiting if not self._complete(audience)]
-        if not self._waiting and not self.ready:
-            self.ready = True
-            self._timer.cancel()
-            self._on_ready()
-
-    def _complete(self, audience: Audience) -> bool:
-        """
-        Return whether a publisher has matched all of its audience.
-
-        It says how many readers it has matched, not which; so those of strangers are waited for too, where
-        they can match at all, and not for long.
-        """
-        matched = audience.publisher.get_subscription_count()
-        if matched < len(audience.nodes):
-            return False  # without a look at the graph, which costs much in a large fleet
-        readers = self._readers(audience)
-        if not audience.nodes <= set(readers):
-            self._alone_since_s = math.inf
-            return False
-        self._alone_since_s = min(self._alone_since_s, time.monotonic())
-        if time.monotonic() - self._alone_since_s > _STRANGERS_S:
-            readers = [name for name in readers if name in audience.nodes]
-        return matched >= len(readers)
-
-    def _absent(self, audience: Audience) -> set[str]:
-        return set(audience.nodes) - set(self._readers(audience))
-
-    def _readers(self, audience: Audience) -> list[str]:
-        """Return the readers that can match: of this type, and asking for no more than is offered."""
-        topic = audience.publisher.topic_name
-        own = self._offered(topic)
-        return [
-            full_name(info)
-            for info in self._node.get_subscriptions_info_by_topic(topic)
-            if all(_can_match(offer, info) for offer in own)
-        ]
-
-    def _offered(self, topic: str) -> list[TopicEndpointInfo]:
-        """Return what the graph says that we offer: it has the middleware's defaults filled in."""
-        if topic not in self._offers:
-            own_name = self._node.get_fully_qualified_name()
-            infos = self._node.get_publishers_info_by_topic(topic)
-            found = [info for info in infos if full_name(info) == own_name]
-            if not found:
-                return []
-            self._offers[topic] = found
-        return self._offers[topic]
-
-
-def _can_match(offer: TopicEndpointInfo, reader: TopicEndpointInfo) -> bool:
-    compatible = qos_check_compatible(offer.qos_profile, reader.qos_profile)[0] != QoSCompatibility.ERROR
-    return compatible and offer.topic_type == reader.topic_type
 
 
 def _hand_over(nodes: Sequence[Node], *, is_in_vain: Callable[[], bool], is_clock_stepped: bool) -> None:

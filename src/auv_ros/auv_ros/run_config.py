@@ -117,6 +117,10 @@ class TickClock:
         """Return the tick that the steady clock is in; negative before the epoch."""
         return int(self._scenario_now_s() // self._period_s)
 
+    def tick_now_or(self, tick: int) -> int:
+        """Return the tick that the steady clock is in, or this one as long as the epoch is not known."""
+        return self.tick_now() if self.started else tick
+
     def until_phase_s(self, phase: float) -> float:
         """Return the time until a tick, this one or the next, has got to a share of its period (s)."""
         return (phase - self._scenario_now_s() / self._period_s) % 1.0 * self._period_s

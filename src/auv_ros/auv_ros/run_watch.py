@@ -15,7 +15,6 @@ from auv_ros.steady_timer import SteadyTimer
 
 _SAY_S = 5.0
 _GRACE_S = 3.0
-_MOST_NAMES = 10
 STATUS_TOPIC = "/flock/status"
 _OVER = (FlockStatus.FINISHED, FlockStatus.ABORTED)
 _OVER_BYTES = tuple(state.encode() + b"\0" for state in _OVER)
@@ -31,24 +30,6 @@ def say_waits(node: Node) -> None:
 
     if hasattr(node, "waits_for"):
         SteadyTimer(node, _SAY_S, say)
-
-
-def listed(names: Sequence[str]) -> str:
-    """Return names for people, the first few of many."""
-    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
-    return ", ".join(names[:_MOST_NAMES]) + more
-
-
-class Standstill:
-    """Tells whether something has not moved since it was looked at last, or since its start."""
-
-    def __init__(self, start: int) -> None:
-        self._last = start
-
-    def at(self, progress: int) -> bool:
-        """Return whether `progress` is what it was at the last call."""
-        last, self._last = self._last, progress
-        return last == progress
 
 
 class RunEnd:

@@ -26,11 +26,11 @@ from auv_bag.ros_types import message_class
 from auv_bag.topics import CLOCK_TOPIC, LOG_TOPIC, TopicSpec, topics_of_graph
 from auv_bag.writer import BagError
 from auv_core.params import ConfigError, param
+from auv_core.words import listed
 from auv_msgs.msg import RecorderStatus
 from auv_ros.lifecycle import main_loop
 from auv_ros.parameters import declare_config, refuse_unknown_parameters
 from auv_ros.qos import LATCHED, own_qos
-from auv_ros.run_watch import listed
 from auv_ros.steady_timer import SteadyTimer
 
 EXIT_INTERNAL = 1

@@ -6,6 +6,7 @@ import math
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from auv_core.words import listed
 from auv_flocking.agent import Agent
 from auv_flocking.agent_config import AgentConfig
 from auv_flocking.mail import Mail
@@ -14,7 +15,6 @@ from auv_flocking.packet_judge import refusal_words, vehicle_name
 from auv_ros.wire.diagnostics import Status
 
 _OLD_S = 10.0
-_MOST_NAMES = 5
 
 
 def agent_statuses(agent: Agent, config: AgentConfig, mail: Mail, malformed: int, t_s: float) -> list[Status]:
@@ -63,9 +63,8 @@ def _not_heard(agent: Agent, config: AgentConfig) -> str:
     """Return how many are not heard, and who: the first few of them."""
     heard = {config.address, *agent.neighbours.addresses}
     silent = [address for address in range(1, config.fleet_size + 1) if address not in heard]
-    names = ", ".join(vehicle_name(address, config.fleet_ids) for address in silent[:_MOST_NAMES])
-    more = ", ..." if len(silent) > _MOST_NAMES else ""
-    return f"{len(silent)} not heard: {names}{more}"
+    names = [vehicle_name(address, config.fleet_ids) for address in silent]
+    return f"{len(silent)} not heard: {listed(names)}"
 
 
 def _inputs(agent: Agent, config: AgentConfig, mail: Mail, malformed: int) -> Status:

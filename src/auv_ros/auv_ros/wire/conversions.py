@@ -8,10 +8,13 @@ import math
 import struct
 from collections.abc import Sequence
 from functools import cache
+from typing import Any
 
+import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, TransformStamped, TwistStamped, Vector3, WrenchStamped
 from nav_msgs.msg import Odometry
+from numpy.typing import NDArray
 from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
@@ -201,6 +204,11 @@ def map_to_map_ned() -> TransformStamped:
     return message
 
 
+def command_topic(*, takes_velocity: bool) -> tuple[Any, str]:
+    """Return type and name of the topic of a vehicle's commands."""
+    return (TwistStamped, "cmd_vel") if takes_velocity else (WrenchStamped, "cmd_wrench")
+
+
 def command_stencil(vehicle_id: str, *, takes_velocity: bool) -> Stencil:
     """Return the command message of a vehicle, a wrench in the body frame or a velocity in map_ned."""
     if takes_velocity:
@@ -226,17 +234,29 @@ def clock_stencil() -> Stencil:
     return Stencil(Clock(), "")
 
 
+def control_bytes(vehicle_id: str, t_s: float, tick: int, holding: str, law_state: State) -> bytes:
+    """
+    Return auv_msgs/ControlStatus at the time `t_s` (s): what a law remembers, and why its agent holds, if it
+    does.
+    """
+    if holding:
+        return bytes(serialize_message(_control_status(vehicle_id, t_s, tick, holding, law_state)))
+    size = len(law_state)
+    return _control_stencil(vehicle_id, size).filled(t_s, tick, 1, 0, size, *law_state)
+
+
 @cache
-def control_stencil(vehicle_id: str, size: int) -> Stencil:
+def _control_stencil(vehicle_id: str, size: int) -> Stencil:
     """
-    Return auv_msgs/ControlStatus of a law that acts and remembers `size` numbers: tick, 1, 0, size, numbers.
+    Return the status of a law that acts and remembers `size` numbers.
+
+    Fill it with the tick, length and end of an empty text (1 and 0), `size`, and the numbers.
     """
-    message = control_status(0, 0.0, vehicle_id, "", (0.0,) * size)
+    message = _control_status(vehicle_id, 0.0, 0, "", (0.0,) * size)
     return Stencil(message, f"qIB3xI4x{size}d")
 
 
-def control_status(tick: int, t_s: float, vehicle_id: str, holding: str, law_state: State) -> ControlStatus:
-    """Return what a law remembers and why its agent holds, if it does."""
+def _control_status(vehicle_id: str, t_s: float, tick: int, holding: str, law_state: State) -> ControlStatus:
     return ControlStatus(
         header=header(t_s, body_frame(vehicle_id)), tick=tick, holding=holding, law_state=list(law_state)
     )
@@ -256,3 +276,18 @@ def neighbours_stencil(addresses: Sequence[int]) -> RowStencil:
         header=header(0.0, WORLD_FRAME), neighbours=[NeighbourEstimate(address=k) for k in addresses]
     )
     return RowStencil(bytes(serialize_message(message)), len(addresses), _NEIGHBOUR_NUMBERS)
+
+
+class NeighboursWriter:
+    """Writes auv_msgs/NeighbourEstimates of neighbours that come and go."""
+
+    def __init__(self) -> None:
+        self._addresses: Sequence[int] = []
+        self._stencil = neighbours_stencil([])
+
+    def filled(self, t_s: float, tick: int, addresses: Sequence[int], rows: NDArray[np.float64]) -> bytes:
+        """Return the message with a stamp (s), a tick and one row per address, see `neighbours_stencil`."""
+        if addresses != self._addresses:
+            self._addresses = addresses
+            self._stencil = neighbours_stencil(addresses)
+        return self._stencil.filled(t_s, tick, rows)

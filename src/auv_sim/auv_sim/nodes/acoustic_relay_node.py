@@ -18,33 +18,35 @@ from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-from visualization_msgs.msg import Marker
 
 from auv_core.alarm import Alarm
 from auv_core.messages import Packet, VehicleState
 from auv_core.params import param
+from auv_core.words import listed
 from auv_msgs.msg import AcousticEvents, AcousticInbox, AcousticOutbox
 from auv_msgs.msg import VehicleState as VehicleStateMsg
 from auv_ros.hearing import Hearing
-from auv_ros.lifecycle import Audience, Rendezvous, main_loop, publishes_bytes, tick_clock
+from auv_ros.lifecycle import main_loop
+from auv_ros.pace import Pace, tick_clock
 from auv_ros.parameters import declare_config
-from auv_ros.qos import EVERY_TICK, own_qos
+from auv_ros.qos import own_qos
 from auv_ros.run_config import RELAY_PHASE, RunConfig
-from auv_ros.run_watch import Standstill, listed
 from auv_ros.steady_timer import SteadyTimer
 from auv_ros.strangers import StrangerWatch
+from auv_ros.topic import RECORDER, Topics
 from auv_ros.wire import conversions as convert
 from auv_ros.wire.acoustics import events_bytes, inbox_bytes, read_outbox
-from auv_ros.wire.markers import LOST_HULL, MARKER_TICKS, sphere
+from auv_ros.wire.markers import MARKER_TICKS
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
 from auv_sim.barrier import Barrier
+from auv_sim.nodes.adrift import Adrift
 from auv_sim.nodes.clock_node import ClockNode, WatchConfig
 from auv_sim.nodes.link_reports import LinkReports
 from auv_sim.state_watch import StateWatch
-from auv_sim.vehicle import Vehicle, VehicleConfig
+from auv_sim.vehicle import VehicleConfig
 
 _STATS_TICKS = 10
-_COMMON_NODES = {"/acoustic_relay_node", "/clock_node", "/recorder_node"}
+_COMMON_NODES = {"/acoustic_relay_node", "/clock_node", RECORDER}
 _STRANGERS_S = 1.0
 _ROLES = ("agent_node", "vehicle_node")
 
@@ -87,43 +89,57 @@ class AcousticRelayNode(Node):
         self._newest: dict[int, VehicleState] = {}
         self._outboxes: dict[int, list[Packet]] = {}
         self._heard_at_s: dict[tuple[str, int], float] = {}
-        self._adrift: dict[int, Vehicle] = {}
-        self._hulls: dict[int, VehicleConfig] = {}
-        self._standstill = Standstill(self._barrier.tick)
-        if watch.on_vehicle_loss == "continue":
-            self._hulls = {
-                i: declare_config(self, VehicleConfig, f"hulls.{name}.") for i, name in enumerate(self._ids)
-            }
+        followers = [f"/{name}/{role}" for name in self._ids for role in _ROLES]
         self.clock = ClockNode(
             watch,
             self._ticks,
             fleet_size=len(self._ids),
+            followers=followers,
             recorded=run.recorded,
             awaited=self._awaited,
             drop=self._drop,
             **options,
         )
         self.clock.on_room = self._try_advance
+        topics = self._make_topics(run, self._hulls(watch))
         self._connect(own_qos(admits_strangers=run.admits_strangers))
         self._admits_strangers = run.admits_strangers
-        own = {f"/{name}/{role}" for name in self._ids for role in _ROLES} | _COMMON_NODES
+        own = {*followers, *_COMMON_NODES}
         self._strangers = StrangerWatch(self, own, self._ids, admits_strangers=run.admits_strangers)
-        self._meeting = Rendezvous(self, self._audiences(run), self._start)
+        self._pace = Pace(
+            self,
+            self._ticks,
+            [*topics, *self.clock.topics],
+            begin=self._begin,
+            act=self._run_free,
+            phase=RELAY_PHASE,
+            first_tick=self._barrier.tick,
+            leads=True,
+        )
+
+    def _make_topics(self, run: RunConfig, hulls: dict[int, VehicleConfig]) -> Topics:
+        topics = Topics(self, is_recorded=run.recorded)
+        self._inboxes = [
+            topics.add(
+                AcousticInbox,
+                f"/{name}/acoustic/rx",
+                partial(inbox_bytes, convert.body_frame(name)),
+                heard_by=[f"/{name}/agent_node"],
+            )
+            for name in self._ids
+        ]
+        self._adrift = Adrift(topics, hulls, self._ticks)
+        self._events = topics.add(AcousticEvents, "/acoustic/events", events_bytes)
+        self._reports = LinkReports(topics)
+        return topics
+
+    def _hulls(self, watch: WatchConfig) -> dict[int, VehicleConfig]:
+        """Return those that the run may go on without, by index."""
+        if watch.on_vehicle_loss == "stop":
+            return {}
+        return {i: declare_config(self, VehicleConfig, f"hulls.{name}.") for i, name in enumerate(self._ids)}
 
     def _connect(self, heard: QoSProfile) -> None:
-        self._state_stencil = convert.state_stencil()
-        self._frames = [convert.body_frame(name) for name in self._ids]
-        self._rx_pubs = [
-            self.create_publisher(AcousticInbox, f"/{name}/acoustic/rx", EVERY_TICK) for name in self._ids
-        ]
-        self._publish_inbox = [publishes_bytes(publisher) for publisher in self._rx_pubs]
-        self._hull_pubs = {
-            i: self.create_publisher(VehicleStateMsg, f"/{self._ids[i]}/state", EVERY_TICK)
-            for i in self._hulls
-        }
-        self._events_pub = self.create_publisher(AcousticEvents, "/acoustic/events", EVERY_TICK)
-        self._publish_events = publishes_bytes(self._events_pub)
-        self._reports = LinkReports(self)
         on_state, on_outbox = (
             (self._take_state, self._take_outbox)
             if self._ticks.lockstep
@@ -135,35 +151,17 @@ class AcousticRelayNode(Node):
             listen(VehicleStateMsg, f"/{name}/state", partial(on_state, index), heard)
             listen(AcousticOutbox, f"/{name}/acoustic/tx", partial(on_outbox, index), heard)
 
-    def _audiences(self, run: RunConfig) -> list[Audience]:
-        recorder = {"/recorder_node"} if run.recorded else set()
-        publishers = [self._events_pub, *self._reports.publishers, *self._hull_pubs.values()]
-        audiences = [Audience(publisher, frozenset(recorder)) for publisher in publishers]
-        if self._ticks.lockstep:
-            audiences.append(Audience(self.clock.clock_pub, frozenset(recorder)))
-        elif not self._ticks.started:
-            everyone = {f"/{name}/{role}" for name in self._ids for role in _ROLES}
-            audiences.append(Audience(self.clock.status_pub, frozenset(recorder | everyone)))
-        for name, publisher in zip(self._ids, self._rx_pubs, strict=True):
-            audiences.append(Audience(publisher, frozenset(recorder | {f"/{name}/agent_node"})))
-        return audiences
-
-    def _start(self) -> None:
+    def _begin(self, _: int) -> None:
         if self._ticks.lockstep:
             self._try_advance()
-            return
-        self._ticks.begin()
-        self.clock.announce()
-        first_in_s = self._ticks.until_phase_s(RELAY_PHASE)
-        SteadyTimer(self, self._period_s, self._run_free, first_in_s)
-        SteadyTimer(self, _STRANGERS_S, self._look_for_strangers)
+        else:
+            self.clock.announce()
+            SteadyTimer(self, _STRANGERS_S, self._look_for_strangers)
 
     def waits_for(self) -> str:
         """Return for what the node waits, in words, or nothing."""
-        if not self._meeting.ready:
-            return self._meeting.waits_for()
-        stands = self._standstill.at(self._barrier.tick)
-        return self._watch.explained(listed(self._awaited())) if stands else ""
+        owed = self._watch.explained(listed(self._awaited())) if self._pace.ready else ""
+        return self._pace.waits_for(self._barrier.tick, owed)
 
     def _look_for_strangers(self) -> None:
         """Name who else publishes on topics of the run; in lock-step the launcher does: bags are equal."""
@@ -191,7 +189,7 @@ class AcousticRelayNode(Node):
 
     def _try_advance(self) -> None:
         """Begin the next tick of lock-step where nothing is in its way."""
-        if not self._barrier.complete or not self._meeting.ready:
+        if not self._barrier.complete or not self._pace.ready:
             return
         if not self.clock.has_room or self.clock.done:
             return
@@ -206,11 +204,11 @@ class AcousticRelayNode(Node):
 
     def _hear_state(self, index: int, data: bytes) -> None:
         """Take a state in real time."""
-        if index in self._adrift:
+        if index in self._adrift.lost:
             return
         self._heard_at_s["vehicle_node", index] = time.monotonic()
         state = convert.state_from_bytes(data)
-        if self._watch.hear(index, state, self._ticks.tick_now() if self._ticks.started else state.tick):
+        if self._watch.hear(index, state, self._ticks.tick_now_or(state.tick)):
             self._newest[index] = state
 
     def _hear_outbox(self, index: int, data: bytes) -> None:
@@ -221,13 +219,13 @@ class AcousticRelayNode(Node):
             self._states = self._fleet()
             self._transmit(index, packets)
 
-    def _run_free(self) -> None:
+    def _run_free(self, tick: int) -> None:
         """Begin the tick of the steady clock."""
         if not self._all_known or self.clock.done:
             return
         if self._barrier.tick < 0:
             self._heard_at_s = dict.fromkeys(product(_ROLES, range(len(self._ids))), time.monotonic())
-        last, tick = self._barrier.tick, self._ticks.tick_now()
+        last = self._barrier.tick
         if tick > last:
             self._drift()
             self._states = self._fleet()
@@ -237,7 +235,7 @@ class AcousticRelayNode(Node):
 
     def _watch_states(self, tick: int) -> None:
         """Say whose modem is silent in real time, since nobody knows where it is."""
-        present = [index for index in range(len(self._ids)) if index not in self._adrift]
+        present = [index for index in range(len(self._ids)) if index not in self._adrift.lost]
         stale = {index: words for index in present if (words := self._watch.why_stale(index, tick))}
         words = listed(list(stale.values()))
         is_new = self._alarm.note(tuple(stale), words, self._ticks.scenario_s(tick))
@@ -262,16 +260,16 @@ class AcousticRelayNode(Node):
         if not self.clock.done:
             self._deliver(tick, t_s)
         if events:
-            self._publish_events(events_bytes(last, events, self._ticks.stamp_s(last), self._ticks.epoch_ns))
+            self._events.publish(last, events, self._ticks.stamp_s(last), self._ticks.epoch_ns)
 
     def _deliver(self, tick: int, t_s: float) -> None:
         """Give every modem its inbox."""
         epoch_ns = self._ticks.epoch_ns
         for index, inbox in enumerate(self._medium.exchange(tick, self._states)):
-            self._publish_inbox[index](inbox_bytes(self._frames[index], inbox, t_s, epoch_ns))
+            self._inboxes[index].publish(inbox, t_s, epoch_ns)
             self._reports.note(index, inbox)
         if tick % MARKER_TICKS == 0:
-            self._reports.draw(tick, t_s, self._states, self._lost_hulls(t_s))
+            self._reports.draw(tick, t_s, self._states, self._adrift.markers(self._states, t_s))
 
     def _transmit(self, index: int, packets: list[Packet]) -> None:
         if packets:
@@ -281,8 +279,8 @@ class AcousticRelayNode(Node):
                 self.get_logger().error(f"{error}: not sent")
 
     def _awaited(self) -> list[str]:
-        if not self._meeting.ready:
-            return self._meeting.missing()
+        if not self._pace.ready:
+            return self._pace.missing()
         if self._ticks.lockstep:
             return [self._node_name(role, index) for role, index in self._barrier.owed()]
         if self._barrier.tick < 0:
@@ -299,7 +297,7 @@ class AcousticRelayNode(Node):
         return [
             (role, index)
             for (role, index), heard_at_s in self._heard_at_s.items()
-            if index not in self._adrift and now - heard_at_s > self._timeout_s
+            if index not in self._adrift.lost and now - heard_at_s > self._timeout_s
         ]
 
     def _drop(self) -> list[str]:
@@ -307,31 +305,15 @@ class AcousticRelayNode(Node):
         owed = self._barrier.owed() if self._ticks.lockstep else self._silent()
         vehicles = sorted({index for _, index in owed})
         for index in vehicles:
-            hull = Vehicle(self._hulls[index])
-            hull.restore(self._newest.get(index) or self._states[index])
-            self._adrift[index] = hull
+            self._adrift.lose(index, self._newest.get(index) or self._states[index])
             if self._ticks.lockstep and index not in self._newest:
-                self._publish_drift(index)
+                self._newest[index] = self._adrift.step(index)
         self._barrier.drop(vehicles)
         return [self._ids[index] for index in vehicles]
 
     def _drift(self) -> None:
-        for index in self._adrift:
-            self._publish_drift(index)
-
-    def _publish_drift(self, index: int) -> None:
-        state = self._adrift[index].step(None)
-        t_s = self._ticks.stamp_s(state.tick)
-        self._newest[index] = state
-        self._hull_pubs[index].publish(self._state_stencil.filled(t_s, *convert.state_numbers(state)))
-
-    def _lost_hulls(self, t_s: float) -> list[Marker]:
-        markers = []
-        for index in sorted(self._adrift):
-            diameter_m = 2.0 * self._hulls[index].model.params.hull_radius_m
-            centre = self._states[index].position
-            markers.append(sphere(self._ids[index], 0, t_s, centre, diameter_m, LOST_HULL))
-        return markers
+        for index in self._adrift.lost:
+            self._newest[index] = self._adrift.step(index)
 
 
 def make_nodes(**options: Any) -> Sequence[Node]:

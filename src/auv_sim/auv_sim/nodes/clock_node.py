@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from tf2_msgs.msg import TFMessage
 
@@ -21,10 +20,11 @@ from auv_core.params import param
 from auv_msgs.msg import FlockStatus, RecorderStatus
 from auv_ros.hearing import Hearing
 from auv_ros.joining import LOOK_S
-from auv_ros.lifecycle import publishes_bytes
 from auv_ros.qos import EVERY_TICK, LATCHED
 from auv_ros.run_config import TickClock, WallWatch
+from auv_ros.run_watch import STATUS_TOPIC
 from auv_ros.steady_timer import SteadyTimer
+from auv_ros.topic import RECORDER, Topic
 from auv_ros.wire import conversions as convert
 
 _REPEAT_S = 0.5
@@ -56,6 +56,8 @@ class ClockNode(Node):
         Stamps of ticks.
     fleet_size : int
         Number of vehicles; without any the run ends.
+    followers : sequence of str
+        Full names of the nodes that learn of the begin of a run by its status.
     recorded : bool
         Whether to stay near a recorder.
     awaited : callable
@@ -73,6 +75,7 @@ class ClockNode(Node):
         ticks: TickClock,
         *,
         fleet_size: int,
+        followers: Sequence[str],
         recorded: bool,
         awaited: Callable[[], list[str]],
         drop: Callable[[], list[str]],
@@ -96,16 +99,19 @@ class ClockNode(Node):
         """Whether the run has come to its end, good or bad, which is that of its process, too."""
         self.exit_code = 0
         self._wall = WallWatch(time.monotonic, time.time)
-        self.clock_pub: Publisher | None = None
+        recorder = [RECORDER] if recorded else []
+        self.topics: list[Topic] = []
+        """What must be heard before the run begins."""
         if ticks.lockstep:
-            self._clock_stencil = convert.clock_stencil()
-            self.clock_pub = self.create_publisher(Clock, "/clock", EVERY_TICK)
-            self._publish_clock = publishes_bytes(self.clock_pub)
-        self.status_pub = self.create_publisher(FlockStatus, "/flock/status", LATCHED)
+            self._clock = Topic(self, Clock, "/clock", convert.clock_stencil().filled, heard_by=recorder)
+            self.topics.append(self._clock)
+        self._status = Topic(self, FlockStatus, STATUS_TOPIC, heard_by=[*recorder, *followers], qos=LATCHED)
+        if not ticks.started:
+            self.topics.append(self._status)
         self._said = FlockStatus()
         self._said_at_s = -math.inf
-        self._static_pub = self.create_publisher(TFMessage, "/tf_static", LATCHED)
-        self._static_pub.publish(TFMessage(transforms=[convert.map_to_map_ned()]))
+        static = TFMessage(transforms=[convert.map_to_map_ned()])
+        Topic(self, TFMessage, "/tf_static", qos=LATCHED).publish(static)
         Hearing(self).listen_decoded(RecorderStatus, "/recorder/status", self._on_recorder, EVERY_TICK)
         self.on_room: Callable[[], None] = _nothing
         SteadyTimer(self, LOOK_S, self._look)
@@ -126,7 +132,7 @@ class ClockNode(Node):
         self._tick = tick
         self._moved_at_s = time.monotonic()
         if self._ticks.lockstep:
-            self._publish_clock(self._clock_stencil.filled(self._ticks.stamp_s(tick)))
+            self._clock.publish(self._ticks.stamp_s(tick))
         if tick >= self._watch.duration_ticks:
             self._end(FlockStatus.FINISHED, "")
         elif self._state != FlockStatus.RUNNING or tick % _STATUS_TICKS == 0:
@@ -159,7 +165,7 @@ class ClockNode(Node):
         self._state = FlockStatus.STALLED
         self._detail = words
         self._publish()
-        if "/recorder_node" in awaited or not self._started or self._watch.on_vehicle_loss == "stop":
+        if RECORDER in awaited or not self._started or self._watch.on_vehicle_loss == "stop":
             self.exit_code = 3
             self._end(FlockStatus.ABORTED, words)
             return
@@ -185,13 +191,13 @@ class ClockNode(Node):
         """Return the full names of the nodes that have been silent for too long."""
         now_s = time.monotonic()
         if now_s - self._recorder_heard_at_s > self._limit_s:
-            return ["/recorder_node"]
+            return [RECORDER]
         if (self._ticks.lockstep or not self._started) and now_s - self._moved_at_s < self._limit_s:
             return []
         return self._silent() or ([] if self._started else ["/acoustic_relay_node"])
 
     def _silent(self) -> list[str]:
-        return self._awaited() if self.has_room else ["/recorder_node"]
+        return self._awaited() if self.has_room else [RECORDER]
 
     def _end(self, state: str, detail: str) -> None:
         self._state = state
@@ -216,7 +222,7 @@ class ClockNode(Node):
 
     def _send(self, status: FlockStatus) -> None:
         self._said, self._said_at_s = status, time.monotonic()
-        self.status_pub.publish(status)
+        self._status.publish(status)
 
 
 def _nothing() -> None:

@@ -6,15 +6,13 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rclpy.node import Node
 from visualization_msgs.msg import Marker, MarkerArray
 
 from auv_core.geometry import Vec3
 from auv_core.messages import Inbox, VehicleState
 from auv_msgs.msg import AcousticStats
-from auv_ros.lifecycle import publishes_bytes
-from auv_ros.qos import EVERY_TICK
 from auv_ros.strangers import Stranger
+from auv_ros.topic import Topics
 from auv_ros.wire.acoustics import stats_bytes
 from auv_ros.wire.diagnostics import Status, diagnostics_bytes
 from auv_ros.wire.markers import LINK, MARKER_TICKS, LineList, lines
@@ -25,24 +23,19 @@ _NAMESPACE, _NUMBER = "acoustic links", 0
 
 
 class LinkReports:
-    """Publishes, on behalf of `node`, what became of packets; `publishers` are those that it uses."""
+    """Publishes what became of packets; `topics` are those of the relay, and get these."""
 
-    def __init__(self, node: Node) -> None:
-        stats = node.create_publisher(AcousticStats, "/acoustic/stats", EVERY_TICK)
-        diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
-        self._marker_pub = node.create_publisher(MarkerArray, "/markers", EVERY_TICK)
-        self.publishers = [stats, diagnostics, self._marker_pub]
-        self._publish_stats = publishes_bytes(stats)
-        self._publish_diagnostics = publishes_bytes(diagnostics)
-        self._publish_markers = publishes_bytes(self._marker_pub)
-        self._line_list = LineList(_NAMESPACE, _NUMBER, LINK)
+    def __init__(self, topics: Topics) -> None:
+        self._stats = topics.add(AcousticStats, "/acoustic/stats", stats_bytes)
+        self._diagnostics = topics.add(DiagnosticArray, "/diagnostics", diagnostics_bytes)
+        self._markers = topics.add(MarkerArray, "/markers", LineList(_NAMESPACE, _NUMBER, LINK).filled)
         self._links: list[tuple[int, int, int]] = []
 
     def count(self, counters: Mapping[tuple[int, int], LinkCounters], t_s: float) -> None:
         """Publish the counters of all links, and what they come to, at the time `t_s` (s)."""
         links = sorted(counters.items())
         numbers = [((*ends, *link.numbers()), link.delay_counts) for ends, link in links]
-        self._publish_stats(stats_bytes(DELAY_EDGES_S, numbers, t_s))
+        self._stats.publish(DELAY_EDGES_S, numbers, t_s)
         sent, delivered = sum(link.sent for _, link in links), sum(link.delivered for _, link in links)
         ratio = delivered / sent if sent else math.nan
         status = Status(
@@ -52,7 +45,7 @@ class LinkReports:
             hardware_id="acoustic medium",
             values=[("delivery_ratio", f"{ratio:.4f}")],
         )
-        self._publish_diagnostics(diagnostics_bytes([status], t_s))
+        self._diagnostics.publish([status], t_s)
 
     def tell_states(self, stale: str, watch: StateWatch, t_s: float) -> None:
         """Publish whose states are too old to place a modem, at the time `t_s` (s)."""
@@ -67,7 +60,7 @@ class LinkReports:
                 ("last_left_out", watch.left_out_words),
             ],
         )
-        self._publish_diagnostics(diagnostics_bytes([status], t_s))
+        self._diagnostics.publish([status], t_s)
 
     def tell_strangers(
         self, strangers: Collection[Stranger], refused: Mapping[str, int], t_s: float, *, are_admitted: bool
@@ -92,7 +85,7 @@ class LinkReports:
                 *((f"writers_refused {topic}", str(count)) for topic, count in sorted(refused.items())),
             ],
         )
-        self._publish_diagnostics(diagnostics_bytes([status], t_s))
+        self._diagnostics.publish([status], t_s)
 
     def note(self, index: int, inbox: Inbox) -> None:
         """Note which vehicles were heard by the one at an index."""
@@ -107,6 +100,6 @@ class LinkReports:
             ends += (states[source].position, states[destination].position)
         if others:
             links = lines(_NAMESPACE, _NUMBER, t_s, ends, LINK, joined=False)
-            self._marker_pub.publish(MarkerArray(markers=[links, *others]))
+            self._markers.publisher.publish(MarkerArray(markers=[links, *others]))
         else:
-            self._publish_markers(self._line_list.filled(t_s, ends))
+            self._markers.publish(t_s, ends)

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import TwistStamped, WrenchStamped
 from rclpy.node import Node
 
 from auv_core.alarm import Alarm
@@ -17,20 +16,12 @@ from auv_core.cdr import MalformedError
 from auv_core.messages import Command
 from auv_msgs.msg import VehicleState
 from auv_ros.hearing import Hearing
-from auv_ros.lifecycle import (
-    WAITS_FOR_RUN,
-    Audience,
-    Rendezvous,
-    main_loop,
-    publishes_bytes,
-    tick_clock,
-    when_running,
-)
+from auv_ros.lifecycle import main_loop
+from auv_ros.pace import Pace, tick_clock
 from auv_ros.parameters import declare_config
-from auv_ros.qos import EVERY_TICK, own_qos
+from auv_ros.qos import own_qos
 from auv_ros.run_config import VEHICLE_PHASE, RunConfig
-from auv_ros.run_watch import Standstill
-from auv_ros.steady_timer import SteadyTimer
+from auv_ros.topic import Topics
 from auv_ros.wire import conversions as convert
 from auv_ros.wire.diagnostics import Status, diagnostics_bytes
 from auv_ros.wire.stencil import header_stamp_s
@@ -49,67 +40,46 @@ class VehicleNode(Node):
         super().__init__("vehicle_node", **options)
         run = declare_config(self, RunConfig)
         self._config = declare_config(self, VehicleConfig)
-        self._clock_ticks = tick_clock(run, self._config.period_s)
+        self._ticks = tick_clock(run, self._config.period_s)
         self._vehicle = Vehicle(self._config)
         self._has_begun = False
         self._watch = CommandWatch(self._config.command_max_age_s, self._config.period_s)
         self._alarm = Alarm(self.get_logger(), "the actuators rest", "the actuators act again")
-        self._timer: SteadyTimer | None = None
-        self._standstill = Standstill(self._vehicle.state.tick)
         self.exit_code, self.done = 0, False
-        self._state_pub = self.create_publisher(VehicleState, "state", EVERY_TICK)
-        self._nav_pub = self.create_publisher(VehicleState, "nav", EVERY_TICK)
-        self._publish_state, self._publish_nav = map(publishes_bytes, (self._state_pub, self._nav_pub))
-        self._diagnostics_pub = self.create_publisher(DiagnosticArray, "/diagnostics", EVERY_TICK)
-        self._publish_diagnostics = publishes_bytes(self._diagnostics_pub)
-        self._view = VehicleView(self, self._config, self._vehicle.navigation.velocity_sd_mps)
-        command = (TwistStamped, "cmd_vel") if self._vehicle.takes_velocity else (WrenchStamped, "cmd_wrench")
-        heard = own_qos(admits_strangers=run.admits_strangers)
-        self._hearing = Hearing(self)
-        self._hearing.listen(*command, self._on_command, heard)
-        self._state_stencil = convert.state_stencil()
-        self._meeting = Rendezvous(self, self._audiences(run), self._start)
-
-    def _audiences(self, run: RunConfig) -> list[Audience]:
-        recorder = {"/recorder_node"} if run.recorded else set()
+        topics = Topics(self, is_recorded=run.recorded, waits=run.waits)
+        self._write_state = convert.state_stencil().filled
         agent = f"{self.get_namespace().rstrip('/')}/agent_node"
-        listeners = {self._state_pub: {"/acoustic_relay_node"}, self._nav_pub: {agent}}
-        if not run.waits:
-            listeners = {}
-        publishers = (self._state_pub, self._nav_pub, self._diagnostics_pub, *self._view.publishers)
-        return [
-            Audience(publisher, frozenset(listeners.get(publisher, set()) | recorder))
-            for publisher in publishers
-        ]
-
-    def _start(self) -> None:
-        if self._clock_ticks.lockstep:
-            self._publish()
-        else:
-            when_running(self, self._clock_ticks, self._begin)
-
-    def _begin(self) -> None:
-        self._watch.newest.start(max(self._clock_ticks.tick_now(), 0))
-        first_in_s = self._clock_ticks.until_phase_s(VEHICLE_PHASE)
-        self._timer = SteadyTimer(self, self._config.period_s, self._run_free, first_in_s)
+        self._state = topics.add(VehicleState, "state", heard_by=["/acoustic_relay_node"])
+        self._nav = topics.add(VehicleState, "nav", heard_by=[agent])
+        self._diagnostics = topics.add(DiagnosticArray, "/diagnostics", diagnostics_bytes)
+        self._view = VehicleView(topics, self._config, self._vehicle.navigation.velocity_sd_mps)
+        self._hearing = Hearing(self)
+        self._hearing.listen(
+            *convert.command_topic(takes_velocity=self._vehicle.takes_velocity),
+            self._on_command,
+            own_qos(admits_strangers=run.admits_strangers),
+        )
+        self._pace = Pace(
+            self, self._ticks, topics, begin=self._begin, act=self._run_free, phase=VEHICLE_PHASE
+        )
 
     def on_run_end(self) -> None:
         """Move no more."""
-        if self._timer is not None:
-            self._timer.cancel()
+        self._pace.stop()
 
     def waits_for(self) -> str:
         """Return for what the node waits, in words, or nothing."""
-        if not self._meeting.ready:
-            return self._meeting.waits_for()
-        if not self._clock_ticks.started:
-            return WAITS_FOR_RUN
         tick = self._vehicle.state.tick
-        is_still = self._clock_ticks.lockstep and self._standstill.at(tick)
-        return f"a command for tick {tick}" if is_still else ""
+        return self._pace.waits_for(tick, f"a command for tick {tick}" if self._ticks.lockstep else "")
+
+    def _begin(self, tick: int) -> None:
+        if self._ticks.lockstep:
+            self._publish()
+        else:
+            self._watch.newest.start(tick)
 
     def _on_command(self, data: bytes) -> None:
-        tick = self._clock_ticks.tick_of_stamp(header_stamp_s(data))
+        tick = self._ticks.tick_of_stamp(header_stamp_s(data))
         command: Command | None = None
         try:
             command = convert.command_from_bytes(data, takes_velocity=self._vehicle.takes_velocity)
@@ -117,9 +87,8 @@ class VehicleNode(Node):
             raise
         except ValueError as error:
             self.get_logger().error(f"{error}; the actuators rest", throttle_duration_sec=1.0)
-        if not self._clock_ticks.lockstep:
-            now_tick = self._clock_ticks.tick_now() if self._clock_ticks.started else tick
-            self._watch.hear(command, tick, now_tick)
+        if not self._ticks.lockstep:
+            self._watch.hear(command, tick, self._ticks.tick_now_or(tick))
             return
         if tick != self._vehicle.state.tick:
             self.get_logger().warning(
@@ -131,8 +100,7 @@ class VehicleNode(Node):
         if self._step(tick):
             self._publish()
 
-    def _run_free(self) -> None:
-        now_tick = self._clock_ticks.tick_now()
+    def _run_free(self, now_tick: int) -> None:
         behind = now_tick - self._vehicle.state.tick
         if behind < 0 or (behind == 0 and self._has_begun):
             return
@@ -153,18 +121,16 @@ class VehicleNode(Node):
 
     def _publish(self) -> None:
         state, nav = self._vehicle.state, self._vehicle.nav
-        t_s = self._clock_ticks.stamp_s(state.tick)
-        truth = self._state_stencil.filled(t_s, *convert.state_numbers(state))
-        believed = truth if nav is state else self._state_stencil.filled(t_s, *convert.state_numbers(nav))
-        self._publish_nav(believed)
-        self._publish_state(truth)
+        t_s = self._ticks.stamp_s(state.tick)
+        truth = self._write_state(t_s, *convert.state_numbers(state))
+        believed = truth if nav is state else self._write_state(t_s, *convert.state_numbers(nav))
+        self._nav.publish_bytes(believed)
+        self._state.publish_bytes(truth)
         self._view.publish(t_s, self._vehicle)
         resting = self._watch.resting
-        is_new = self._alarm.note(
-            resting.partition(":")[0], resting, self._clock_ticks.scenario_s(state.tick)
-        )
+        is_new = self._alarm.note(resting.partition(":")[0], resting, self._ticks.scenario_s(state.tick))
         if is_new or state.tick % _DIAGNOSTIC_TICKS == 0:
-            self._publish_diagnostics(diagnostics_bytes([self._status()], t_s))
+            self._diagnostics.publish([self._status()], t_s)
 
     def _status(self) -> Status:
         watch, name = self._watch, self._config.vehicle_id

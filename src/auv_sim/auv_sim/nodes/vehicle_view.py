@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from nav_msgs.msg import Odometry
-from rclpy.node import Node
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from auv_core.geometry import Vec3
 from auv_core.odom_frame import OdomFrame
-from auv_ros.lifecycle import publishes_bytes
-from auv_ros.qos import EVERY_TICK, LATCHED
+from auv_ros.qos import LATCHED
 from auv_ros.robot_description import robot_description
+from auv_ros.topic import Topics
 from auv_ros.wire import conversions as convert
 from auv_ros.wire.markers import HULL, MARKER_TICKS, sphere_stencil
 from auv_sim.vehicle import Vehicle, VehicleConfig
@@ -29,8 +28,8 @@ class VehicleView:
 
     Parameters
     ----------
-    node : Node
-        In the namespace of the vehicle.
+    topics : Topics
+        Of the node of the vehicle; it gets these.
     config : VehicleConfig
         The vehicle; its frames begin with its name.
     velocity_sd_mps : Vec3
@@ -38,36 +37,26 @@ class VehicleView:
 
     """
 
-    def __init__(self, node: Node, config: VehicleConfig, velocity_sd_mps: Vec3) -> None:
+    def __init__(self, topics: Topics, config: VehicleConfig, velocity_sd_mps: Vec3) -> None:
         vehicle_id, hull_radius_m = config.vehicle_id, config.model.params.hull_radius_m
         base, truth = convert.base_frame(vehicle_id), convert.truth_frame(vehicle_id)
-        every_tick = [
-            node.create_publisher(kind, topic, EVERY_TICK)
-            for kind, topic in (
-                (Odometry, "odom"),
-                (Odometry, "ground_truth/odom"),
-                (TFMessage, "/tf"),
-                (MarkerArray, "/markers"),
-            )
-        ]
-        self._publish_odom, self._publish_truth, self._publish_tf, self._publish_marker = map(
-            publishes_bytes, every_tick
+        description = robot_description(base, convert.body_frame(vehicle_id), hull_radius_m)
+        self._odom = topics.add(
+            Odometry, "odom", convert.odometry_stencil(convert.odom_frame(vehicle_id), base).filled
         )
-        static = node.create_publisher(TFMessage, "/tf_static", LATCHED)
-        static.publish(TFMessage(transforms=[convert.base_to_frd(vehicle_id)]))
-        description = node.create_publisher(String, "robot_description", LATCHED)
-        description.publish(
-            String(data=robot_description(base, convert.body_frame(vehicle_id), hull_radius_m))
+        self._truth = topics.add(
+            Odometry, "ground_truth/odom", convert.odometry_stencil(convert.MAP_FRAME, truth).filled
         )
-        self.publishers = (*every_tick, static, description)
+        self._tf = topics.add(TFMessage, "/tf", convert.motion_transforms(vehicle_id).filled)
+        hull = sphere_stencil(vehicle_id, 0, 2.0 * hull_radius_m, HULL)
+        self._marker = topics.add(MarkerArray, "/markers", hull.filled)
+        static = TFMessage(transforms=[convert.base_to_frd(vehicle_id)])
+        topics.add(TFMessage, "/tf_static", qos=LATCHED).publish(static)
+        topics.add(String, "robot_description", qos=LATCHED).publish(String(data=description))
         u, v, w = velocity_sd_mps
         self._velocity_variances = (u * u, v * v, w * w, 0.0, 0.0, 0.0)
-        self._odom_stencil = convert.odometry_stencil(convert.odom_frame(vehicle_id), base)
-        self._truth_stencil = convert.odometry_stencil(convert.MAP_FRAME, truth)
-        self._tf_stencil = convert.motion_transforms(vehicle_id)
         self._odom_frame = OdomFrame()
         self._odom_pose = convert.odom_in_map(self._odom_frame)
-        self._hull_stencil = sphere_stencil(vehicle_id, 0, 2.0 * hull_radius_m, HULL)
 
     def publish(self, t_s: float, vehicle: Vehicle) -> None:
         """
@@ -84,14 +73,12 @@ class VehicleView:
             if navigation.odom_frame is not self._odom_frame:
                 self._odom_frame = navigation.odom_frame
                 self._odom_pose = convert.odom_in_map(self._odom_frame)
-        self._publish_tf(self._tf_stencil.filled(t_s, (self._odom_pose, pose, true_pose)))
+        self._tf.publish(t_s, (self._odom_pose, pose, true_pose))
         if nav.is_valid:
             variances = convert.estimate_variances(nav, navigation.depth_sd_m)
             velocity = convert.flu_velocity(nav.nu)
-            self._publish_odom(
-                self._odom_stencil.filled(t_s, *pose, *variances, *velocity, *self._velocity_variances)
-            )
+            self._odom.publish(t_s, *pose, *variances, *velocity, *self._velocity_variances)
         if state.tick % MARKER_TICKS == 0:
             true_velocity = convert.flu_velocity(state.nu)
-            self._publish_truth(self._truth_stencil.filled(t_s, *true_pose, *_EXACT, *true_velocity, *_EXACT))
-            self._publish_marker(self._hull_stencil.filled(t_s, *state.position))
+            self._truth.publish(t_s, *true_pose, *_EXACT, *true_velocity, *_EXACT)
+            self._marker.publish(t_s, *state.position)

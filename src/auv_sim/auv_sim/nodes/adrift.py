@@ -1,0 +1,67 @@
+"""The hulls of lost vehicles: the run goes on without their nodes, and they drift on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from visualization_msgs.msg import Marker
+
+from auv_core.messages import VehicleState
+from auv_msgs.msg import VehicleState as VehicleStateMsg
+from auv_ros.run_config import TickClock
+from auv_ros.topic import Topics
+from auv_ros.wire import conversions as convert
+from auv_ros.wire.markers import LOST_HULL, sphere
+from auv_sim.vehicle import Vehicle, VehicleConfig
+
+
+class Adrift:
+    """
+    Moves and publishes hulls without a command, on behalf of the relay.
+
+    Parameters
+    ----------
+    topics : Topics
+        Of the relay; it gets the states of these hulls.
+    hulls : mapping of int to VehicleConfig
+        Those that may be lost, by index of their vehicle.
+    ticks : TickClock
+        The time of the run.
+
+    Attributes
+    ----------
+    lost : dict of int to Vehicle
+        Those that are.
+
+    """
+
+    def __init__(self, topics: Topics, hulls: Mapping[int, VehicleConfig], ticks: TickClock) -> None:
+        write = convert.state_stencil().filled
+        self._states = {
+            index: topics.add(VehicleStateMsg, f"/{hull.vehicle_id}/state", write)
+            for index, hull in hulls.items()
+        }
+        self._hulls = hulls
+        self._ticks = ticks
+        self.lost: dict[int, Vehicle] = {}
+
+    def lose(self, index: int, state: VehicleState) -> None:
+        """Let a hull drift on from a state."""
+        hull = Vehicle(self._hulls[index])
+        hull.restore(state)
+        self.lost[index] = hull
+
+    def step(self, index: int) -> VehicleState:
+        """Publish and return the next state of a hull."""
+        state = self.lost[index].step(None)
+        self._states[index].publish(self._ticks.stamp_s(state.tick), *convert.state_numbers(state))
+        return state
+
+    def markers(self, states: Sequence[VehicleState], t_s: float) -> list[Marker]:
+        """Return the hulls that are lost, in these states of the fleet, at the time `t_s` (s)."""
+        markers = []
+        for index in sorted(self.lost):
+            hull = self._hulls[index]
+            diameter_m = 2.0 * hull.model.params.hull_radius_m
+            markers.append(sphere(hull.vehicle_id, 0, t_s, states[index].position, diameter_m, LOST_HULL))
+        return markers
