@@ -184,6 +184,17 @@ def test_neighbour_estimates_hold_every_number(count):
         assert [neighbour.age_s, neighbour.sonar_age_s] == row[42:].tolist()
 
 
+@pytest.mark.parametrize("name", ["auv_1.vehicle_node", ""])
+def test_the_logger_of_a_line_is_read(name):
+    from rcl_interfaces.msg import Log
+    from rclpy.serialization import serialize_message
+
+    from auv_ros.wire.log import logger_of
+
+    line = Log(level=30, name=name, msg="a line", file="a.py", function="f", line=7)
+    assert logger_of(bytes(serialize_message(line))) == name
+
+
 def test_neighbours_come_and_go():
     from auv_msgs.msg import NeighbourEstimates
     from auv_ros.wire import conversions as convert

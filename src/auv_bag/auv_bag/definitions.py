@@ -10,11 +10,13 @@ from __future__ import annotations
 import json
 import os
 import re
-import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+
+from auv_core.cdr import COUNT, STAMP_AT
+from auv_core.stamp import STAMP_NUMBERS
 
 SEPARATOR = "=" * 80
 _FIELD_TYPE = re.compile(r"(?:^|\n)\s*([a-zA-Z0-9_/]+)(?:\[[^\]]*\])?\s+")
@@ -23,8 +25,8 @@ _PRIMITIVES = frozenset(
     {"bool", "byte", "char", "string", "float32", "float64"}
     | {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
 )
+_FIRST_OF_LIST_AT = STAMP_AT + COUNT.size
 _STAMPED_FIRST_FIELDS = frozenset({"std_msgs/Header", "Header", "builtin_interfaces/Time", "Time"})
-_STAMP = struct.Struct("<iI")
 
 
 class DefinitionError(Exception):
@@ -101,8 +103,8 @@ def full_definition(name: str, read: Callable[[str], str]) -> str:
 def stamp_offset(definition: str) -> int | None:
     """Return where the CDR bytes of a message hold its stamp, or None for a type without one.
 
-    4 for a type that begins with a header or a time (after the 4 bytes of encapsulation), 8 for a type that
-    is a sequence of such types (the first element's stamp, after the length).
+    A type begins with a header or a time, or is a sequence of such types; then it is the first element's
+    stamp, behind the length.
     """
     first, *others = definition.split(f"\n{SEPARATOR}\nMSG: ")
     blocks = {block.partition("\n")[0].strip(): block.partition("\n")[2] for block in others}
@@ -111,10 +113,10 @@ def stamp_offset(definition: str) -> int | None:
         return None
     type_name, array = match.groups()
     if type_name in _STAMPED_FIRST_FIELDS and not array:
-        return 4
+        return STAMP_AT
     element = _FIRST_FIELD.search(_block(blocks, type_name)) if array == "[]" else None
     if element is not None and element[1] in _STAMPED_FIRST_FIELDS and not element[2]:
-        return 8
+        return _FIRST_OF_LIST_AT
     return None
 
 
@@ -128,9 +130,9 @@ def read_stamp_ns(data: bytes, offset: int) -> int | None:
     offset
         From :func:`stamp_offset`.
     """
-    if offset == 8 and data[4:8] == b"\0\0\0\0":
+    if offset == _FIRST_OF_LIST_AT and data[STAMP_AT:_FIRST_OF_LIST_AT] == b"\0\0\0\0":
         return None
-    stamp: tuple[int, int] = _STAMP.unpack_from(data, offset)
+    stamp: tuple[int, int] = STAMP_NUMBERS.unpack_from(data, offset)
     sec, nanosec = stamp
     return sec * 1_000_000_000 + nanosec
 

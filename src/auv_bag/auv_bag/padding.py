@@ -17,11 +17,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from auv_bag.definitions import SEPARATOR, MessageType
-from auv_core.cdr import aligned
+from auv_core.cdr import COUNT, ENCAPSULATION, LITTLE_ENDIAN, aligned
 
-_LITTLE_ENDIAN_CDR = b"\x00\x01"
-_HEADER_BYTES = 4
-_LENGTH = struct.Struct("<I")
+_HEADER_BYTES = len(ENCAPSULATION)
 _SIZES = {"bool": 1, "byte": 1, "char": 1, "float32": 4, "float64": 8} | {
     f"{sign}int{bits}": bits // 8 for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
@@ -116,7 +114,7 @@ def padding_zeroer(message_type: MessageType) -> Callable[[bytes], bytes | None]
 
 def _shape_of(data: bytes, steps: Sequence[_Step]) -> _Shape | None:
     """Return the shape of a message, or None for bytes that do not fit the definition."""
-    if data[:2] != _LITTLE_ENDIAN_CDR:
+    if data[:2] != LITTLE_ENDIAN:
         return None
     try:
         shape = _Walk(data).shape(steps)
@@ -130,7 +128,7 @@ class _Walk:
 
     def __init__(self, data: bytes) -> None:
         self._data = data
-        self._lengths = [slice(0, len(_LITTLE_ENDIAN_CDR))]
+        self._lengths = [slice(0, len(LITTLE_ENDIAN))]
         self._padding: list[slice] = []
 
     def shape(self, steps: Sequence[_Step]) -> _Shape:
@@ -145,7 +143,7 @@ class _Walk:
                 position = self._aligned(position, step.size) + step.size * step.count
                 continue
             position = self._aligned(position, 4)
-            (length,) = _LENGTH.unpack_from(self._data, position)
+            (length,) = COUNT.unpack_from(self._data, position)
             self._lengths.append(slice(position, position + 4))
             position += 4
             if type(step) is _Text:

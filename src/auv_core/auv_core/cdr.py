@@ -47,9 +47,19 @@ def align(out: bytearray, size: int) -> None:
     out += _PADDING[(_ENCAPSULATION_SIZE - len(out)) % size]
 
 
+def text_bytes(text: str) -> bytes:
+    """Return a text as it stands in a message behind its length."""
+    return text.encode() + b"\0"
+
+
+def read_text(data: bytes, at: int) -> str:
+    """Return the text whose length stands at a place of a message."""
+    return data[at + COUNT.size :].partition(b"\0")[0].decode(errors="replace")
+
+
 def put_text(out: bytearray, text: str) -> None:
     """Append a text."""
-    data = text.encode() + b"\0"
+    data = text_bytes(text)
     out += _PADDING[(_ENCAPSULATION_SIZE - len(out)) % COUNT.size]
     out += COUNT.pack(len(data))
     out += data

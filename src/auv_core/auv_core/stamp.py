@@ -5,14 +5,15 @@ from __future__ import annotations
 import struct
 from functools import lru_cache
 
-_STAMP = struct.Struct("<iI")
-STAMP_BYTES = _STAMP.size
+STAMP_NUMBERS = struct.Struct("<iI")
+"""Seconds and nanoseconds."""
+STAMP_BYTES = STAMP_NUMBERS.size
 
 
 @lru_cache(maxsize=16)
 def stamp_bytes(t_s: float) -> bytes:
     """Return a time (s), to the nanosecond, as a serialised stamp; a tick has many messages of one stamp."""
-    return _STAMP.pack(*divmod(nanoseconds(t_s), 1_000_000_000))
+    return STAMP_NUMBERS.pack(*divmod(nanoseconds(t_s), 1_000_000_000))
 
 
 def nanoseconds(t_s: float) -> int:
@@ -27,5 +28,5 @@ def whole_nanoseconds_s(t_s: float) -> float:
 
 def read_stamp_s(data: bytes, at: int) -> float:
     """Return the stamp (s) at a place of serialised bytes."""
-    seconds, nanoseconds = _STAMP.unpack_from(data, at)
+    seconds, nanoseconds = STAMP_NUMBERS.unpack_from(data, at)
     return float(seconds + 1e-9 * nanoseconds)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from rclpy.node import Node
 
+from auv_core.cdr import text_bytes
 from auv_msgs.msg import FlockStatus
 from auv_ros.hearing import Hearing, decoded
 from auv_ros.qos import LATCHED
@@ -17,7 +18,7 @@ _SAY_S = 5.0
 _GRACE_S = 3.0
 STATUS_TOPIC = "/flock/status"
 _OVER = (FlockStatus.FINISHED, FlockStatus.ABORTED)
-_OVER_BYTES = tuple(state.encode() + b"\0" for state in _OVER)
+_OVER_BYTES = tuple(map(text_bytes, _OVER))
 
 
 def say_waits(node: Node) -> None:

@@ -32,14 +32,13 @@ from auv_ros.lifecycle import main_loop
 from auv_ros.parameters import declare_config, refuse_unknown_parameters
 from auv_ros.qos import LATCHED, own_qos
 from auv_ros.steady_timer import SteadyTimer
+from auv_ros.wire.log import logger_of
 
 EXIT_INTERNAL = 1
 TICKS_PER_BATCH = 20
 CHECKPOINT_PERIOD_S = 1.0
 QUIET_BEFORE_CLOSE_S = 0.3
 _OWN_LOGGERS = ("acoustic_relay_node", "clock_node", "recorder_node")
-_LOGGER_AT = 20
-"""Place of the logger's name in a log line: behind stamp, level, and the length of the name."""
 DRAIN_LIMIT_S = 20.0
 
 
@@ -149,7 +148,7 @@ class RecorderNode(Node):
         for topic, subscription in self._by_topic.items():
             messages = _waiting(subscription)
             if topic == LOG_TOPIC:
-                messages = [each for each in messages if _logger_of(each).startswith(self._own_loggers)]
+                messages = [each for each in messages if logger_of(each).startswith(self._own_loggers)]
             if topic == CLOCK_TOPIC:
                 messages = self._heard_ticks + messages
                 self._heard_ticks = []
@@ -185,11 +184,6 @@ def _waiting(subscription: Subscription) -> list[bytes]:
     with handle:
         take = partial(handle.take_message, subscription.msg_type, True)
         return [data for data, _ in iter(take, None)]
-
-
-def _logger_of(line: bytes) -> str:
-    """Return the name of the logger in a serialised rcl_interfaces/Log."""
-    return line[_LOGGER_AT:].partition(b"\0")[0].decode(errors="replace")
 
 
 def make_nodes(**options: Any) -> Sequence[Node]:
