@@ -48,7 +48,7 @@ def align(out: bytearray, size: int) -> None:
 
 
 def text_bytes(text: str) -> bytes:
-    """Return a text as it stands in a message behind its length."""
+    """Return what is behind the length of a text in a message."""
     return text.encode() + b"\0"
 
 

@@ -1,4 +1,4 @@
-"""Who wrote a log line, read from its bytes: most lines of a graph are of no use to a run."""
+"""The logger of a log line, read from its bytes: most lines of a graph are of no use to a run."""
 
 from __future__ import annotations
 
