@@ -6,8 +6,10 @@ part of a tick and by the time that the message took. The own clock, read agains
 run's where it says just that. Where it does not, either it is off or the message was late; both look alike in
 one message, and a node that follows a late one stays late. So statuses are heard for `JOIN_S`, and the one
 that was least late counts. Offsets below `JOIN_LIMIT_S` cannot be told from what ticks and messages take on a
-busy machine: clocks are then synchronised as well as inputs need it. It makes no difference whether the nodes
-are on one machine: only the own clock and the messages are asked.
+busy machine: clocks are then synchronised as well as inputs need it. Until tick 1 a status does not tell how
+near the start is: a node that begins to listen just then and did not hear the run wait may be off by
+`START_LEAD_S` more, since the nodes of a launched run must begin at tick 0. It makes no difference whether
+the nodes are on one machine: only the own clock and the messages are asked.
 """
 
 from __future__ import annotations
@@ -66,16 +68,16 @@ class Joining:
             How far the own clock is ahead (s), 0 where it fits; nothing as long as that is not known.
 
         """
-        is_soon = not steady_s - self._since_s >= JOIN_S
-        if math.isnan(self._since_s):
-            self._since_s = steady_s
+        limit_s = self._limit_s
         if time_s <= 0.0:
             time_s = LOOK_S * max(self._repeats - 1, 0) - START_LEAD_S
             self._repeats += 1
-            if is_soon and not self._has_waited:
-                return None  # it may be the first such status or the third; the next one with a tick tells
+            if not self._has_waited:
+                limit_s += START_LEAD_S
+        if math.isnan(self._since_s):
+            self._since_s = steady_s
         off_s = own_s - time_s
         self._off_s = min(self._off_s, off_s)
-        if -_TOLERANCE_S <= off_s <= self._limit_s:
+        if -_TOLERANCE_S <= off_s <= limit_s:
             return 0.0
-        return None if is_soon else self._off_s
+        return self._off_s if steady_s - self._since_s >= JOIN_S else None

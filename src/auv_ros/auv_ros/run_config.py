@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from auv_core.params import param
 
+LAUNCHER_NODE = "/_shoal_launcher"
+"""Full name of the node by which a launcher hears how its run is; hidden from `ros2 node list`."""
 LOCKSTEP_EPOCH_S = 1.0
 """Stamp of scenario time 0 in lock-step (s); not 0, which tf2 takes for "the latest"."""
 START_LEAD_S = 0.5

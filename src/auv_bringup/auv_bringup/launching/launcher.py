@@ -174,7 +174,7 @@ def fly_nodes(
     start_s = time.monotonic()
     _import_nodes(processes)
     with ChildProcesses() as children:
-        for process in processes:
+        for process in map(_launched, processes):
             log = logs_dir / f"{log_name(process.name)}.log"
             start(children, process, parts_of(process, params_dir), log, environ)
         supervisor = Supervisor(processes, on_vehicle_loss=on_vehicle_loss)
@@ -189,6 +189,15 @@ def fly_nodes(
             bag_is_closed = _end_in_order(processes, children, interrupts, progress, supervisor)
     flight = _flight(supervisor, was_interrupted, bag_is_closed, start_up_s)
     return replace(flight, strangers=(*listener.strangers, *listener.refused_writers()))
+
+
+def _launched(process: ProcessSpec) -> ProcessSpec:
+    """Let the relay wait for the launcher's ear: a short flight would be over before it is there."""
+    nodes = [
+        replace(node, params={**node.params, "launched": True}) if node.role == "relay" else node
+        for node in process.nodes
+    ]
+    return replace(process, nodes=tuple(nodes))
 
 
 def _import_nodes(processes: Sequence[ProcessSpec]) -> None:

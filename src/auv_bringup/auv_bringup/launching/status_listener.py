@@ -11,7 +11,7 @@ from auv_bringup.launching.flight_status import Status
 from auv_bringup.launching.layout import ProcessSpec
 from auv_bringup.launching.node_start import adopt
 from auv_core.machine.leaving import keep
-from auv_ros.run_config import WallWatch
+from auv_ros.run_config import LAUNCHER_NODE, WallWatch
 from auv_ros.run_identity import status_epoch_s
 from auv_ros.steady_timer import NEVER_S, SteadyTimer
 
@@ -64,7 +64,10 @@ class StatusListener:
         self._context = rclpy.Context()
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._node = rclpy.create_node(
-            "_shoal_launcher", context=self._context, enable_rosout=False, start_parameter_services=False
+            LAUNCHER_NODE.strip("/"),
+            context=self._context,
+            enable_rosout=False,
+            start_parameter_services=False,
         )
         # The client library's own line about a stranger: `new_strangers` says it in plain words.
         self._node.get_logger().set_level(LoggingSeverity.ERROR)

@@ -42,6 +42,7 @@ class WatchConfig:
         "silence after which a node counts as lost (s, wall)", default=3.0, above=0.0
     )
     start_timeout_s: float = param("the same before the first tick (s, wall)", default=60.0, above=0.0)
+    launched: bool = param("whether a launcher must hear the status before the first tick", default=False)
 
 
 class ClockNode(Node):
