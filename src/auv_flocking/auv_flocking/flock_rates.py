@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_core.compiled import entry, fastest, inlined
+from auv_core.compiled import entry, fastest, inlined, record
 from auv_core.geometry import Vec3, added
 from auv_flocking.central import STRENGTH, Numbers, Strength, along
 from auv_flocking.consensus.thesis import towards
@@ -25,55 +25,89 @@ from auv_flocking.flocking.potential import asked, attraction
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-Arguments = tuple[Any, ...]
-
-LAW = (
-    f"float64[:, ::1], float64[::1], FUNCTION({STRENGTH}), float64[::1], FUNCTION({STRENGTH}), float64[::1], "
-    "float64[:, ::1]"
-)
 FLOCK_RATES = (
-    "void(float64[:, ::1], float64[:, ::1], float64[:, :, ::1], int64, int64[::1], boolean, "
-    f"int64[::1], int64[::1], {LAW}, float64[:, ::1], float64[:, :, ::1], int64)"
+    f"void(Scene, LawNumbers, FUNCTION({STRENGTH}), FUNCTION({STRENGTH}), float64[:, ::1], "
+    "float64[:, :, ::1], int64)"
 )
 
 
-@dataclass(frozen=True)
-class FlockLaw:
+@record("float64[:, ::1], " + ", ".join(7 * ["float64"]) + ", float64[::1], float64[::1], float64[:, ::1]")
+class LawNumbers(NamedTuple):
     """
-    The numbers of a flock's laws, in the order in which compiled functions take them.
+    The numbers of a flock's laws.
 
     shares : (N, 2) array
         Per vehicle: gain towards the path (1/s) and share of the path's velocity.
-    numbers : (7,) array
-        Cohesion gain (1/s), bandwidth ratio, correction limit (m/s), spacing (m), distance from which on
-        vehicles do not push each other (m), rate of the consensus filter (1/s) and its reach (m).
-    strength, strength_numbers, obstacle_strength, obstacle_numbers
-        Separation between vehicles, and from obstacles, of `auv_flocking.central`.
+    push_m, talk_m : float
+        Distances from which on vehicles do not push each other and do not hear each other's estimates (m).
+    rate_ps : float
+        Rate of the consensus filter (1/s).
+    strength_numbers, obstacle_numbers : arrays
+        Of separation between vehicles, and from obstacles; see `auv_flocking.central`.
     obstacles : (M, 4) array
         Positions and safety distances (m; NED).
 
     """
 
     shares: Floats
-    numbers: Floats
-    strength: Strength
+    cohesion_gain_ps: float
+    bandwidth_ratio: float
+    correction_limit_mps: float
+    spacing_m: float
+    push_m: float
+    rate_ps: float
+    talk_m: float
     strength_numbers: Numbers
-    obstacle_strength: Strength
     obstacle_numbers: Numbers
     obstacles: Floats
 
-    @property
-    def arguments(self) -> Arguments:
-        """Everything, for functions whose signature has `LAW`."""
-        return (
-            self.shares,
-            self.numbers,
-            self.strength,
-            self.strength_numbers,
-            self.obstacle_strength,
-            self.obstacle_numbers,
-            self.obstacles,
-        )
+
+@record("float64[:, :, ::1], int64, int64[::1]")
+class Paths(NamedTuple):
+    """
+    The paths of all vehicles at one instant.
+
+    table : (R, P, 8) array
+        Position (m; NED), velocity (m/s; NED) and first and last component of the attitude of each path at R
+        instants.
+    row : int
+        Which instant it is.
+    path_of : (N,) array of int64
+        The path of each vehicle.
+
+    """
+
+    table: Floats
+    row: int
+    path_of: Ints
+
+
+@record("boolean, int64[::1], int64[::1]")
+class NearPairs(NamedTuple):
+    """Whether near pairs are listed, and the list of `near_pairs`; if not, every pair counts."""
+
+    is_listed: bool
+    first: Ints
+    partners: Ints
+
+
+@record("float64[:, ::1], float64[:, ::1], Paths, NearPairs")
+class Scene(NamedTuple):
+    """Positions of the vehicles and their estimates of the centre, (N, 3) (m; NED), their paths and pairs."""
+
+    points: Floats
+    centres: Floats
+    paths: Paths
+    near: NearPairs
+
+
+@dataclass(frozen=True)
+class FlockLaw:
+    """Numbers of the laws; separation between vehicles and from obstacles, ready to be called."""
+
+    numbers: LawNumbers
+    strength: Strength
+    obstacle_strength: Strength
 
 
 def flock_law(
@@ -95,19 +129,21 @@ def flock_law(
     p = law_params
     reach_m = getattr(separation, "reach_m", None)
     push_m = np.inf if reach_m is None else reach_m(p.spacing_m)
-    numbers = (
-        p.cohesion_gain_ps, p.bandwidth_ratio, p.correction_limit_mps, p.spacing_m, push_m,
-        consensus.rate_ps, consensus.reach_m,
-    )  # fmt: skip
-    return FlockLaw(
+    numbers = LawNumbers(
         shares=np.array([(law.path_gain_ps, law.feedforward_share) for law in laws]),
-        numbers=np.array(numbers, dtype=np.float64),
-        strength=fastest(separation.strength),
+        cohesion_gain_ps=float(p.cohesion_gain_ps),
+        bandwidth_ratio=float(p.bandwidth_ratio),
+        correction_limit_mps=float(p.correction_limit_mps),
+        spacing_m=float(p.spacing_m),
+        push_m=float(push_m),
+        rate_ps=float(consensus.rate_ps),
+        talk_m=float(consensus.reach_m),
         strength_numbers=separation.numbers,
-        obstacle_strength=fastest(getattr(separation, "obstacle_strength", separation.strength)),
         obstacle_numbers=getattr(separation, "obstacle_numbers", separation.numbers),
         obstacles=np.array([(*place, safe_m) for place, safe_m in obstacles]).reshape(-1, 4),
     )
+    obstacle_strength = getattr(separation, "obstacle_strength", separation.strength)
+    return FlockLaw(numbers, fastest(separation.strength), fastest(obstacle_strength))
 
 
 @inlined
@@ -124,21 +160,10 @@ def put(rows: Floats, i: int, v: Vec3) -> None:
 
 @entry(FLOCK_RATES, allocates=False)
 def flock_rates(
-    points: Floats,
-    centres: Floats,
-    all_paths: Floats,
-    row: int,
-    path_of: Ints,
-    is_listed: bool,
-    first: Ints,
-    partners: Ints,
-    shares: Floats,
-    numbers: Floats,
+    scene: Scene,
+    law: LawNumbers,
     strength: Strength,
-    strength_numbers: Numbers,
     obstacle_strength: Strength,
-    obstacle_numbers: Numbers,
-    obstacles: Floats,
     velocities: Floats,
     all_rates: Floats,
     stage: int,
@@ -148,47 +173,35 @@ def flock_rates(
 
     Parameters
     ----------
-    points, centres : (N, 3) arrays
-        Positions of the vehicles and their estimates of the flocking centre (m; NED).
-    all_paths, row : (R, P, 8) array, int
-        Position (m; NED), velocity (m/s; NED) and first and last component of the attitude of each path at
-        R instants, and which of them it is now.
-    path_of : (N,) array of int64
-        The path of each vehicle.
-    is_listed, first, partners
-        Whether near pairs are listed, and the list of `auv_core.pairs.near_pairs`; where they are not, every
-        pair is looked at.
-    shares, ..., obstacles
-        `FlockLaw.arguments`.
+    scene : Scene
+        What the laws look at.
+    law, strength, obstacle_strength
+        Of `FlockLaw`.
     velocities : (N, 3) array
         Where to write the velocities over ground that the law asks for (m/s; NED).
     all_rates, stage : (4, N, 3) array, int
         Where to write the rates of the estimates (m/s; NED).
 
     """
-    cohesion_gain_ps, bandwidth_ratio, correction_limit_mps, spacing_m = (
-        numbers[0],
-        numbers[1],
-        numbers[2],
-        numbers[3],
-    )
-    push_m2, rate_ps, talk_m2 = numbers[4] * numbers[4], numbers[5], numbers[6] * numbers[6]
-    count, paths, rates = len(points), all_paths[row], all_rates[stage]
+    points, centres, near, obstacles = scene.points, scene.centres, scene.near, law.obstacles
+    paths, path_of, rates = scene.paths.table[scene.paths.row], scene.paths.path_of, all_rates[stage]
+    push_m2, rate_ps, talk_m2 = law.push_m * law.push_m, law.rate_ps, law.talk_m * law.talk_m
+    count = len(points)
     for i in range(count):
         own, centre, path = vector(points, i), vector(centres, i), vector(paths, path_of[i])
-        put(velocities, i, attraction(own, centre, path, cohesion_gain_ps, shares[i, 0]))
+        put(velocities, i, attraction(own, centre, path, law.cohesion_gain_ps, law.shares[i, 0]))
         put(rates, i, towards((0.0, 0.0, 0.0), own, centre))
     for i in range(count):
         own, centre = vector(points, i), vector(centres, i)
         velocity, pull = vector(velocities, i), vector(rates, i)
-        begin, end = (first[i], first[i + 1]) if is_listed else (i + 1, count)
+        begin, end = (near.first[i], near.first[i + 1]) if near.is_listed else (i + 1, count)
         for place in range(begin, end):
-            j = partners[place] if is_listed else place
+            j = near.partners[place] if near.is_listed else place
             other = vector(points, j)
             dx, dy, dz = own[0] - other[0], own[1] - other[1], own[2] - other[2]
             square_m2 = dx * dx + dy * dy + dz * dz
             if square_m2 < push_m2:
-                push = along(own, other, spacing_m, strength, strength_numbers)
+                push = along(own, other, law.spacing_m, strength, law.strength_numbers)
                 velocity = added(velocity, push)
                 put(velocities, j, added(vector(velocities, j), (-push[0], -push[1], -push[2])))
             if square_m2 < talk_m2:
@@ -197,8 +210,10 @@ def flock_rates(
                 put(rates, j, towards(vector(rates, j), centre, theirs))
         for k in range(len(obstacles)):
             stone, safe_m = vector(obstacles, k), obstacles[k, 3]
-            velocity = added(velocity, along(own, stone, safe_m, obstacle_strength, obstacle_numbers))
+            push = along(own, stone, safe_m, obstacle_strength, law.obstacle_numbers)
+            velocity = added(velocity, push)
         number = path_of[i]
         ahead = (paths[number, 3], paths[number, 4], paths[number, 5])
-        put(velocities, i, asked(velocity, ahead, shares[i, 1], bandwidth_ratio, correction_limit_mps))
+        share, ratio, limit_mps = law.shares[i, 1], law.bandwidth_ratio, law.correction_limit_mps
+        put(velocities, i, asked(velocity, ahead, share, ratio, limit_mps))
         put(rates, i, (rate_ps * pull[0], rate_ps * pull[1], rate_ps * pull[2]))

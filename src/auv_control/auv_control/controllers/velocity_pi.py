@@ -11,10 +11,11 @@ With mass m (added mass included), gains K_p and K_i, the loop from asked to tru
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
+from typing import NamedTuple
 
 from auv_control.controllers import VelocityReference
-from auv_core.compiled import entry, fastest, inlined
+from auv_core.compiled import entry, fastest, inlined, record
 from auv_core.geometry import (
     Quat,
     Vec3,
@@ -26,6 +27,18 @@ from auv_core.geometry import (
 )
 from auv_core.messages import Vec6, VehicleState, Wrench
 from auv_core.params import param
+
+
+@record(", ".join(6 * ["float64"]))
+class Gains(NamedTuple):
+    """`Params` as compiled functions take them."""
+
+    velocity_nspm: float
+    integral_npm: float
+    attitude_nm: float
+    rate_nms: float
+    max_force_n: float
+    max_moment_nm: float
 
 
 @dataclass(frozen=True)
@@ -42,22 +55,15 @@ class Params:
     max_moment_nm: float = param("moment limit per body axis (N m)", default=50.0, above=0.0)
 
     @property
-    def gains(self) -> Vec6:
-        """Everything above, in this order."""
-        return (
-            self.velocity_gain_nspm,
-            self.integral_gain_npm,
-            self.attitude_gain_nm,
-            self.rate_gain_nms,
-            self.max_force_n,
-            self.max_moment_nm,
-        )
+    def gains(self) -> Gains:
+        """Everything above."""
+        return Gains(*map(float, astuple(self)))
 
 
-@entry("Tuple((TUPLE6, TUPLE3))(TUPLE4, TUPLE6, TUPLE3, TUPLE3, TUPLE4, TUPLE6)")
+@entry("Tuple((TUPLE6, TUPLE3))(TUPLE4, TUPLE6, TUPLE3, TUPLE3, TUPLE4, Gains)")
 @inlined
 def control(
-    attitude: Quat, nu: Vec6, integral: Vec3, wanted: Vec3, facing: Quat, gains: Vec6
+    attitude: Quat, nu: Vec6, integral: Vec3, wanted: Vec3, facing: Quat, gains: Gains
 ) -> tuple[Vec6, Vec3]:
     """
     Return the wrench (N, N m; body) and the rate of the integral (m/s; NED).
@@ -70,36 +76,40 @@ def control(
         Body velocities (m/s, rad/s).
     integral, wanted : (3,) tuple
         Integrated velocity error (m; NED) and the velocity over ground to have (m/s; NED).
-    gains : (6,) tuple
+    gains : Gains
         From `Params.gains`.
 
     """
-    velocity_gain, integral_gain, attitude_gain, rate_gain, max_force_n, max_moment_nm = gains
     ahead = ned_to_body(attitude, wanted)
     error = (ahead[0] - nu[0], ahead[1] - nu[1], ahead[2] - nu[2])
     held = ned_to_body(attitude, integral)
-    ax = velocity_gain * error[0] + integral_gain * held[0]
-    ay = velocity_gain * error[1] + integral_gain * held[1]
-    az = velocity_gain * error[2] + integral_gain * held[2]
-    fx, fy, fz = clipped(ax, max_force_n), clipped(ay, max_force_n), clipped(az, max_force_n)
+    ax = gains.velocity_nspm * error[0] + gains.integral_npm * held[0]
+    ay = gains.velocity_nspm * error[1] + gains.integral_npm * held[1]
+    az = gains.velocity_nspm * error[2] + gains.integral_npm * held[2]
+    most_n = gains.max_force_n
+    fx, fy, fz = clipped(ax, most_n), clipped(ay, most_n), clipped(az, most_n)
     growth = (0.0, 0.0, 0.0)
     if fx == ax and fy == ay and fz == az:
         growth = body_to_ned(attitude, error)
     w, x, y, z = attitude
     turn = quaternion_product((w, -x, -y, -z), facing)
-    twice = 2.0 * attitude_gain if turn[0] >= 0.0 else -2.0 * attitude_gain
-    mx = clipped(twice * turn[1] - rate_gain * nu[3], max_moment_nm)
-    my = clipped(twice * turn[2] - rate_gain * nu[4], max_moment_nm)
-    mz = clipped(twice * turn[3] - rate_gain * nu[5], max_moment_nm)
+    twice = 2.0 * gains.attitude_nm if turn[0] >= 0.0 else -2.0 * gains.attitude_nm
+    mx = clipped(twice * turn[1] - gains.rate_nms * nu[3], gains.max_moment_nm)
+    my = clipped(twice * turn[2] - gains.rate_nms * nu[4], gains.max_moment_nm)
+    mz = clipped(twice * turn[3] - gains.rate_nms * nu[5], gains.max_moment_nm)
     return (fx, fy, fz, mx, my, mz), growth
 
 
 @entry("Tuple((TUPLE6, TUPLE3))(TUPLE4, TUPLE6, TUPLE3, TUPLE3, float64, float64, TUPLE6)")
 def stepped(
-    attitude: Quat, nu: Vec6, integral: Vec3, wanted: Vec3, heading_rad: float, period_s: float, gains: Vec6
+    attitude: Quat, nu: Vec6, integral: Vec3, wanted: Vec3, heading_rad: float, period_s: float, numbers: Vec6
 ) -> tuple[Vec6, Vec3]:
-    """Return the wrench (N, N m; body) of a control period, and the integral (m; NED) after it."""
-    tau, growth = control(attitude, nu, integral, wanted, quaternion_from_heading(heading_rad), gains)
+    """
+    Return the wrench (N, N m; body) of a control period, and the integral (m; NED) after it; `numbers` are
+    `Gains`.
+    """
+    gains, facing = Gains(*numbers), quaternion_from_heading(heading_rad)
+    tau, growth = control(attitude, nu, integral, wanted, facing, gains)
     return tau, (
         integral[0] + period_s * growth[0],
         integral[1] + period_s * growth[1],
@@ -115,6 +125,7 @@ class Controller:
 
     def __init__(self, params: Params, period_s: float) -> None:
         self._gains = params.gains
+        self._numbers: Vec6 = (*params.gains,)
         self._stepped = fastest(stepped)
         self._period_s = period_s
         self._integral: Vec3 = (0.0, 0.0, 0.0)
@@ -138,7 +149,7 @@ class Controller:
             reference.velocity,
             reference.heading_rad,
             self._period_s,
-            self._gains,
+            self._numbers,
         )
         return Wrench(tau)
 

@@ -23,8 +23,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
-from auv_core.compiled import entry, fastest, inlined, inner
+from auv_core.compiled import entry, fastest, inlined, inner, record
 from auv_core.drag import steady_speed_mps
 from auv_core.geometry import Quat, Vec3, clipped, quaternion_from_heading
 from auv_core.integrate import State
@@ -66,7 +67,37 @@ class Params:
                 )
 
 
-Constants = tuple[float, ...]
+@record(", ".join(21 * ["float64"]))
+class Constants(NamedTuple):
+    """
+    What `derivative` knows of a hull.
+
+    surge_kg, ..., yaw_kgm2: mass and inertia with what is added.  static_moment_kgm: m z_G as it stands in M
+    and C.  linear_surge, ..., quadratic_yaw: damping (N s/m, N m s/rad; N s^2/m^2, N m s^2/rad^2).
+    net_weight_n: W - B.  righting_nm: z_G W.
+    """
+
+    surge_kg: float
+    sway_kg: float
+    heave_kg: float
+    roll_kgm2: float
+    pitch_kgm2: float
+    yaw_kgm2: float
+    static_moment_kgm: float
+    linear_surge: float
+    linear_sway: float
+    linear_heave: float
+    linear_roll: float
+    linear_pitch: float
+    linear_yaw: float
+    quadratic_surge: float
+    quadratic_sway: float
+    quadratic_heave: float
+    quadratic_roll: float
+    quadratic_pitch: float
+    quadratic_yaw: float
+    net_weight_n: float
+    righting_nm: float
 
 
 def _static_moment_kgm(params: Params) -> float:
@@ -75,23 +106,19 @@ def _static_moment_kgm(params: Params) -> float:
 
 
 def constants(params: Params) -> Constants:
-    """
-    Return the numbers of `derivative` as one flat tuple (3 masses, 3 inertias, m z_G, 6 + 6 dampings, W - B,
-    z_G W).
-    """
-    masses = tuple(params.mass_kg + added for added in params.added_mass[:3])
-    inertias = tuple(
+    """Return what `derivative` knows of a hull with these parameters."""
+    surge_kg, sway_kg, heave_kg = (params.mass_kg + added for added in params.added_mass[:3])
+    roll_kgm2, pitch_kgm2, yaw_kgm2 = (
         inertia + added for inertia, added in zip(params.inertia_kgm2, params.added_mass[3:], strict=True)
     )
-    return (
-        *masses,
-        *inertias,
+    return Constants(
+        surge_kg, sway_kg, heave_kg, roll_kgm2, pitch_kgm2, yaw_kgm2,
         _static_moment_kgm(params),
         *params.linear_damping,
         *params.quadratic_damping,
-        params.weight_n - params.buoyancy_n,
-        params.cog_z_m * params.weight_n,
-    )
+        net_weight_n=params.weight_n - params.buoyancy_n,
+        righting_nm=params.cog_z_m * params.weight_n,
+    )  # fmt: skip
 
 
 def limits(params: Params) -> Vec6:
@@ -120,8 +147,11 @@ def momentum(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
     """
     u, v, w = velocity
     p, q, r = rates
-    s = c[6]
-    return (c[0] * u + s * q, c[1] * v - s * p, c[2] * w), (c[3] * p - s * v, c[4] * q + s * u, c[5] * r)
+    s = c.static_moment_kgm
+    return (
+        (c.surge_kg * u + s * q, c.sway_kg * v - s * p, c.heave_kg * w),
+        (c.roll_kgm2 * p - s * v, c.pitch_kgm2 * q + s * u, c.yaw_kgm2 * r),
+    )
 
 
 @inlined
@@ -150,8 +180,16 @@ def damping_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3
     u, v, w = velocity
     p, q, r = rates
     return (
-        ((c[7] + c[13] * abs(u)) * u, (c[8] + c[14] * abs(v)) * v, (c[9] + c[15] * abs(w)) * w),
-        ((c[10] + c[16] * abs(p)) * p, (c[11] + c[17] * abs(q)) * q, (c[12] + c[18] * abs(r)) * r),
+        (
+            (c.linear_surge + c.quadratic_surge * abs(u)) * u,
+            (c.linear_sway + c.quadratic_sway * abs(v)) * v,
+            (c.linear_heave + c.quadratic_heave * abs(w)) * w,
+        ),
+        (
+            (c.linear_roll + c.quadratic_roll * abs(p)) * p,
+            (c.linear_pitch + c.quadratic_pitch * abs(q)) * q,
+            (c.linear_yaw + c.quadratic_yaw * abs(r)) * r,
+        ),
     )
 
 
@@ -168,8 +206,8 @@ def derivative(state: State, tau: Vec6, current: Vec3, c: Constants) -> State:
         Wrench of the actuators (N, N m; body).
     current : (3,) tuple
         Velocity of the water, uniform and constant (m/s; NED).
-    c : tuple
-        From `constants`.
+    c : Constants
+        Of the hull.
 
     Notes
     -----
@@ -189,16 +227,16 @@ def derivative(state: State, tau: Vec6, current: Vec3, c: Constants) -> State:
     rates = (p, q, r)
     (cx, cy, cz), (ck, cm, cr) = coriolis_force(water, rates, c)
     (dx, dy, dz), (dk, dm, dr) = damping_force(water, rates, c)
-    heavy, righting = c[19], c[20]
+    heavy, righting = c.net_weight_n, c.righting_nm
     fx = tau[0] - cx - dx + heavy * r31
     fy = tau[1] - cy - dy + heavy * r32
     fz = tau[2] - cz - dz + heavy * r33
     nx = tau[3] - ck - dk - righting * r32
     ny = tau[4] - cm - dm + righting * r31
     nz = tau[5] - cr - dr
-    s = c[6]
-    surge_pitch = c[0] * c[4] - s * s
-    sway_roll = c[1] * c[3] - s * s
+    s = c.static_moment_kgm
+    surge_pitch = c.surge_kg * c.pitch_kgm2 - s * s
+    sway_roll = c.sway_kg * c.roll_kgm2 - s * s
     return (
         r11 * u + r12 * v + r13 * w,
         r21 * u + r22 * v + r23 * w,
@@ -207,12 +245,12 @@ def derivative(state: State, tau: Vec6, current: Vec3, c: Constants) -> State:
         0.5 * (qw * p + qy * r - qz * q),
         0.5 * (qw * q + qz * p - qx * r),
         0.5 * (qw * r + qx * q - qy * p),
-        (c[4] * fx - s * ny) / surge_pitch - (q * cw - r * cv),
-        (c[3] * fy + s * nx) / sway_roll - (r * cu - p * cw),
-        fz / c[2] - (p * cv - q * cu),
-        (c[1] * nx + s * fy) / sway_roll,
-        (c[0] * ny - s * fx) / surge_pitch,
-        nz / c[5],
+        (c.pitch_kgm2 * fx - s * ny) / surge_pitch - (q * cw - r * cv),
+        (c.roll_kgm2 * fy + s * nx) / sway_roll - (r * cu - p * cw),
+        fz / c.heave_kg - (p * cv - q * cu),
+        (c.sway_kg * nx + s * fy) / sway_roll,
+        (c.surge_kg * ny - s * fx) / surge_pitch,
+        nz / c.yaw_kgm2,
     )
 
 
@@ -250,8 +288,9 @@ def rk4(x: State, tau: Vec6, current: Vec3, c: Constants, dt_s: float) -> State:
 
 
 @entry("TUPLE13(TUPLE13, TUPLE6, TUPLE3, TUPLE21, float64, int64)")
-def advance(x: State, tau: Vec6, current: Vec3, c: Constants, dt_s: float, steps: int) -> State:
-    """Return a state after so many steps of `dt_s`, tau held."""
+def advance(x: State, tau: Vec6, current: Vec3, numbers: tuple[float, ...], dt_s: float, steps: int) -> State:
+    """Return a state after so many steps of `dt_s`, tau held; `numbers` are the hull's `Constants`."""
+    c = Constants(*numbers)
     for _ in range(steps):
         x = rk4(x, tau, current, c, dt_s)
     return x
@@ -265,6 +304,7 @@ class Model:
     def __init__(self, params: Params) -> None:
         self.params = params
         self._constants = constants(params)
+        self._numbers = tuple(self._constants)
         self._limits = limits(params)
         self._advance, self._limited = fastest(advance), fastest(limited_wrench)
 
@@ -302,7 +342,7 @@ class Model:
         Return the state after `steps` steps of `dt_s`, the wrench `command` held; the quaternion comes back
         with length 1.
         """
-        return self._advance(state, command, current, self._constants, dt_s, steps)
+        return self._advance(state, command, current, self._numbers, dt_s, steps)
 
     def derivative(self, state: State, tau: Vec6, current: Vec3) -> State:
         """Return the rate of change of `state`; see the function of the same name."""

@@ -15,8 +15,16 @@ from auv_core.geometry import Vec3, quaternion_from_heading
 from auv_core.models import kinematic, six_dof
 from auv_core.pairs import near_pairs, no_pairs
 from auv_core.plugins import find_plugin
-from auv_experiment.inprocess.fleet_loop import fly, lists_pairs
-from auv_experiment.inprocess.hull_lanes import LANES, from_lanes, hull_rates, point_rates, to_lanes
+from auv_experiment.inprocess.fleet_loop import Course, FleetLog, FleetState, fly, lists_pairs
+from auv_experiment.inprocess.hull_lanes import (
+    LANES,
+    POINT,
+    Hull,
+    from_lanes,
+    hull_rates,
+    point_rates,
+    to_lanes,
+)
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario, VehicleEntry
 from auv_flocking.agent_config import FLOCKING, REFERENCES, SEPARATION, make_consensus
@@ -93,14 +101,18 @@ class Fleet:
                 for start, vehicle in zip(positions, vehicles, strict=True)
             ]
             self.motion = to_lanes(hulls)
-            gains = scenario.agent.controller.params.gains
-            numbers = (*six_dof.constants(params), *six_dof.limits(params), *gains)
-            self._constants = np.array((*numbers, *scenario.environment.current_ned_mps))
+            self._hull = Hull(
+                model=six_dof.constants(params),
+                limits=six_dof.limits(params),
+                gains=scenario.agent.controller.params.gains,
+                water_mps=scenario.environment.current_ned_mps,
+            )
         else:
-            self.motion, self._constants = self.centres.copy(), np.zeros(0)
+            self.motion, self._hull = self.centres.copy(), POINT
         pairs = near_pairs if lists_pairs(self.count, self._law.numbers) else no_pairs
         rates = hull_rates if self.is_hull else point_rates
-        self._functions = (fastest(pairs), fastest(flock_rates), fastest(rates))
+        strengths = self._law.strength, self._law.obstacle_strength
+        self._functions = (fastest(pairs), fastest(flock_rates), fastest(rates), *strengths)
         self._fly: Any = fastest(fly)
 
     def paths(self, first_step: int, steps: int, dt_s: float) -> Floats:
@@ -108,25 +120,19 @@ class Fleet:
         halves = range(2 * first_step, 2 * (first_step + steps) + 1)
         return np.array([[_path_row(path.at(0.5 * half * dt_s)) for path in self._paths] for half in halves])
 
-    def fly(self, ticks: int, steps: int, dt_s: float, paths: Floats) -> tuple[Floats, ...]:
-        """
-        Fly so many control periods of so many steps along a table of `paths`.
-
-        Returns
-        -------
-        motion, centres, centre_rates, velocities, wrenches : (ticks + 1, ...) arrays
-            What stands at the ticks, the first and the last included, as `fleet_loop.fly` has it.
-
-        """
-        shapes = (self.motion.shape, (self.count, 3), (self.count, 3), (self.count, 3))
-        logs = [np.empty((ticks + 1, *shape)) for shape in shapes]
-        logs.append(np.empty((ticks + 1, len(self.motion), 6 * LANES) if self.is_hull else (0, 0, 0)))
-        law = self._law.arguments
-        self._fly(
-            *self._functions, self.motion, self.centres, ticks, steps, dt_s, paths, self._path_of, *law,
-            self._constants, *logs,
-        )  # fmt: skip
-        return tuple(logs)
+    def fly(self, ticks: int, steps: int, dt_s: float, paths: Floats) -> FleetLog:
+        """Fly so many control periods of so many steps along a table of `paths`; return what happened."""
+        wrenches = (ticks + 1, len(self.motion), 6 * LANES) if self.is_hull else (0, 0, 0)
+        log = FleetLog(
+            motion=np.empty((ticks + 1, *self.motion.shape)),
+            centres=np.empty((ticks + 1, self.count, 3)),
+            centre_rates=np.empty((ticks + 1, self.count, 3)),
+            velocities=np.empty((ticks + 1, self.count, 3)),
+            wrenches=np.empty(wrenches),
+        )
+        state = FleetState(self.motion, self.centres, self._law.numbers, self._hull)
+        self._fly(*self._functions, state, Course(ticks, steps, dt_s, paths, self._path_of), log)
+        return log
 
 
 def fly_fleet(scenario: Scenario, recording: Recording, on_progress: Callable[[float], None] | None) -> None:
@@ -150,24 +156,23 @@ def fly_fleet(scenario: Scenario, recording: Recording, on_progress: Callable[[f
             on_progress((tick + ticks) * scenario.period_s)
 
 
-def _record(recording: Recording, tick: int, fleet: Fleet, logs: tuple[Floats, ...]) -> None:
+def _record(recording: Recording, tick: int, fleet: Fleet, log: FleetLog) -> None:
     """Write a stretch of ticks that begins at `tick`; of its last one only the state."""
-    motion, centres, centre_rates, velocities, wrenches = logs
-    states = slice(tick, tick + len(motion))
-    commands = slice(tick, tick + len(motion) - 1)
-    hulls = from_lanes(motion, fleet.count) if fleet.is_hull else motion
+    states = slice(tick, tick + len(log.motion))
+    commands = slice(tick, tick + len(log.motion) - 1)
+    hulls = from_lanes(log.motion, fleet.count) if fleet.is_hull else log.motion
     _check_finite(recording, tick, hulls)
     recording.position_ned_m[states] = hulls[..., :3]
-    recording.centre_ned_m[commands] = centres[:-1]
-    recording.centre_velocity_ned_mps[commands] = centre_rates[:-1]
-    recording.reference_velocity_ned_mps[commands] = velocities[:-1]
+    recording.centre_ned_m[commands] = log.centres[:-1]
+    recording.centre_velocity_ned_mps[commands] = log.centre_rates[:-1]
+    recording.reference_velocity_ned_mps[commands] = log.velocities[:-1]
     if fleet.is_hull:
         recording.attitude_quat_wxyz[states] = hulls[..., 3:7]
         recording.velocity_body[states] = hulls[..., 7:13]
-        recording.command[commands] = from_lanes(wrenches, fleet.count)[:-1]
+        recording.command[commands] = from_lanes(log.wrenches, fleet.count)[:-1]
     else:
         recording.attitude_quat_wxyz[states] = (1.0, 0.0, 0.0, 0.0)
-        recording.velocity_body[states, :, :3] = velocities
+        recording.velocity_body[states, :, :3] = log.velocities
         recording.velocity_body[states, :, 3:] = 0.0
 
 

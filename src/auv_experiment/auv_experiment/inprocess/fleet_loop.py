@@ -10,19 +10,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_core.compiled import entry, inlined
+from auv_core.compiled import entry, inlined, record
 from auv_core.pairs import NEAR_PAIRS
-from auv_experiment.inprocess.hull_lanes import LANES, VEHICLE_RATES, normalise
-from auv_flocking.central import Numbers, Strength
-from auv_flocking.flock_rates import FLOCK_RATES, LAW
+from auv_experiment.inprocess.hull_lanes import LANES, VEHICLE_RATES, Hull, normalise
+from auv_flocking.central import STRENGTH, Strength
+from auv_flocking.flock_rates import FLOCK_RATES, LawNumbers, NearPairs, Paths, Scene
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-NearPairs = Callable[[Floats, float], tuple[Ints, Ints]]
+ListPairs = Callable[[Floats, float], tuple[Ints, Ints]]
 Rates = Callable[..., None]
 
 FEW = 32
@@ -30,9 +31,9 @@ SKIN = 0.1
 
 
 @inlined
-def lists_pairs(count: int, numbers: Floats) -> bool:
+def lists_pairs(count: int, law: LawNumbers) -> bool:
     """Return whether a list of near pairs is worth its while: many vehicles that act on near ones only."""
-    return bool(count > FEW and max(numbers[4], numbers[6]) < math.inf)
+    return bool(count > FEW and max(law.push_m, law.talk_m) < math.inf)
 
 
 @inlined
@@ -80,65 +81,103 @@ def _has_moved(points: Floats, listed_at: Floats, by_m: float) -> bool:
     return False
 
 
+@record("float64[:, ::1], float64[:, ::1], LawNumbers, Hull")
+class FleetState(NamedTuple):
+    """
+    Where a flock is, and what moves it.
+
+    motion : (N, 3) or (B, 256) array
+        Positions of points (m; NED), or hulls as `hull_lanes` has them; overwritten.
+    centres : (N, 3) array
+        The vehicles' estimates of the flocking centre (m; NED); overwritten.
+    law, hull
+        Numbers of the laws and of the hulls.
+
+    """
+
+    motion: Floats
+    centres: Floats
+    law: LawNumbers
+    hull: Hull
+
+
+@record("int64, int64, float64, float64[:, :, ::1], int64[::1]")
+class Course(NamedTuple):
+    """
+    How long to fly, and where.
+
+    ticks, steps, dt_s
+        Control periods, RK4 steps in each of them, and the length of a step (s).
+    paths : (2 * ticks * steps + 1, P, 8) array
+        The paths at every half step, see `auv_flocking.flock_rates.Paths`.
+    path_of : (N,) array of int64
+        The path of each vehicle.
+
+    """
+
+    ticks: int
+    steps: int
+    dt_s: float
+    paths: Floats
+    path_of: Ints
+
+
+@record(", ".join(5 * ["float64[:, :, ::1]"]))
+class FleetLog(NamedTuple):
+    """
+    What stands at the ticks, the first and the last included.
+
+    motion, centres, centre_rates : (ticks + 1, ...) arrays
+        Motion, estimates and their rates.
+    velocities : (ticks + 1, N, 3) array
+        What the law asks (m/s; NED).
+    wrenches : (ticks + 1, B, 96) array
+        What the controllers of hulls ask (N, N m; body).
+
+    """
+
+    motion: Floats
+    centres: Floats
+    centre_rates: Floats
+    velocities: Floats
+    wrenches: Floats
+
+
 @entry(
     f"void(FUNCTION({NEAR_PAIRS}), FUNCTION({FLOCK_RATES}), FUNCTION({VEHICLE_RATES}), "
-    f"float64[:, ::1], float64[:, ::1], int64, int64, float64, float64[:, :, ::1], int64[::1], {LAW}, "
-    f"float64[::1], {', '.join(5 * ['float64[:, :, ::1]'])})"
+    f"FUNCTION({STRENGTH}), FUNCTION({STRENGTH}), FleetState, Course, FleetLog)"
 )
 def fly(
-    list_pairs: NearPairs,
+    list_pairs: ListPairs,
     flock_rates: Rates,
     vehicle_rates: Rates,
-    motion: Floats,
-    centres: Floats,
-    ticks: int,
-    steps: int,
-    dt_s: float,
-    paths: Floats,
-    path_of: Ints,
-    shares: Floats,
-    numbers: Floats,
     strength: Strength,
-    strength_numbers: Numbers,
     obstacle_strength: Strength,
-    obstacle_numbers: Numbers,
-    obstacles: Floats,
-    constants: Floats,
-    motion_log: Floats,
-    centre_log: Floats,
-    centre_rate_log: Floats,
-    velocity_log: Floats,
-    wrench_log: Floats,
+    fleet: FleetState,
+    course: Course,
+    log: FleetLog,
 ) -> None:
     """
-    Fly a flock of N vehicles through `ticks` control periods of `steps` RK4 steps each.
+    Fly a flock of N vehicles along its course.
 
     Parameters
     ----------
     list_pairs, flock_rates, vehicle_rates
         `near_pairs` or `no_pairs`, `auv_flocking.flock_rates`, `hull_rates` or `point_rates`.
-    motion : (N, 3) or (B, 256) array
-        Positions of points (m; NED), or hulls as `hull_lanes` has them; overwritten.
-    centres : (N, 3) array
-        The vehicles' estimates of the flocking centre (m; NED); overwritten.
-    paths : (2 * ticks * steps + 1, P, 8) array
-        The paths at every half step, see `flock_rates`.
-    path_of : (N,) array of int64
-        The path of each vehicle.
-    shares, ..., obstacles
-        `FlockLaw.arguments`.
-    constants : (36,) array
-        Of hulls, see `hull_rates`; of points empty.
-    motion_log, centre_log, centre_rate_log : (ticks + 1, ...) arrays
-        Motion, estimates and their rates at the ticks, the first and the last included.
-    velocity_log : (ticks + 1, N, 3) array
-        What the law asks at the ticks (m/s; NED).
-    wrench_log : (ticks + 1, B, 96) array
-        What the controllers of hulls ask at the ticks (N, N m; body).
+    strength, obstacle_strength
+        Of `auv_flocking.flock_rates.FlockLaw`.
+    fleet : FleetState
+        Where the flock is; moved on.
+    course : Course
+        How long to fly, and where.
+    log : FleetLog
+        Where to write what stands at the ticks.
 
     """
-    count, rows, columns = len(path_of), motion.shape[0], motion.shape[1]
-    reach_m, is_listed = max(numbers[4], numbers[6]), lists_pairs(count, numbers)
+    motion, centres, law = fleet.motion, fleet.centres, fleet.law
+    ticks, steps, dt_s = course.ticks, course.steps, course.dt_s
+    count, rows, columns = len(course.path_of), motion.shape[0], motion.shape[1]
+    reach_m, is_listed = max(law.push_m, law.talk_m), lists_pairs(count, law)
     first, partners = np.zeros(0, np.int64), np.zeros(0, np.int64)
     listed_at = np.full((count, 3), math.inf)
     points, velocities = np.empty((count, 3)), np.empty((count, 3))
@@ -157,21 +196,18 @@ def fly(
             if is_listed and _has_moved(points, listed_at, 0.5 * SKIN * reach_m):
                 first, partners = list_pairs(points, (1.0 + SKIN) * reach_m)
                 _copy(points, listed_at)
-            row = 2 * step + (stage + 1) // 2
-            flock_rates(
-                points, there_centres, paths, row, path_of, is_listed, first, partners,
-                shares, numbers, strength, strength_numbers, obstacle_strength, obstacle_numbers, obstacles,
-                velocities, k_centres, stage,
-            )  # fmt: skip
-            vehicle_rates(there, velocities, paths, row, path_of, constants, wanted, wrenches, k, stage)
+            paths = Paths(course.paths, 2 * step + (stage + 1) // 2, course.path_of)
+            scene = Scene(points, there_centres, paths, NearPairs(is_listed, first, partners))
+            flock_rates(scene, law, strength, obstacle_strength, velocities, k_centres, stage)
+            vehicle_rates(there, velocities, paths, fleet.hull, wanted, wrenches, k, stage)
             if stage == 0 and step % steps == 0:
                 tick = step // steps
-                _copy(motion, motion_log[tick])
-                _copy(centres, centre_log[tick])
-                _copy(k_centres[0], centre_rate_log[tick])
-                _copy(velocities, velocity_log[tick])
+                _copy(motion, log.motion[tick])
+                _copy(centres, log.centres[tick])
+                _copy(k_centres[0], log.centre_rates[tick])
+                _copy(velocities, log.velocities[tick])
                 if columns > 3:
-                    _copy(wrenches, wrench_log[tick])
+                    _copy(wrenches, log.wrenches[tick])
             if step == ticks * steps:
                 return
         _step(motion, dt_s, k)

@@ -9,27 +9,43 @@ not overlap.  Lanes in use are filled up to a multiple of eight with hulls that 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_control.controllers.velocity_pi import control
-from auv_core.compiled import entry, inlined, inner
+from auv_control.controllers.velocity_pi import Gains, control
+from auv_core.compiled import entry, inlined, inner, record
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
-from auv_core.models.six_dof import derivative, limited_wrench, normalised
+from auv_core.messages import Vec6
+from auv_core.models.six_dof import Constants, derivative, limited_wrench, normalised
+from auv_flocking.flock_rates import Paths
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 LANES = 16
 ROWS = 16  # 13 of a hull, 3 of the integral of its controller
 VEHICLE_RATES = (
-    "void(float64[:, ::1], float64[:, ::1], float64[:, :, ::1], int64, int64[::1], float64[::1], "
-    "float64[:, ::1], float64[:, ::1], float64[:, :, ::1], int64)"
+    "void(float64[:, ::1], float64[:, ::1], Paths, Hull, float64[:, ::1], float64[:, ::1], "
+    "float64[:, :, ::1], int64)"
 )
 _AT_ONCE = 8
 _NOBODY = (0.0, 0.0, 0.0, 1.0, *(12 * (0.0,)))
+
+
+@record("Constants, TUPLE6, Gains, TUPLE3")
+class Hull(NamedTuple):
+    """A model and its actuator limits, the gains of its controller, and the velocity of the water (NED)."""
+
+    model: Constants
+    limits: Vec6
+    gains: Gains
+    water_mps: Vec3
+
+
+POINT = Hull(Constants(*21 * (0.0,)), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), Gains(*6 * (0.0,)), (0.0, 0.0, 0.0))
+"""What stands in the place of a hull where vehicles are points."""
 
 
 def to_lanes(states: Sequence[State]) -> Floats:
@@ -57,10 +73,8 @@ def lanes_in_use(count: int, block: int) -> int:
 def hull_rates(
     lanes: Floats,
     velocities: Floats,
-    paths: Floats,
-    row: int,
-    path_of: Ints,
-    constants: Floats,
+    paths: Paths,
+    hull: Hull,
     wanted: Floats,
     wrenches: Floats,
     rates: Floats,
@@ -75,11 +89,10 @@ def hull_rates(
         Hulls in B blocks.
     velocities : (N, 3) array
         Velocity over ground to have (m/s; NED).
-    paths, row, path_of
-        See `auv_flocking.flock_rates`; only the attitude is looked at.
-    constants : (36,) array
-        Of the model: 21 of `six_dof.constants` and 6 of `six_dof.limits`; 6 gains of the controller;
-        velocity of the water (m/s; NED).
+    paths : Paths
+        Of which only the attitude is looked at.
+    hull : Hull
+        What all of them are.
     wanted : (B, 80) array
         Room for what is asked of the controllers.
     wrenches : (B, 96) array
@@ -88,21 +101,13 @@ def hull_rates(
         Where to write the rates of the hulls.
 
     """
-    c = constants
-    model = (
-        c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9], c[10],
-        c[11], c[12], c[13], c[14], c[15], c[16], c[17], c[18], c[19], c[20],
-    )  # fmt: skip
-    limits = (c[21], c[22], c[23], c[24], c[25], c[26])
-    gains = (c[27], c[28], c[29], c[30], c[31], c[32])
-    water = (c[33], c[34], c[35])
     count, now = len(velocities), rates[stage]
     for i in range(count):
-        block, lane, path = i // LANES, i % LANES, path_of[i]
+        block, lane, path = i // LANES, i % LANES, paths.path_of[i]
         for axis in range(3):
             wanted[block, lane + axis * LANES] = velocities[i, axis]
-        wanted[block, lane + 3 * LANES] = paths[row, path, 6]
-        wanted[block, lane + 4 * LANES] = paths[row, path, 7]
+        wanted[block, lane + 3 * LANES] = paths.table[paths.row, path, 6]
+        wanted[block, lane + 4 * LANES] = paths.table[paths.row, path, 7]
     for block in range((count + LANES - 1) // LANES):
         for lane in range(lanes_in_use(count, block)):
             x = _plant(lanes, block, lane)
@@ -110,8 +115,9 @@ def hull_rates(
             integral = _three(lanes, block, lane + 13 * LANES)
             velocity = _three(wanted, block, lane)
             facing = (wanted[block, lane + 3 * LANES], 0.0, 0.0, wanted[block, lane + 4 * LANES])
-            tau, growth = control(attitude, nu, integral, velocity, facing, gains)
-            _put_plant(now, block, lane, derivative(x, limited_wrench(tau, limits), water, model))
+            tau, growth = control(attitude, nu, integral, velocity, facing, hull.gains)
+            given = limited_wrench(tau, hull.limits)
+            _put_plant(now, block, lane, derivative(x, given, hull.water_mps, hull.model))
             _put_three(now, block, lane + 13 * LANES, growth)
             _put_three(wrenches, block, lane, (tau[0], tau[1], tau[2]))
             _put_three(wrenches, block, lane + 3 * LANES, (tau[3], tau[4], tau[5]))
@@ -121,10 +127,8 @@ def hull_rates(
 def point_rates(
     motion: Floats,
     velocities: Floats,
-    paths: Floats,
-    row: int,
-    path_of: Ints,
-    constants: Floats,
+    paths: Paths,
+    hull: Hull,
     wanted: Floats,
     wrenches: Floats,
     rates: Floats,
