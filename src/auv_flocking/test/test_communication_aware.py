@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from auv_control.references import PathPoint
 from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View, potential
-from auv_flocking.flocking._correction import SPACING, outlook
+from auv_flocking.flocking._correction import outlook
 from auv_flocking.flocking.communication_aware import Flocking, Params
 from auv_flocking.neighbours.estimates import Estimates, NeighbourEstimate
 from auv_flocking.separation import mathematical
@@ -252,7 +252,7 @@ def test_what_navigations_state_widens_the_spacing_as_far_as_the_filter_shares_t
     estimate = _estimate((2.0, 0.0, 0.0), sigma_m=0.5)._replace(navigation_sd_m=stated_m)
     row = Estimates.of([estimate]).rows[0]
     law = _law([estimate], spacing_sigmas=2.0, navigation_sigmas=1.5, widening_limit_m=3.0)
-    spacing_m = outlook(row, 0.0, ORIGIN, W, law._gains)[SPACING]
+    spacing_m = outlook(row, 0.0, ORIGIN, W, law._gains).spacing_m
     assert spacing_m == pytest.approx(2.0 + 2.0 * 0.5 + 1.5 * min(stated_m, 0.5))
     without = _law([estimate], navigation_sigmas=0.0)
     if stated_m == 0.0:

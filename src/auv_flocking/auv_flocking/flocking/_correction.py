@@ -8,6 +8,7 @@ knows of, in a form that also compiles.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,15 +28,42 @@ from auv_flocking.neighbours.estimates import (
 )
 
 Matrix = NDArray[np.float64]
-Gains = tuple[float, ...]
-"""
-d, k_c, phi, u_max, l, k_s, m, k_v, whether there is a barrier, D, alpha, k_b, the hull's lag, and k_n.
-"""
-Outlook = tuple[float, float, float, float, float, float, float, float]
-"""
-Direction from the neighbour (3), distance (m), age (s), its deviation sigma_j (m), d_j (m), gain g_j.
-"""
-SPACING = 6
+Known = tuple[Matrix, NDArray[np.int64], Matrix, Matrix]
+
+
+class Gains(NamedTuple):
+    """Numbers of the law, named as its parameters; `barrier` is 1 with a barrier and 0 without."""
+
+    spacing_m: float
+    cohesion_gain_ps: float
+    lag_budget_rad: float
+    correction_limit_mps: float
+    reach_m: float
+    spacing_sigmas: float
+    widening_limit_m: float
+    closing_ratio: float
+    barrier: float
+    barrier_distance_m: float
+    barrier_rate_ps: float
+    barrier_sigmas: float
+    response_s: float
+    navigation_sigmas: float
+
+
+class Outlook(NamedTuple):
+    """
+    What an estimate means for the own vehicle.
+
+    normal: direction from the neighbour; sigma_m: deviation sigma_j; spacing_m: d_j; gain: g_j.
+    """
+
+    normal: Vec3
+    distance_m: float
+    age_s: float
+    sigma_m: float
+    spacing_m: float
+    gain: float
+
 
 strength = obstacle_strength = no_strength
 
@@ -125,11 +153,10 @@ def outlook(row: Matrix, usual_s: float, own: Vec3, flock: Vec3, gains: Gains) -
         What the age of its packets has been of late (s).
     own, flock : (3,) tuple
         Own position (m) and the flock's velocity (m/s; NED).
-    gains : (14,) tuple
+    gains : Gains
         The law's numbers.
 
     """
-    d, _, phi, _, _, k_s, m, k_v, _, _, _, _, response_s, k_n = gains
     other = (float(row[POSITION]), float(row[POSITION + 1]), float(row[POSITION + 2]))
     packet_s, sonar_s = float(row[AGE]), float(row[SONAR_AGE])
     age_s = min(packet_s, sonar_s)
@@ -140,50 +167,45 @@ def outlook(row: Matrix, usual_s: float, own: Vec3, flock: Vec3, gains: Gains) -
         float(row[VELOCITY + 2]) - flock[2],
     )
     believed_m2 = _believed_m2(row, normal)
-    moved_m = k_v * age_s * math.sqrt(vx * vx + vy * vy + vz * vz)
+    moved_m = gains.closing_ratio * age_s * math.sqrt(vx * vx + vy * vy + vz * vz)
     sigma_m = math.sqrt(believed_m2 + moved_m * moved_m)
     lasting_m = min(math.sqrt(believed_m2), float(row[NAVIGATION_SD]))
     # Gains go by what ages usually are; what the sonar sees is as old as the hull's own lag.
-    gain_age_s = max(sonar_s, response_s) if sonar_s < packet_s else max(packet_s, usual_s)
-    spacing_m = d + min(k_s * sigma_m + k_n * lasting_m, m)
-    return (
-        normal[0], normal[1], normal[2], distance_m, age_s, sigma_m, spacing_m, matched(phi, gain_age_s),
-    )  # fmt: skip
+    gain_age_s = max(sonar_s, gains.response_s) if sonar_s < packet_s else max(packet_s, usual_s)
+    wider_m = gains.spacing_sigmas * sigma_m + gains.navigation_sigmas * lasting_m
+    spacing_m = gains.spacing_m + min(wider_m, gains.widening_limit_m)
+    gain = matched(gains.lag_budget_rad, gain_age_s)
+    return Outlook(normal, distance_m, age_s, sigma_m, spacing_m, gain)
 
 
 @inner
 def _neighbour_bound(view: Outlook, limit_mps: float, gains: Gains) -> float:
     """Return the least velocity along the direction from a neighbour (m/s), in the flock's frame."""
-    _, _, _, _, _, _, m, _, _, keep_m, alpha, k_b, _, _ = gains
-    _, _, _, distance_m, age_s, sigma_m, _, _ = view
-    rate_ps = 0.5 * min(alpha, 1.0 / max(age_s, _NO_AGE_S))
-    return min(-rate_ps * (distance_m - keep_m - min(k_b * sigma_m, m)), limit_mps)
+    rate_ps = 0.5 * min(gains.barrier_rate_ps, 1.0 / max(view.age_s, _NO_AGE_S))
+    unsure_m = min(gains.barrier_sigmas * view.sigma_m, gains.widening_limit_m)
+    return min(-rate_ps * (view.distance_m - gains.barrier_distance_m - unsure_m), limit_mps)
 
 
 @inner
 def _obstacle_bound(normal: Vec3, distance_m: float, safety_m: float, flock: Vec3, gains: Gains) -> float:
     """Return the same for an obstacle: it does not move with the flock, and all of the way is ours."""
-    d, _, _, u_max, _, _, _, _, _, keep_m, alpha, _, _, _ = gains
     flock_mps = normal[0] * flock[0] + normal[1] * flock[1] + normal[2] * flock[2]
-    return min(-alpha * (distance_m - keep_m * safety_m / d) - flock_mps, u_max)
+    keep_m = gains.barrier_distance_m * safety_m / gains.spacing_m
+    return min(-gains.barrier_rate_ps * (distance_m - keep_m) - flock_mps, gains.correction_limit_mps)
 
 
 @entry(
-    "TUPLE3(TUPLE3, TUPLE3, TUPLE3, float64[:, ::1], int64[::1], float64[::1], float64[:, ::1], float64,"
-    "TUPLE14, float64[::1], float64[::1], float64[:, ::1])"
+    "TUPLE3(TUPLE3, TUPLE3, TUPLE3, Tuple((float64[:, ::1], int64[::1], float64[::1], float64[:, ::1])), "
+    "float64, TUPLE14, UniTuple(float64[::1], 2), float64[:, ::1])"
 )
 def correction(
     own: Vec3,
     centre: Vec3,
     flock: Vec3,
-    rows: Matrix,
-    addresses: NDArray[np.int64],
-    usual_s: Matrix,
-    obstacles: Matrix,
+    known: Known,
     age_s: float,
-    gains: Gains,
-    numbers: Numbers,
-    obstacle_numbers: Numbers,
+    numbers: tuple[float, ...],
+    strength_numbers: tuple[Numbers, Numbers],
     pushes: Matrix,
 ) -> Vec3:
     """
@@ -195,50 +217,48 @@ def correction(
     ----------
     own, centre, flock : (3,) tuple
         Own position and estimate of the flock's centre (m), and the flock's velocity (m/s); NED.
-    rows, addresses : (n, WIDTH), (n,) array
-        The neighbours.
-    usual_s : (256,) array
-        What the age of the packets has been of late, by address (s).
-    obstacles : (k, 4) array
-        Positions and safety distances (m; NED).
+    known : tuple of four arrays
+        The neighbours, (n, WIDTH), and their addresses, (n,); what the age of the packets has been of late,
+        by address, (256,) (s); positions and safety distances of the obstacles, (k, 4) (m; NED).
     age_s : float
         Mean age A of what is known (s).
-    gains : (14,) tuple
-        The law's numbers.
-    numbers, obstacle_numbers : arrays
+    numbers : (14,) tuple
+        The law's `Gains`.
+    strength_numbers : tuple of two arrays
         Of the separation law, for neighbours and for obstacles; see `auv_flocking.central`.
     pushes : (n + k, 3) or (0, 3) array
         What another kind of separation law asks because of neighbours and obstacles (m/s), instead.
 
     """
-    _, k_c, phi, u_max, reach_m, _, _, _, barrier, _, _, _, response_s, _ = gains
+    gains = Gains(*numbers)
+    rows, addresses, usual_s, obstacles = known
     n, count = len(rows), len(rows) + len(obstacles)
-    gain = k_c * matched(phi, age_s)
+    gain = gains.cohesion_gain_ps * matched(gains.lag_budget_rad, age_s)
     x, y, z = gain * (centre[0] - own[0]), gain * (centre[1] - own[1]), gain * (centre[2] - own[2])
-    limit_mps = min(u_max, reach_m / max(age_s, _NO_AGE_S))
+    limit_mps = min(gains.correction_limit_mps, gains.reach_m / max(age_s, _NO_AGE_S))
     half_spaces = np.empty((count, 4))
     for k in range(count):
         if k < n:
             view = outlook(rows[k], float(usual_s[addresses[k]]), own, flock, gains)
-            normal, factor, spacing_m = (view[0], view[1], view[2]), view[7], view[6]
+            normal, factor, spacing_m = view.normal, view.gain, view.spacing_m
             other = (float(rows[k, POSITION]), float(rows[k, POSITION + 1]), float(rows[k, POSITION + 2]))
             bound_mps = _neighbour_bound(view, limit_mps, gains)
         else:
             row = obstacles[k - n]
             other, spacing_m = (float(row[0]), float(row[1]), float(row[2])), float(row[3])
             normal, distance_m = _direction(own, other)
-            factor = matched(phi, response_s)
+            factor = matched(gains.lag_budget_rad, gains.response_s)
             bound_mps = _obstacle_bound(normal, distance_m, spacing_m, flock, gains)
         if len(pushes) > 0:
             dx, dy, dz = float(pushes[k, 0]), float(pushes[k, 1]), float(pushes[k, 2])
         elif k < n:
-            dx, dy, dz = along(own, other, spacing_m, strength, numbers)
+            dx, dy, dz = along(own, other, spacing_m, strength, strength_numbers[0])
         else:
-            dx, dy, dz = along(own, other, spacing_m, obstacle_strength, obstacle_numbers)
+            dx, dy, dz = along(own, other, spacing_m, obstacle_strength, strength_numbers[1])
         x, y, z = x + factor * dx, y + factor * dy, z + factor * dz
         half_spaces[k, 0], half_spaces[k, 1], half_spaces[k, 2] = normal
         half_spaces[k, 3] = bound_mps
     asked = limited((x, y, z), limit_mps)
-    if barrier == 0.0 or count == 0:
+    if gains.barrier == 0.0 or count == 0:
         return asked
-    return limited(into_half_spaces(asked, half_spaces), u_max)
+    return limited(into_half_spaces(asked, half_spaces), gains.correction_limit_mps)

@@ -51,7 +51,6 @@ from auv_core.geometry import Vec3, limited
 from auv_core.params import param
 from auv_flocking.flocking import FlockVelocity, View
 from auv_flocking.flocking._correction import (
-    SPACING,
     Gains,
     correction,
     matched,
@@ -154,6 +153,7 @@ class Flocking:
         self._learn = getattr(separation, "adapt", None)
         self._is_leader = is_leader
         self._gains = _gains(params)
+        self._gain_numbers = (*self._gains,)
         self._is_central = hasattr(separation, "strength")
         self._correction = _correction(separation) if self._is_central else correction
         numbers = getattr(separation, "numbers", _NO_NUMBERS)
@@ -235,13 +235,10 @@ class Flocking:
             view.position,
             view.centre,
             flock,
-            estimates.rows,
-            estimates.who,
-            self._usual_age_s,
-            self._as_rows(view.obstacles),
+            (estimates.rows, estimates.who, self._usual_age_s, self._as_rows(view.obstacles)),
             self.age_s,
-            self._gains,
-            *self._numbers,
+            self._gain_numbers,
+            self._numbers,
             _NO_PUSHES if self._is_central else self._pushes(view, estimates),
         )
         return (flock[0] + x, flock[1] + y, flock[2] + z)
@@ -256,7 +253,7 @@ class Flocking:
         """Return what a separation law that has no `strength` asks because of neighbours and obstacles."""
         own, flock, usual_s = view.position, view.flock_velocity, self._usual_age_s[estimates.who]
         spacings_m = [
-            outlook(row, usual, own, flock, self._gains)[SPACING]
+            outlook(row, usual, own, flock, self._gains).spacing_m
             for row, usual in zip(estimates.rows, usual_s, strict=True)
         ]
         pushes = [
@@ -283,21 +280,6 @@ def _correction(separation: Any) -> Callable[..., Vec3]:
     return fastest(specialised(correction, strength=strength, obstacle_strength=of_obstacle))
 
 
-def _gains(p: Params) -> Gains:
+def _gains(params: Params) -> Gains:
     """Return the numbers of `auv_flocking.flocking._correction`."""
-    return (
-        p.spacing_m,
-        p.cohesion_gain_ps,
-        p.lag_budget_rad,
-        p.correction_limit_mps,
-        p.reach_m,
-        p.spacing_sigmas,
-        p.widening_limit_m,
-        p.closing_ratio,
-        float(p.barrier),
-        p.barrier_distance_m,
-        p.barrier_rate_ps,
-        p.barrier_sigmas,
-        p.response_s,
-        p.navigation_sigmas,
-    )
+    return Gains(*(float(getattr(params, name)) for name in Gains._fields))
