@@ -168,11 +168,12 @@ def test_bytes_that_are_no_message_are_refused_and_nothing_else_happens(data):
 
 @pytest.mark.parametrize("count", [0, 1, 2, 5])
 def test_neighbour_estimates_hold_every_number(count):
+    from auv_flocking.neighbours.estimates import AGE, COVARIANCE, PUBLISHED
     from auv_msgs.msg import NeighbourEstimates
     from auv_ros.wire import conversions as convert
 
-    rows = np.arange(60.0 * count).reshape(count, 60)[:, 5:49]
-    stencil = convert.neighbours_stencil(range(1, count + 1))
+    rows = np.arange(60.0 * count).reshape(count, 60)[:, 5 : 5 + PUBLISHED]
+    stencil = convert.neighbours_stencil(range(1, count + 1), PUBLISHED)
     stencil.filled(1.0, 10, rows + 1.0)
     message = read(stencil.filled(2.5, 25, rows), NeighbourEstimates)
     assert_stamped(message.header, 2.5, "map_ned")
@@ -180,8 +181,8 @@ def test_neighbour_estimates_hold_every_number(count):
     for address, row, neighbour in zip(range(1, count + 1), rows, message.neighbours, strict=True):
         assert neighbour.address == address
         assert [neighbour.position.x, neighbour.velocity.z] == [row[0], row[5]]
-        assert list(neighbour.covariance) == row[6:42].tolist()
-        assert [neighbour.age_s, neighbour.sonar_age_s] == row[42:].tolist()
+        assert list(neighbour.covariance) == row[COVARIANCE:AGE].tolist()
+        assert [neighbour.age_s, neighbour.sonar_age_s] == row[AGE:].tolist()
 
 
 @pytest.mark.parametrize("name", ["auv_1.vehicle_node", ""])

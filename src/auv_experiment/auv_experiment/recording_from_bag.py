@@ -14,8 +14,9 @@ from auv_bag.bag import Bag
 from auv_bag.writer import BagError
 from auv_core.freshness import age_limit_s
 from auv_experiment.recording import Recording, law_states
-from auv_experiment.run_messages import NEIGHBOUR_WIDTH, RunMessages
+from auv_experiment.run_messages import RunMessages
 from auv_flocking.holding import STALE_COMMAND, cause_number
+from auv_flocking.neighbours.estimates import AGE, COVARIANCE, POSITION, PUBLISHED, SONAR_AGE, VELOCITY
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -112,14 +113,12 @@ class _Arrays:
         centre = self._messages.centre[i].table(k, hold_to_end=not lost)
         recording.centre_ned_m[:, i] = centre[:, :3]
         recording.centre_velocity_ned_mps[:, i] = centre[:, 3:]
-        neighbours = (
-            self._messages.neighbours[i].table(k, hold_to_end=not lost).reshape(k, n, NEIGHBOUR_WIDTH)
-        )
-        recording.neighbour_position_ned_m[:, i] = neighbours[..., 0:3]
-        recording.neighbour_velocity_ned_mps[:, i] = neighbours[..., 3:6]
-        recording.neighbour_covariance[:, i] = neighbours[..., 6:42].reshape(k, n, 6, 6)
-        recording.neighbour_age_s[:, i] = neighbours[..., 42]
-        recording.neighbour_sonar_age_s[:, i] = neighbours[..., 43]
+        neighbours = self._messages.neighbours[i].table(k, hold_to_end=not lost).reshape(k, n, PUBLISHED)
+        recording.neighbour_position_ned_m[:, i] = neighbours[..., POSITION:VELOCITY]
+        recording.neighbour_velocity_ned_mps[:, i] = neighbours[..., VELOCITY:COVARIANCE]
+        recording.neighbour_covariance[:, i] = neighbours[..., COVARIANCE:AGE].reshape(k, n, 6, 6)
+        recording.neighbour_age_s[:, i] = neighbours[..., AGE]
+        recording.neighbour_sonar_age_s[:, i] = neighbours[..., SONAR_AGE]
         if not lost:
             is_resting = self._messages.command[i].ages(k) > self._command_max_age_ticks
             recording.command[is_resting, i] = 0.0

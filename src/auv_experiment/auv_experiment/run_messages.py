@@ -18,6 +18,7 @@ from auv_bag.writer import BagError
 from auv_core.messages import Outcome
 from auv_experiment.tick_series import TickSeries
 from auv_flocking.holding import cause_number
+from auv_flocking.neighbours.estimates import AGE, COVARIANCE, POSITION, PUBLISHED, SONAR_AGE
 
 FloatArray = NDArray[np.float64]
 
@@ -26,7 +27,6 @@ _MORE_TICKS = 1000
 _EPOCH_STATES = 1000
 _OUTCOMES = frozenset(Outcome)
 _EVENTS_TOPIC = "/acoustic/events"
-NEIGHBOUR_WIDTH = 3 + 3 + 36 + 1 + 1  # position, velocity, covariance, age, age of the sonar's last look
 
 
 class _ForeignError(ValueError):
@@ -50,7 +50,7 @@ class RunMessages:
         self.centre = [TickSeries(6) for _ in range(n)]
         self.law_state: dict[tuple[int, int], list[float]] = {}
         self.holding: dict[tuple[int, int], int] = {}
-        self.neighbours = [TickSeries(n * NEIGHBOUR_WIDTH) for _ in range(n)]
+        self.neighbours = [TickSeries(n * PUBLISHED) for _ in range(n)]
         self.sent: list[tuple[int, int, int]] = []
         self.received: list[tuple[int, int, int, int, float]] = []
         self.contacts: list[tuple[int, int, float, float, float]] = []
@@ -180,12 +180,12 @@ class RunMessages:
             self.holding[tick, i] = cause_number(status.holding)
 
     def _take_neighbours(self, i: int, message: Any) -> None:
-        table = np.full((len(self._ids), NEIGHBOUR_WIDTH), np.nan)
+        table = np.full((len(self._ids), PUBLISHED), np.nan)
         for estimate in message.neighbours:
             row = table[self._index(estimate.address)]
-            row[0:6] = _xyz(estimate.position) + _xyz(estimate.velocity)
-            row[6:42] = estimate.covariance
-            row[42:44] = estimate.age_s, estimate.sonar_age_s
+            row[POSITION:COVARIANCE] = _xyz(estimate.position) + _xyz(estimate.velocity)
+            row[COVARIANCE:AGE] = estimate.covariance
+            row[AGE], row[SONAR_AGE] = estimate.age_s, estimate.sonar_age_s
         self.neighbours[i].values[self._known(message.tick)] = table.reshape(-1)
 
     def _take_sent(self, _: int, outbox: Any) -> None:

@@ -20,11 +20,12 @@ from auv_flocking.neighbours.motion import carried, grown
 
 Matrix = NDArray[np.float64]
 
-# Columns of an estimate; vectors and the covariance (36 numbers) begin there. What stands before the centre
-# is published, in the order of auv_msgs/NeighbourEstimate.
+# Columns of an estimate; vectors and the covariance (36 numbers) begin there. The first PUBLISHED columns are
+# those of auv_msgs/NeighbourEstimate, in its order.
 POSITION, VELOCITY, COVARIANCE, AGE, SONAR_AGE, CENTRE, FLOCK_VELOCITY = 0, 3, 6, 42, 43, 44, 47
 FLOCK_STAMP, NAVIGATION_SD, TIME = 50, 51, 52
 WIDTH = 53
+PUBLISHED = CENTRE
 
 # Columns of a source: the state (10) and its covariance (36) at a time, and the newest report.
 _STATE, _STATE_COVARIANCE, _STATE_TIME, _PSD, _DRIFTS, _TOWARDS = 0, 10, 46, 47, 48, 49
