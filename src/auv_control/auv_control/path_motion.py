@@ -55,7 +55,8 @@ def motion_of(view: MotionView, path: PathPoint, *, is_flat: bool, start: State,
     ax, ay, az = path.acceleration
     pn, vn, an = path.heading_rad, path.heading_rate_radps, path.heading_acceleration_radps2
     if blend_s:
-        start_s, ox, oy, oz, on = start
+        start_s, *offsets = start
+        ox, oy, oz, on = offsets
         b, b1, b2 = blend(view.t_s - start_s, blend_s)
         px, py, pz, pn = px + b * ox, py + b * oy, pz + b * oz, pn + b * on
         vx, vy, vz, vn = vx + b1 * ox, vy + b1 * oy, vz + b1 * oz, vn + b1 * on

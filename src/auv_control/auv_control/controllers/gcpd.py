@@ -136,7 +136,7 @@ class Controller:
         """Return the wrench of thesis Eq. (4.13) (N, N m; body) and ()."""
         nav = view.nav
         x, y, z = ned_to_body(nav.attitude, self._slope(nav.position, view.neighbours))
-        gx, gy, gz, gk, gm = self._restoring(nav.attitude)
+        (gx, gy, gz), (gk, gm) = self._restoring(nav.attitude)
         k = self._params.damping_gain
         u, v, w, p, q, r = nav.nu
         fx, fy, fz = -x - k[0] * u, -y - k[1] * v, -z - k[2] * w
@@ -170,14 +170,9 @@ class Controller:
             x, y, z = x + b * dx, y + b * dy, z + b * dz
         return x, y, z
 
-    def _restoring(self, attitude: Quat) -> tuple[float, float, float, float, float]:
+    def _restoring(self, attitude: Quat) -> tuple[Vec3, tuple[float, float]]:
         """Return g(eta) without its last component, which is 0, thesis Eq. (4.14) (N, N m; body)."""
         down = ned_to_body(attitude, (0.0, 0.0, 1.0))
         heavy_n, righting_nm = self._heavy_n, self._righting_nm
-        return (
-            -heavy_n * down[0],
-            -heavy_n * down[1],
-            -heavy_n * down[2],
-            righting_nm * down[1],
-            -righting_nm * down[0],
-        )
+        force_n = (-heavy_n * down[0], -heavy_n * down[1], -heavy_n * down[2])
+        return force_n, (righting_nm * down[1], -righting_nm * down[0])

@@ -182,6 +182,7 @@ def _quadratic(p: Vec6, x: Vec3) -> float:
 
 def _is_positive_definite(p: Vec6) -> bool:
     """Return whether all leading minors of the symmetric matrix are above 0 (Sylvester)."""
-    a, b, c, d, e, f = p
+    a, b, c = p[:3]
+    d, e, f = p[3:]
     minor = a * d - b * b
     return a > 0.0 and minor > 0.0 and a * (d * f - e * e) - b * (b * f - c * e) + c * (b * e - c * d) > 0.0

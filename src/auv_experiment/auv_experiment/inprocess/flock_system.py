@@ -71,10 +71,8 @@ class _Hull:
             recording.command[at], _ = self._control(state, reference)
 
     def _control(self, state: State, reference: VelocityReference) -> tuple[Vec6, Vec3]:
-        _, _, _, qw, qx, qy, qz, u, v, w, p, q, r, ix, iy, iz = state
-        control: tuple[Vec6, Vec3] = self._controller.evaluate(
-            (qw, qx, qy, qz), (u, v, w, p, q, r), (ix, iy, iz), reference
-        )
+        attitude, nu, integral = state[3:7], state[7:_PLANT], state[_PLANT:]
+        control: tuple[Vec6, Vec3] = self._controller.evaluate(attitude, nu, integral, reference)
         return control
 
 

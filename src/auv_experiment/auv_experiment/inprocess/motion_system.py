@@ -108,7 +108,9 @@ class MotionSystem:
 
     def _view(self, index: int, t_s: float, plant: State, positions: list[Vec3]) -> MotionView:
         member = self._members[index]
-        x, y, z, qw, qx, qy, qz, u, v, w, p, q, r = plant
+        x, y, z = plant[:3]
+        qw, qx, qy, qz = plant[3:7]
+        (u, v, w), (p, q, r) = plant[7:10], plant[10:]
         nav = VehicleState(0, (x, y, z), (qw, qx, qy, qz), (u, v, w, p, q, r))
         others = (*positions[:index], *positions[index + 1 :])
         return member.task.view(t_s, nav, member.agent.path_point(t_s), others)

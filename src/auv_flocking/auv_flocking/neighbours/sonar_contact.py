@@ -91,7 +91,7 @@ def contact_jacobian(relative: Vec3) -> Matrix:
     Straight above or below there is no bearing, and no hull is at no distance: both distances are kept from
     vanishing.
     """
-    x, y, z, level_m, range_m = _kept_apart(relative)
+    (x, y, z), level_m, range_m = _kept_apart(relative)
     square_m2 = range_m * range_m
     return np.array(
         (
@@ -104,7 +104,7 @@ def contact_jacobian(relative: Vec3) -> Matrix:
 
 def point_jacobian(relative: Vec3) -> Matrix:
     """Return the derivative (3, 3) of `relative_of` by the contact, the inverse of `contact_jacobian`."""
-    x, y, z, level_m, range_m = _kept_apart(relative)
+    (x, y, z), level_m, range_m = _kept_apart(relative)
     return np.array(
         (
             (x / range_m, -y, z * x / level_m),
@@ -114,8 +114,8 @@ def point_jacobian(relative: Vec3) -> Matrix:
     )
 
 
-def _kept_apart(relative: Vec3) -> tuple[float, float, float, float, float]:
-    """Return x, y, z, level distance and range of a point near `relative` (m) where angles have a meaning."""
+def _kept_apart(relative: Vec3) -> tuple[Vec3, float, float]:
+    """Return a point, its level distance and its range near `relative` (m) where angles have a meaning."""
     x, y, z = relative
     level_m, range_m = math.hypot(x, y), math.sqrt(x * x + y * y + z * z)
     least_m = _SMALLEST_LEVEL_RATIO * max(range_m, _SMALLEST_RANGE_M)
@@ -123,7 +123,7 @@ def _kept_apart(relative: Vec3) -> tuple[float, float, float, float, float]:
         x, y = (x / level_m * least_m, y / level_m * least_m) if level_m > _NO_LEVEL_M else (least_m, 0.0)
         level_m = least_m
         range_m = math.hypot(level_m, z)
-    return x, y, z, level_m, range_m
+    return (x, y, z), level_m, range_m
 
 
 def sighting(

@@ -129,7 +129,7 @@ def fly(
 
 
 def _report(tick: int, z: Matrix, sd_m: float) -> Report:
-    x, y, down, u, v, w = z.tolist()
+    (x, y, down), (u, v, w) = z.reshape(2, 3).tolist()
     return Report(
         ADDRESS, tick, tick * TICK_S, (x, y, down), (u, v, w), _ZERO, _ZERO, _ZERO, position_sd_m=sd_m
     )

@@ -88,9 +88,8 @@ class Separation:
     @property
     def output_peaks_mps(self) -> Peaks:
         """The output peaks of now (m/s for unit gain)."""
-        nb, n, z, p, pb = self._params.output_peaks_mps
-        s = self.shift_mps
-        return (nb + s, n + s, z + s, p + s, pb + s)
+        peaks, s = self._params.output_peaks_mps, self.shift_mps
+        return (peaks[0] + s, peaks[1] + s, peaks[2] + s, peaks[3] + s, peaks[4] + s)
 
     def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
         """

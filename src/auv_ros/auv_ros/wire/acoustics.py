@@ -141,11 +141,11 @@ class _Reader:
             raise MalformedError(f"{len(self._data)} bytes that are no such message: it goes on") from None
 
     def packet(self) -> Packet:
-        tick, source, destination, sequence, size = self.take(_PACKET)
+        *heading, size = self.take(_PACKET)
         at, self._at = self._at, self._at + size
         if self._at > len(self._data):
             raise MalformedError(f"{len(self._data)} bytes that are no such message: a packet goes on")
-        return Packet(tick, source, destination, sequence, self._data[at : self._at])
+        return Packet._make((*heading, self._data[at : self._at]))
 
     def reception(self, epoch_ns: int) -> Reception:
         packet = self.packet()

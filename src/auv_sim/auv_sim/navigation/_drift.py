@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+
+
+class FixCorrection(NamedTuple):
+    """What a position fix says of the estimates of position, and of the offsets of compass and log."""
+
+    north_m: float
+    east_m: float
+    heading_rad: float
+    surge_mps: float
+    sway_mps: float
 
 
 class Drift:
@@ -101,7 +113,7 @@ class Drift:
         P[:2, :2] += self._noise_m2 * np.eye(2)
         return P
 
-    def correct(self, off_m: tuple[float, float], sd_m: float) -> tuple[float, float, float, float, float]:
+    def correct(self, off_m: tuple[float, float], sd_m: float) -> FixCorrection:
         """
         Take in a position fix (Kalman's update, in Joseph's form).
 
@@ -114,9 +126,8 @@ class Drift:
 
         Returns
         -------
-        correction : (5,) tuple
-            To be added to the estimates of north and east (m), and to be taken off heading (rad), surge and
-            sway (m/s) from now on.
+        correction : FixCorrection
+            North and east to be added to the estimates; heading, surge and sway to be taken off from now on.
 
         """
         P = self.covariance()
@@ -131,7 +142,7 @@ class Drift:
         self._clear()
         north, east, *offsets = (K @ np.array(off_m)).tolist()
         heading, surge, sway = (-offset for offset in offsets)
-        return north, east, heading, surge, sway
+        return FixCorrection(north, east, heading, surge, sway)
 
     def _clear(self) -> None:
         """Let S begin anew."""

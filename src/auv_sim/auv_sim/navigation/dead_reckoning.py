@@ -176,15 +176,15 @@ class Navigation:
         sd_m = self._params.fix_sd_m
         off = generator(self._seed, Purpose.FIX, self._address, state.tick).standard_normal(2).tolist()
         north_m, east_m = state.position[0] + sd_m * off[0], state.position[1] + sd_m * off[1]
-        north, east, heading, surge, sway = self._drift.correct(
-            (north_m - self._north_m, east_m - self._east_m), sd_m
+        fix = self._drift.correct((north_m - self._north_m, east_m - self._east_m), sd_m)
+        self.odom_frame = self.odom_frame.corrected(
+            (self._north_m, self._east_m), (fix.north_m, fix.east_m), -fix.heading_rad
         )
-        self.odom_frame = self.odom_frame.corrected((self._north_m, self._east_m), (north, east), -heading)
-        self._north_m += north
-        self._east_m += east
-        self._turned_rad -= heading
-        self._surge_mps -= surge
-        self._sway_mps -= sway
+        self._north_m += fix.north_m
+        self._east_m += fix.east_m
+        self._turned_rad -= fix.heading_rad
+        self._surge_mps -= fix.surge_mps
+        self._sway_mps -= fix.sway_mps
 
     def _normals(self, tick: int) -> tuple[float, float, float, float]:
         """Return four normal numbers, fixed by seed, address and tick; drawn for many ticks at once."""

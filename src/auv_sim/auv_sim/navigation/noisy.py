@@ -45,7 +45,7 @@ class Navigation:
         if rng.random() < p.failure_prob:
             last = state if self._last is None else self._last
             return last._replace(tick=state.tick, is_valid=False)
-        x, y, z, u, v, w = rng.standard_normal(6).tolist()
+        (x, y, z), (u, v, w) = rng.standard_normal((2, 3)).tolist()
         position: Vec3 = (
             state.position[0] + p.position_sd_m * x,
             state.position[1] + p.position_sd_m * y,
