@@ -26,8 +26,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 FLOCK_RATES = (
-    f"void(Scene, LawNumbers, FUNCTION({STRENGTH}), FUNCTION({STRENGTH}), float64[:, ::1], "
-    "float64[:, :, ::1], int64)"
+    f"void(Scene, Instant, LawNumbers, FUNCTION({STRENGTH}), FUNCTION({STRENGTH}), float64[:, ::1], "
+    "float64[:, :, ::1])"
 )
 
 
@@ -62,23 +62,28 @@ class LawNumbers(NamedTuple):
     obstacles: Floats
 
 
-@record("float64[:, :, ::1], int64, int64[::1]")
+@record("int64, int64")
+class Instant(NamedTuple):
+    """Which row of `Paths` holds now, and which stage of an RK4 step it is."""
+
+    row: int
+    stage: int
+
+
+@record("float64[:, :, ::1], int64[::1]")
 class Paths(NamedTuple):
     """
-    The paths of all vehicles at one instant.
+    The paths of all vehicles.
 
     table : (R, P, 8) array
         Position (m; NED), velocity (m/s; NED) and first and last component of the attitude of each path at R
         instants.
-    row : int
-        Which instant it is.
     path_of : (N,) array of int64
         The path of each vehicle.
 
     """
 
     table: Floats
-    row: int
     path_of: Ints
 
 
@@ -161,30 +166,30 @@ def put(rows: Floats, i: int, v: Vec3) -> None:
 @entry(FLOCK_RATES, allocates=False)
 def flock_rates(
     scene: Scene,
+    now: Instant,
     law: LawNumbers,
     strength: Strength,
     obstacle_strength: Strength,
     velocities: Floats,
     all_rates: Floats,
-    stage: int,
 ) -> None:
     """
     Write what the law asks of every vehicle into `velocities`, and the rates of the estimates into `rates`.
 
     Parameters
     ----------
-    scene : Scene
+    scene, now : Scene, Instant
         What the laws look at.
     law, strength, obstacle_strength
         Of `FlockLaw`.
     velocities : (N, 3) array
         Where to write the velocities over ground that the law asks for (m/s; NED).
-    all_rates, stage : (4, N, 3) array, int
-        Where to write the rates of the estimates (m/s; NED).
+    all_rates : (4, N, 3) array
+        Where to write the rates of the estimates (m/s; NED), by stage.
 
     """
     points, centres, near, obstacles = scene.points, scene.centres, scene.near, law.obstacles
-    paths, path_of, rates = scene.paths.table[scene.paths.row], scene.paths.path_of, all_rates[stage]
+    paths, path_of, rates = scene.paths.table[now.row], scene.paths.path_of, all_rates[now.stage]
     push_m2, rate_ps, talk_m2 = law.push_m * law.push_m, law.rate_ps, law.talk_m * law.talk_m
     count = len(points)
     for i in range(count):

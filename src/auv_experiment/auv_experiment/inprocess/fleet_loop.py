@@ -19,7 +19,7 @@ from auv_core.compiled import entry, inlined, record
 from auv_core.pairs import NEAR_PAIRS
 from auv_experiment.inprocess.hull_lanes import LANES, VEHICLE_RATES, Hull, normalise
 from auv_flocking.central import STRENGTH, Strength
-from auv_flocking.flock_rates import FLOCK_RATES, LawNumbers, NearPairs, Paths, Scene
+from auv_flocking.flock_rates import FLOCK_RATES, Instant, LawNumbers, NearPairs, Paths, Scene
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -183,6 +183,8 @@ def fly(
     points, velocities = np.empty((count, 3)), np.empty((count, 3))
     there, there_centres = np.empty((rows, columns)), np.empty((count, 3))
     k, k_centres = np.zeros((4, rows, columns)), np.zeros((4, count, 3))
+    paths, hull = Paths(course.paths, course.path_of), fleet.hull
+    scene = Scene(points, there_centres, paths, NearPairs(is_listed, first, partners))
     wanted, wrenches = np.zeros((rows, 5 * LANES)), np.zeros((rows, 6 * LANES))
     for step in range(ticks * steps + 1):
         _copy(motion, there)
@@ -195,11 +197,11 @@ def fly(
             _put_points(there, points)
             if is_listed and _has_moved(points, listed_at, 0.5 * SKIN * reach_m):
                 first, partners = list_pairs(points, (1.0 + SKIN) * reach_m)
+                scene = Scene(points, there_centres, paths, NearPairs(is_listed, first, partners))
                 _copy(points, listed_at)
-            paths = Paths(course.paths, 2 * step + (stage + 1) // 2, course.path_of)
-            scene = Scene(points, there_centres, paths, NearPairs(is_listed, first, partners))
-            flock_rates(scene, law, strength, obstacle_strength, velocities, k_centres, stage)
-            vehicle_rates(there, velocities, paths, fleet.hull, wanted, wrenches, k, stage)
+            now = Instant(2 * step + (stage + 1) // 2, stage)
+            flock_rates(scene, now, law, strength, obstacle_strength, velocities, k_centres)
+            vehicle_rates(there, velocities, paths, now, hull, wanted, wrenches, k)
             if stage == 0 and step % steps == 0:
                 tick = step // steps
                 _copy(motion, log.motion[tick])

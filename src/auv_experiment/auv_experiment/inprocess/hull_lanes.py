@@ -20,15 +20,15 @@ from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Vec6
 from auv_core.models.six_dof import Constants, derivative, limited_wrench, normalised
-from auv_flocking.flock_rates import Paths
+from auv_flocking.flock_rates import Instant, Paths
 
 Floats = NDArray[np.float64]
 
 LANES = 16
 ROWS = 16  # 13 of a hull, 3 of the integral of its controller
 VEHICLE_RATES = (
-    "void(float64[:, ::1], float64[:, ::1], Paths, Hull, float64[:, ::1], float64[:, ::1], "
-    "float64[:, :, ::1], int64)"
+    "void(float64[:, ::1], float64[:, ::1], Paths, Instant, Hull, float64[:, ::1], float64[:, ::1], "
+    "float64[:, :, ::1])"
 )
 _AT_ONCE = 8
 _NOBODY = (0.0, 0.0, 0.0, 1.0, *(12 * (0.0,)))
@@ -74,11 +74,11 @@ def hull_rates(
     lanes: Floats,
     velocities: Floats,
     paths: Paths,
+    now: Instant,
     hull: Hull,
     wanted: Floats,
     wrenches: Floats,
     rates: Floats,
-    stage: int,
 ) -> None:
     """
     Write the rates of hulls and of their controllers' integrals, and the wrenches asked for.
@@ -89,7 +89,7 @@ def hull_rates(
         Hulls in B blocks.
     velocities : (N, 3) array
         Velocity over ground to have (m/s; NED).
-    paths : Paths
+    paths, now : Paths, Instant
         Of which only the attitude is looked at.
     hull : Hull
         What all of them are.
@@ -97,17 +97,17 @@ def hull_rates(
         Room for what is asked of the controllers.
     wrenches : (B, 96) array
         Wrenches that the controllers ask for (N, N m; body).
-    rates, stage : (4, B, 256) array, int
-        Where to write the rates of the hulls.
+    rates : (4, B, 256) array
+        Where to write the rates of the hulls, by stage.
 
     """
-    count, now = len(velocities), rates[stage]
+    count, rates_now = len(velocities), rates[now.stage]
     for i in range(count):
         block, lane, path = i // LANES, i % LANES, paths.path_of[i]
         for axis in range(3):
             wanted[block, lane + axis * LANES] = velocities[i, axis]
-        wanted[block, lane + 3 * LANES] = paths.table[paths.row, path, 6]
-        wanted[block, lane + 4 * LANES] = paths.table[paths.row, path, 7]
+        wanted[block, lane + 3 * LANES] = paths.table[now.row, path, 6]
+        wanted[block, lane + 4 * LANES] = paths.table[now.row, path, 7]
     for block in range((count + LANES - 1) // LANES):
         for lane in range(lanes_in_use(count, block)):
             x = _plant(lanes, block, lane)
@@ -117,8 +117,8 @@ def hull_rates(
             facing = (wanted[block, lane + 3 * LANES], 0.0, 0.0, wanted[block, lane + 4 * LANES])
             tau, growth = control(attitude, nu, integral, velocity, facing, hull.gains)
             given = limited_wrench(tau, hull.limits)
-            _put_plant(now, block, lane, derivative(x, given, hull.water_mps, hull.model))
-            _put_three(now, block, lane + 13 * LANES, growth)
+            _put_plant(rates_now, block, lane, derivative(x, given, hull.water_mps, hull.model))
+            _put_three(rates_now, block, lane + 13 * LANES, growth)
             _put_three(wrenches, block, lane, (tau[0], tau[1], tau[2]))
             _put_three(wrenches, block, lane + 3 * LANES, (tau[3], tau[4], tau[5]))
 
@@ -128,16 +128,16 @@ def point_rates(
     motion: Floats,
     velocities: Floats,
     paths: Paths,
+    now: Instant,
     hull: Hull,
     wanted: Floats,
     wrenches: Floats,
     rates: Floats,
-    stage: int,
 ) -> None:
     """Write the rates of points, (N, 3): what is asked of them."""
     for i in range(len(velocities)):
         for axis in range(3):
-            rates[stage, i, axis] = velocities[i, axis]
+            rates[now.stage, i, axis] = velocities[i, axis]
 
 
 @inner
