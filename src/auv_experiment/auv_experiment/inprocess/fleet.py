@@ -18,7 +18,6 @@ from auv_core.plugins import find_plugin
 from auv_experiment.inprocess.fleet_loop import Course, FleetLog, FleetState, fly, lists_pairs
 from auv_experiment.inprocess.hull_lanes import (
     LANES,
-    POINT,
     Hull,
     from_lanes,
     hull_rates,
@@ -106,9 +105,9 @@ class Fleet:
                 limits=six_dof.limits(params),
                 gains=scenario.agent.controller.params.gains,
                 water_mps=scenario.environment.current_ned_mps,
-            )
+            ).numbers
         else:
-            self.motion, self._hull = self.centres.copy(), POINT
+            self.motion, self._hull = self.centres.copy(), np.zeros(0)
         pairs = near_pairs if lists_pairs(self.count, self._law.numbers) else no_pairs
         rates = hull_rates if self.is_hull else point_rates
         strengths = self._law.strength, self._law.obstacle_strength

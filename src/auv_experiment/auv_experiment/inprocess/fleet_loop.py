@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from auv_core.compiled import entry, inlined, record
 from auv_core.pairs import NEAR_PAIRS
-from auv_experiment.inprocess.hull_lanes import LANES, VEHICLE_RATES, Hull, normalise
+from auv_experiment.inprocess.hull_lanes import LANES, VEHICLE_RATES, normalise
 from auv_flocking.central import STRENGTH, Strength
 from auv_flocking.flock_rates import FLOCK_RATES, Instant, LawNumbers, NearPairs, Paths, Scene
 
@@ -81,7 +81,7 @@ def _has_moved(points: Floats, listed_at: Floats, by_m: float) -> bool:
     return False
 
 
-@record("float64[:, ::1], float64[:, ::1], LawNumbers, Hull")
+@record("float64[:, ::1], float64[:, ::1], LawNumbers, float64[::1]")
 class FleetState(NamedTuple):
     """
     Where a flock is, and what moves it.
@@ -91,14 +91,14 @@ class FleetState(NamedTuple):
     centres : (N, 3) array
         The vehicles' estimates of the flocking centre (m; NED); overwritten.
     law, hull
-        Numbers of the laws and of the hulls.
+        Numbers of the laws and of the hulls (`hull_lanes.Hull.numbers`; of points empty).
 
     """
 
     motion: Floats
     centres: Floats
     law: LawNumbers
-    hull: Hull
+    hull: Floats
 
 
 @record("int64, int64, float64, float64[:, :, ::1], int64[::1]")

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_control.controllers.velocity_pi import Gains, control
-from auv_core.compiled import entry, inlined, inner, record
+from auv_core.compiled import entry, inlined, inner
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Vec6
@@ -27,14 +27,13 @@ Floats = NDArray[np.float64]
 LANES = 16
 ROWS = 16  # 13 of a hull, 3 of the integral of its controller
 VEHICLE_RATES = (
-    "void(float64[:, ::1], float64[:, ::1], Paths, Instant, Hull, float64[:, ::1], float64[:, ::1], "
+    "void(float64[:, ::1], float64[:, ::1], Paths, Instant, float64[::1], float64[:, ::1], float64[:, ::1], "
     "float64[:, :, ::1])"
 )
 _AT_ONCE = 8
 _NOBODY = (0.0, 0.0, 0.0, 1.0, *(12 * (0.0,)))
 
 
-@record("Constants, TUPLE6, Gains, TUPLE3")
 class Hull(NamedTuple):
     """A model and its actuator limits, the gains of its controller, and the velocity of the water (NED)."""
 
@@ -43,9 +42,22 @@ class Hull(NamedTuple):
     gains: Gains
     water_mps: Vec3
 
+    @property
+    def numbers(self) -> Floats:
+        """The same as an array, which `hull_rates` takes: a call copies no 36 numbers."""
+        return np.array([number for part in self for number in part])
 
-POINT = Hull(Constants(*21 * (0.0,)), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), Gains(*6 * (0.0,)), (0.0, 0.0, 0.0))
-"""What stands in the place of a hull where vehicles are points."""
+
+@inlined
+def _hull(c: Floats) -> Hull:
+    """Return the hull of which `c` are the `numbers`."""
+    model = Constants(
+        c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9], c[10],
+        c[11], c[12], c[13], c[14], c[15], c[16], c[17], c[18], c[19], c[20],
+    )  # fmt: skip
+    limits = (c[21], c[22], c[23], c[24], c[25], c[26])
+    gains = Gains(c[27], c[28], c[29], c[30], c[31], c[32])
+    return Hull(model, limits, gains, (c[33], c[34], c[35]))
 
 
 def to_lanes(states: Sequence[State]) -> Floats:
@@ -75,7 +87,7 @@ def hull_rates(
     velocities: Floats,
     paths: Paths,
     now: Instant,
-    hull: Hull,
+    hull_numbers: Floats,
     wanted: Floats,
     wrenches: Floats,
     rates: Floats,
@@ -91,8 +103,8 @@ def hull_rates(
         Velocity over ground to have (m/s; NED).
     paths, now : Paths, Instant
         Of which only the attitude is looked at.
-    hull : Hull
-        What all of them are.
+    hull_numbers : (36,) array
+        `Hull.numbers`; of points empty.
     wanted : (B, 80) array
         Room for what is asked of the controllers.
     wrenches : (B, 96) array
@@ -101,7 +113,7 @@ def hull_rates(
         Where to write the rates of the hulls, by stage.
 
     """
-    count, rates_now = len(velocities), rates[now.stage]
+    count, rates_now, hull = len(velocities), rates[now.stage], _hull(hull_numbers)
     for i in range(count):
         block, lane, path = i // LANES, i % LANES, paths.path_of[i]
         for axis in range(3):
@@ -129,7 +141,7 @@ def point_rates(
     velocities: Floats,
     paths: Paths,
     now: Instant,
-    hull: Hull,
+    hull_numbers: Floats,
     wanted: Floats,
     wrenches: Floats,
     rates: Floats,
