@@ -10,7 +10,8 @@ A function that is marked here stays the plain Python function that it is.  Wher
 
 Numbers that belong together go in as one NamedTuple, marked as a `record` with the types of its fields.  A
 call from Python that happens at every tick hands over a plain tuple instead, which Numba recognises in half
-the time, and the compiled function names its numbers: ``c = Constants(*numbers)``.
+the time, and the compiled function names its numbers: ``c = Constants(*numbers)``.  A loop makes a record of
+arrays before it begins where it can: making one counts who holds its arrays.
 
 An argument of the type ``FUNCTION(...)`` takes another entry: so a plugin's function goes into a compiled
 loop without that loop being compiled again for every plugin.

@@ -26,8 +26,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 FLOCK_RATES = (
-    f"void(Scene, Instant, LawNumbers, FUNCTION({STRENGTH}), FUNCTION({STRENGTH}), float64[:, ::1], "
-    "float64[:, :, ::1])"
+    f"void(Scene, NearPairs, Instant, LawNumbers, FUNCTION({STRENGTH}), FUNCTION({STRENGTH}), "
+    "float64[:, ::1], float64[:, :, ::1])"
 )
 
 
@@ -96,14 +96,13 @@ class NearPairs(NamedTuple):
     partners: Ints
 
 
-@record("float64[:, ::1], float64[:, ::1], Paths, NearPairs")
+@record("float64[:, ::1], float64[:, ::1], Paths")
 class Scene(NamedTuple):
-    """Positions of the vehicles and their estimates of the centre, (N, 3) (m; NED), their paths and pairs."""
+    """Positions of the vehicles and their estimates of the centre, (N, 3) (m; NED), and their paths."""
 
     points: Floats
     centres: Floats
     paths: Paths
-    near: NearPairs
 
 
 @dataclass(frozen=True)
@@ -166,6 +165,7 @@ def put(rows: Floats, i: int, v: Vec3) -> None:
 @entry(FLOCK_RATES, allocates=False)
 def flock_rates(
     scene: Scene,
+    near: NearPairs,
     now: Instant,
     law: LawNumbers,
     strength: Strength,
@@ -178,7 +178,7 @@ def flock_rates(
 
     Parameters
     ----------
-    scene, now : Scene, Instant
+    scene, near, now : Scene, NearPairs, Instant
         What the laws look at.
     law, strength, obstacle_strength
         Of `FlockLaw`.
@@ -188,7 +188,7 @@ def flock_rates(
         Where to write the rates of the estimates (m/s; NED), by stage.
 
     """
-    points, centres, near, obstacles = scene.points, scene.centres, scene.near, law.obstacles
+    points, centres, obstacles = scene.points, scene.centres, law.obstacles
     paths, path_of, rates = scene.paths.table[now.row], scene.paths.path_of, all_rates[now.stage]
     push_m2, rate_ps, talk_m2 = law.push_m * law.push_m, law.rate_ps, law.talk_m * law.talk_m
     count = len(points)

@@ -184,7 +184,7 @@ def fly(
     there, there_centres = np.empty((rows, columns)), np.empty((count, 3))
     k, k_centres = np.zeros((4, rows, columns)), np.zeros((4, count, 3))
     paths, hull = Paths(course.paths, course.path_of), fleet.hull
-    scene = Scene(points, there_centres, paths, NearPairs(is_listed, first, partners))
+    scene = Scene(points, there_centres, paths)
     wanted, wrenches = np.zeros((rows, 5 * LANES)), np.zeros((rows, 6 * LANES))
     for step in range(ticks * steps + 1):
         _copy(motion, there)
@@ -197,10 +197,10 @@ def fly(
             _put_points(there, points)
             if is_listed and _has_moved(points, listed_at, 0.5 * SKIN * reach_m):
                 first, partners = list_pairs(points, (1.0 + SKIN) * reach_m)
-                scene = Scene(points, there_centres, paths, NearPairs(is_listed, first, partners))
                 _copy(points, listed_at)
             now = Instant(2 * step + (stage + 1) // 2, stage)
-            flock_rates(scene, now, law, strength, obstacle_strength, velocities, k_centres)
+            near = NearPairs(is_listed, first, partners)
+            flock_rates(scene, near, now, law, strength, obstacle_strength, velocities, k_centres)
             vehicle_rates(there, velocities, paths, now, hull, wanted, wrenches, k)
             if stage == 0 and step % steps == 0:
                 tick = step // steps
