@@ -173,7 +173,7 @@ def test_neighbour_estimates_hold_every_number(count):
     from auv_ros.wire import conversions as convert
 
     rows = np.arange(60.0 * count).reshape(count, 60)[:, 5 : 5 + PUBLISHED]
-    stencil = convert.neighbours_stencil(range(1, count + 1), PUBLISHED)
+    stencil = convert.neighbours_stencil(range(1, count + 1))
     stencil.filled(1.0, 10, rows + 1.0)
     message = read(stencil.filled(2.5, 25, rows), NeighbourEstimates)
     assert_stamped(message.header, 2.5, "map_ned")

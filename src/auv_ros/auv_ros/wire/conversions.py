@@ -116,8 +116,9 @@ def state_numbers(state: VehicleState) -> tuple[float, ...]:
 def state_from_bytes(data: bytes) -> VehicleState:
     """Return the record of a serialised state message; raise `MalformedError` without one."""
     numbers = read_numbers(data, _STATE)
-    tick, is_valid, px, py, pz, x, y, z, w, *_ = numbers
-    return VehicleState(tick, (px, py, pz), (w, x, y, z), numbers[9:15], is_valid, *numbers[15:])
+    tick, is_valid, *_ = numbers
+    x, y, z, w = numbers[5:9]
+    return VehicleState(tick, numbers[2:5], (w, x, y, z), numbers[9:15], is_valid, *numbers[15:])
 
 
 def enu_pose(position: Vec3, attitude: Quat) -> Pose:
@@ -139,8 +140,7 @@ def enu_pose(position: Vec3, attitude: Quat) -> Pose:
 
 def flu_velocity(nu: Vec6) -> Vec6:
     """Return a body velocity (m/s, rad/s; forward-right-down) in forward-left-up."""
-    u, v, w, p, q, r = nu
-    return (u, -v, -w, p, -q, -r)
+    return (nu[0], -nu[1], -nu[2], nu[3], -nu[4], -nu[5])
 
 
 def odometry_stencil(frame_id: str, child_frame_id: str) -> Stencil:
@@ -223,10 +223,10 @@ def velocity_stencil() -> Stencil:
 
 def command_from_bytes(data: bytes, *, takes_velocity: bool) -> Command:
     """Return the record of a serialised command; raise ValueError when a number in it can be none."""
-    x, y, z, k, m, n = values = read_numbers(data, _SIX)
+    values = read_numbers(data, _SIX)
     if not is_command(values):
         raise ValueError(f"a command with a number that is not finite, or beyond {LARGEST:g}: {values}")
-    return VelocityCommand((x, y, z), n) if takes_velocity else Wrench((x, y, z, k, m, n))
+    return VelocityCommand(values[:3], values[5]) if takes_velocity else Wrench(values)
 
 
 def clock_stencil() -> Stencil:
