@@ -28,14 +28,8 @@ from auv_ros.hearing import Hearing
 from auv_ros.lifecycle import main_loop
 from auv_ros.pace import Pace, tick_clock
 from auv_ros.parameters import declare_config
-<<<<<<< HEAD
 from auv_ros.qos import own_qos
 from auv_ros.run_config import RELAY_PHASE, RunConfig
-=======
-from auv_ros.qos import EVERY_TICK, own_qos
-from auv_ros.run_config import LAUNCHER_NODE, RELAY_PHASE, RunConfig
-from auv_ros.run_watch import Standstill, listed
->>>>>>> 2606b31 (Begin a run once its launcher hears it; join at tick 0 again)
 from auv_ros.steady_timer import SteadyTimer
 from auv_ros.strangers import StrangerWatch
 from auv_ros.topic import RECORDER, Topics
@@ -111,7 +105,6 @@ class AcousticRelayNode(Node):
         self._admits_strangers = run.admits_strangers
         own = {*followers, *_COMMON_NODES}
         self._strangers = StrangerWatch(self, own, self._ids, admits_strangers=run.admits_strangers)
-<<<<<<< HEAD
         self._pace = Pace(
             self,
             self._ticks,
@@ -144,9 +137,6 @@ class AcousticRelayNode(Node):
         if watch.on_vehicle_loss == "stop":
             return {}
         return {i: declare_config(self, VehicleConfig, f"hulls.{name}.") for i, name in enumerate(self._ids)}
-=======
-        self._meeting = Rendezvous(self, self._audiences(run, is_launched=watch.launched), self._start)
->>>>>>> 2606b31 (Begin a run once its launcher hears it; join at tick 0 again)
 
     def _connect(self, heard: QoSProfile) -> None:
         on_state, on_outbox = (
@@ -160,26 +150,7 @@ class AcousticRelayNode(Node):
             listen(VehicleStateMsg, f"/{name}/state", partial(on_state, index), heard)
             listen(AcousticOutbox, f"/{name}/acoustic/tx", partial(on_outbox, index), heard)
 
-<<<<<<< HEAD
     def _begin(self, _: int) -> None:
-=======
-    def _audiences(self, run: RunConfig, *, is_launched: bool) -> list[Audience]:
-        recorder = {"/recorder_node"} if run.recorded else set()
-        publishers = [self._events_pub, *self._reports.publishers, *self._hull_pubs.values()]
-        audiences = [Audience(publisher, frozenset(recorder)) for publisher in publishers]
-        if self._ticks.lockstep:
-            audiences.append(Audience(self.clock.clock_pub, frozenset(recorder)))
-        elif not self._ticks.started:
-            everyone = {f"/{name}/{role}" for name in self._ids for role in _ROLES}
-            audiences.append(Audience(self.clock.status_pub, frozenset(recorder | everyone)))
-        if is_launched:
-            audiences.append(Audience(self.clock.status_pub, frozenset({LAUNCHER_NODE})))
-        for name, publisher in zip(self._ids, self._rx_pubs, strict=True):
-            audiences.append(Audience(publisher, frozenset(recorder | {f"/{name}/agent_node"})))
-        return audiences
-
-    def _start(self) -> None:
->>>>>>> 2606b31 (Begin a run once its launcher hears it; join at tick 0 again)
         if self._ticks.lockstep:
             self._try_advance()
         else:

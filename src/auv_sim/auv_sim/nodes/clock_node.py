@@ -21,7 +21,7 @@ from auv_msgs.msg import FlockStatus, RecorderStatus
 from auv_ros.hearing import Hearing
 from auv_ros.joining import LOOK_S
 from auv_ros.qos import EVERY_TICK, LATCHED
-from auv_ros.run_config import TickClock, WallWatch
+from auv_ros.run_config import LAUNCHER_NODE, TickClock, WallWatch
 from auv_ros.run_watch import STATUS_TOPIC
 from auv_ros.steady_timer import SteadyTimer
 from auv_ros.topic import RECORDER, Topic
@@ -106,8 +106,11 @@ class ClockNode(Node):
         if ticks.lockstep:
             self._clock = Topic(self, Clock, "/clock", convert.clock_stencil().filled, heard_by=recorder)
             self.topics.append(self._clock)
-        self._status = Topic(self, FlockStatus, STATUS_TOPIC, heard_by=[*recorder, *followers], qos=LATCHED)
+        hearers = [LAUNCHER_NODE] if watch.launched else []
         if not ticks.started:
+            hearers += [*recorder, *followers]
+        self._status = Topic(self, FlockStatus, STATUS_TOPIC, heard_by=hearers, qos=LATCHED)
+        if hearers:
             self.topics.append(self._status)
         self._said = FlockStatus()
         self._said_at_s = -math.inf
