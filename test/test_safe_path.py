@@ -27,7 +27,7 @@ def test_every_script_starts_python_with_a_safe_path():
     assert len(runs) > 8
     # pytest wants the folder of the checkout, in which `test` calls it.
     unsafe = [(name, options) for name, options in runs if not options.startswith(("-P", "-I"))]
-    assert [name for name, _ in unsafe] == ["test"]
+    assert {name for name, _ in unsafe} == {"test"}
 
 
 @pytest.mark.ros

@@ -6,7 +6,7 @@ import time
 
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from auv_bringup.launching.plan import make_plan
@@ -76,6 +76,8 @@ def test_overrides_and_files_read_numbers_alike(tmp_path):
     assert by_file.random_starts.centre_ned_m == (-0.5, 10.0, 10.0)
 
 
+@example("\x85")
+@example("a\u2028: b")
 @given(st.text(max_size=12) | st.text("0123456789+-._:xoeE~", max_size=8) | st.floats() | st.integers())
 def test_what_is_written_reads_back_here_and_elsewhere(value):
     def same(read):

@@ -13,7 +13,7 @@ class Constants(NamedTuple):
     """
     What `derivative` knows of a hull.
 
-    surge_kg, ..., yaw_kgm2: mass and inertia with what is added.  static_moment_kgm: m z_G as it stands in M
+    surge_kg, ..., yaw_kgm2: mass and inertia with what is added.  static_moment_kgm: m z_G, as in M
     and C.  linear_surge, ..., quadratic_yaw: damping (N s/m, N m s/rad; N s^2/m^2, N m s^2/rad^2).
     net_weight_n: W - B.  righting_nm: z_G W.
     """

@@ -39,6 +39,9 @@ class _TooManyValuesError(Exception):
     """More values than `MOST_VALUES`."""
 
 
+_UNICODE_BREAKS = "\x85\u2028\u2029"
+
+
 class _Loader(yaml.SafeLoader):
     """YAML without duplicate keys, and with decimal numbers only."""
 
@@ -83,9 +86,15 @@ class _Loader(yaml.SafeLoader):
 
 
 class _Dumper(yaml.SafeDumper):
-    """Quotes the words that `_Loader`, or another reader of YAML, would take for numbers."""
+    """Quotes the words that `_Loader`, or another reader of YAML, would take for numbers, and line breaks."""
+
+    def represent_str(self, data: str) -> yaml.ScalarNode:
+        """Return a text; only in double quotes are line breaks of Unicode escaped, and not read as spaces."""
+        style = '"' if any(each in data for each in _UNICODE_BREAKS) else None
+        return self.represent_scalar("tag:yaml.org,2002:str", data, style)
 
 
+_Dumper.add_representer(str, _Dumper.represent_str)
 _Loader.yaml_implicit_resolvers = {
     first: [(tag, word) for tag, word in resolvers if tag not in (_INT_TAG, _FLOAT_TAG, _DATE_TAG)]
     for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
