@@ -19,6 +19,7 @@ from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 
+from auv_core.cdr import COUNT, align, begun, put_text
 from auv_core.geometry import Quat, Vec3
 from auv_core.integrate import State
 from auv_core.messages import (
@@ -46,6 +47,7 @@ MAP_FRAME = "map"
 
 _STATE = struct.Struct("<q?7x15d")
 _SIX = struct.Struct("<6d")
+_TICK = struct.Struct("<q")
 _NEIGHBOUR_NUMBERS = 44
 _HALF_SQRT = math.sqrt(0.5)
 _DIAGONAL_OF_SIX = "48x".join("d" * 6)
@@ -239,10 +241,18 @@ def control_bytes(vehicle_id: str, t_s: float, tick: int, holding: str, law_stat
     Return auv_msgs/ControlStatus at the time `t_s` (s): what a law remembers, and why its agent holds, if it
     does.
     """
-    if holding:
-        return bytes(serialize_message(_control_status(vehicle_id, t_s, tick, holding, law_state)))
     size = len(law_state)
-    return _control_stencil(vehicle_id, size).filled(t_s, tick, 1, 0, size, *law_state)
+    if not holding:
+        return _control_stencil(vehicle_id, size).filled(t_s, tick, 1, 0, size, *law_state)
+    out = begun(body_frame(vehicle_id), t_s)
+    out += _TICK.pack(tick)
+    put_text(out, holding)
+    align(out, COUNT.size)
+    out += COUNT.pack(size)
+    if size:
+        align(out, 8)
+        out += struct.pack(f"<{size}d", *law_state)
+    return bytes(out)
 
 
 @cache
@@ -252,14 +262,8 @@ def _control_stencil(vehicle_id: str, size: int) -> Stencil:
 
     Fill it with the tick, length and end of an empty text (1 and 0), `size`, and the numbers.
     """
-    message = _control_status(vehicle_id, 0.0, 0, "", (0.0,) * size)
+    message = ControlStatus(header=header(0.0, body_frame(vehicle_id)), law_state=[0.0] * size)
     return Stencil(message, f"qIB3xI4x{size}d")
-
-
-def _control_status(vehicle_id: str, t_s: float, tick: int, holding: str, law_state: State) -> ControlStatus:
-    return ControlStatus(
-        header=header(t_s, body_frame(vehicle_id)), tick=tick, holding=holding, law_state=list(law_state)
-    )
 
 
 def centre_stencil() -> Stencil:
