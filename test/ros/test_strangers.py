@@ -110,11 +110,12 @@ def test_strangers_on_topics_of_a_run_are_named_once(monkeypatch):
         found = []
 
         def are_found():
-            found.extend(watch.look())
+            # Writers of nodes that an earlier test killed may still be known.
+            found.extend(each for each in watch.look() if "/desk" in each.node)
             return len(found) == 4
 
         at.until(are_found, "the strangers")
-        assert watch.look() == []
+        assert [each for each in watch.look() if "/desk" in each.node] == []
     assert sorted(stranger.words for stranger in found) == [
         "another /desk publishes /auv_1/nav: not heard",
         "another /desk publishes /clock: not heard",
@@ -128,5 +129,8 @@ def test_who_offers_what_the_run_offers_and_is_not_of_it_is_heard_and_named():
         watch = StrangerWatch(at.node, {"/auv_1/agent_node"}, ["auv_1"])
         at.publisher(Int64, "/auv_1/nav")
         found = []
-        at.until(lambda: found.extend(watch.look()) or found, "the stranger")
+        at.until(
+            lambda: found.extend(each for each in watch.look() if each.node == "/desk") or found,
+            "the stranger",
+        )
     assert [stranger.words for stranger in found] == ["/desk publishes /auv_1/nav: heard"]
