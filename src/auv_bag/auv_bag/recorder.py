@@ -28,6 +28,8 @@ from auv_bag.writer import BagWriter, Qos, Topic
 
 HELD_TICKS = 200
 """Ticks of lock-step that are held back; nothing that is only under way is later than that."""
+FIRST_HELD_TICKS = 1000
+"""The same at the start, where the middleware may have to send a first message again, 0.4 s later."""
 HELD_BYTES, LEAST_HELD_TICKS = 64_000_000, 20
 """Beyond so many bytes only so many ticks are held back: those of large fleets, whose ticks take long."""
 _AT_BEGIN = -1
@@ -59,7 +61,7 @@ class BagRecorder:
         self._line = TimeLine()
         self._held: defaultdict[int, list[tuple[int, bytes, bytes]]] = defaultdict(list)
         self._held_bytes = 0
-        self._newest_ticks: deque[int] = deque(maxlen=HELD_TICKS)
+        self._newest_ticks: deque[int] = deque(maxlen=FIRST_HELD_TICKS)
         self.ticks = 0
         """Number of /clock messages taken."""
         self.left_out: Counter[str] = Counter()
@@ -115,8 +117,10 @@ class BagRecorder:
         if not self._lockstep:
             self._write(None)
             return
-        if len(self._newest_ticks) == HELD_TICKS:
-            self._write(self._newest_ticks[0])
+        # After the start two ticks are released for each that comes, so that nobody waits for the writer.
+        held_ticks = max(HELD_TICKS, 2 * FIRST_HELD_TICKS - self.ticks)
+        if len(self._newest_ticks) >= held_ticks:
+            self._write(self._newest_ticks[-held_ticks])
         if self._held_bytes > HELD_BYTES and len(self._newest_ticks) > LEAST_HELD_TICKS:
             self._write(self._newest_ticks[-LEAST_HELD_TICKS])
 

@@ -6,7 +6,7 @@ import synthetic_bag as synthetic
 
 from auv_bag import recorder as bag_recorder
 from auv_bag.bag import Bag
-from auv_bag.recorder import HELD_TICKS, LEAST_HELD_TICKS, BagRecorder
+from auv_bag.recorder import FIRST_HELD_TICKS, HELD_TICKS, LEAST_HELD_TICKS, BagRecorder
 from auv_bag.topics import CLOCK_TOPIC, STATUS_TOPIC, topics_of_graph
 from auv_bag.writer import BagWriter
 
@@ -204,7 +204,7 @@ def test_the_order_of_arrival_leaves_no_trace_in_a_lockstep_bag(tmp_path):
     def record(name, seed):
         desk, rng = Desk(tmp_path / name / "bag", lockstep=True), np.random.default_rng(seed)
         parts = [[] for _ in range(4)]
-        for k in range(3 * HELD_TICKS):
+        for k in range(2 * FIRST_HELD_TICKS + HELD_TICKS):
             t_ns = (k + 10) * 10**8
             for part, call in zip(parts, (desk.clock, desk.centre, desk.path, desk.transform), strict=True):
                 part.append((call, (t_ns, "a") if call == desk.transform else (t_ns,)))
@@ -224,6 +224,20 @@ def test_the_order_of_arrival_leaves_no_trace_in_a_lockstep_bag(tmp_path):
         return (desk.bag_dir / "bag_0.mcap").read_bytes()
 
     assert record("one", 1) == record("two", 2)
+
+
+def test_a_first_message_that_is_sent_again_leaves_no_trace(tmp_path):
+    def record(name, sent_at):
+        desk = Desk(tmp_path / name / "bag", lockstep=True)
+        for k in range(2 * FIRST_HELD_TICKS):
+            desk.clock(100 + k)
+            if k == sent_at:
+                desk.path(100)
+            desk.recorder.flush()
+        desk.recorder.finish()
+        return (desk.bag_dir / "bag_0.mcap").read_bytes()
+
+    assert record("at once", 0) == record("again", FIRST_HELD_TICKS - 2)
 
 
 def test_large_messages_are_not_held_back_for_long(desk, monkeypatch):
