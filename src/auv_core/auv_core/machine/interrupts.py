@@ -45,23 +45,6 @@ def make_signals_interrupt() -> None:
         signal.signal(number, interrupt)
 
 
-@contextmanager
-def held_interrupts() -> Iterator[None]:
-    """Let a signal that asks for the end raise only after the block: half-made objects of rclpy complain."""
-    came: list[int] = []
-    before = {
-        number: signal.signal(number, lambda received, _frame: came.append(received))
-        for number in heeded_signals()
-    }
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-    if came:
-        raise Interrupted
-
-
 class Interrupts:
     """
     Counts requests to end (Ctrl-C, SIGTERM, SIGHUP) while entered, in place of Python's own handling; what
@@ -92,3 +75,12 @@ class Interrupts:
 
     def _on_signal(self, number: int, frame: FrameType | None) -> None:
         self.count += 1
+
+
+@contextmanager
+def held_interrupts() -> Iterator[None]:
+    """Let a signal that asks for the end raise only after the block: half-made objects of rclpy complain."""
+    with Interrupts() as interrupts:
+        yield
+    if interrupts.count:
+        raise Interrupted
