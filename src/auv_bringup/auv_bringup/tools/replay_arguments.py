@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from auv_core.cli.one_line_parser import OneLineParser, refusal
+from auv_core.cli.one_line_parser import OneLineParser, read_argument
 
 DEFAULT_CLOCK_HZ = 40.0
 DEFAULT_DELAY_S = 1.0
@@ -82,14 +81,5 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
 
 def _number_of(least: float, most: float) -> Callable[[str], float]:
     """Return the type function of an argument that is a number between two bounds."""
-
-    def number(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not least <= value <= most:
-            raise refusal(text, f"a number from {least:g} to {most:g}")
-        return value
-
-    return number
+    allowed = f"a number from {least:g} to {most:g}"
+    return lambda text: read_argument(text, float, lambda value: least <= value <= most, allowed)

@@ -19,7 +19,7 @@ from auv_bag.ros_types import message_class
 from auv_bag.writer import BagError
 from auv_bringup.tools.environment import prepare_environment
 from auv_core.cli.failures import DONE, answered
-from auv_core.cli.one_line_parser import OneLineParser, refusal
+from auv_core.cli.one_line_parser import OneLineParser, read_argument
 from auv_core.cli.printable import printable
 from auv_core.machine.interrupts import held_interrupts
 
@@ -95,25 +95,12 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
 def _positive(text: str) -> float:
     """Return a number above zero, at most an hour."""
     allowed = "a number of seconds above 0 and at most 3600"
-    try:
-        value = float(text)
-    except ValueError:
-        raise refusal(text, allowed) from None
-    if not 0.0 < value <= 3600.0:
-        raise refusal(text, allowed)
-    return value
+    return read_argument(text, float, lambda value: 0.0 < value <= 3600.0, allowed)
 
 
 def _count(text: str) -> int:
     """Return a whole number from 1."""
-    allowed = "a whole number of at least 1"
-    try:
-        value = int(text)
-    except ValueError:
-        raise refusal(text, allowed) from None
-    if value < 1:
-        raise refusal(text, allowed)
-    return value
+    return read_argument(text, int, lambda value: value >= 1, "a whole number of at least 1")
 
 
 @contextmanager

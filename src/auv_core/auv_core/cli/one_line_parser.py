@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import NoReturn
+from collections.abc import Callable
+from typing import NoReturn, TypeVar
 
 from auv_core.cli.printable import printable
 from auv_core.params import shown
+
+T = TypeVar("T")
 
 BAD_ARGUMENTS = 2
 """Exit status of a command whose arguments are not allowed."""
@@ -49,16 +52,20 @@ def refusal(text: str, allowed: str) -> argparse.ArgumentTypeError:
     return argparse.ArgumentTypeError(f"{shown(text)} is not allowed; allowed: {allowed}")
 
 
-def whole_number(text: str, most: int) -> int:
-    """Return a whole number from 1 to `most`; for the type function of an argument."""
-    allowed = f"a whole number from 1 to {most}"
+def read_argument(text: str, kind: Callable[[str], T], is_allowed: Callable[[T], bool], allowed: str) -> T:
+    """Return the value of an argument, or refuse it with what is allowed, in words."""
     try:
-        value = int(text)
+        value = kind(text)
     except ValueError:
         raise refusal(text, allowed) from None
-    if not 1 <= value <= most:
+    if not is_allowed(value):
         raise refusal(text, allowed)
     return value
+
+
+def whole_number(text: str, most: int) -> int:
+    """Return a whole number from 1 to `most`; for the type function of an argument."""
+    return read_argument(text, int, lambda value: 1 <= value <= most, f"a whole number from 1 to {most}")
 
 
 def fail(status: int, line: str) -> int:

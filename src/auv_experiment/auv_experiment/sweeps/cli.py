@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from auv_core.cli.failures import DONE, FAILED, answered
-from auv_core.cli.one_line_parser import MOST_WORKERS, OneLineParser, fail, refusal, whole_number
+from auv_core.cli.one_line_parser import MOST_WORKERS, OneLineParser, fail, read_argument, whole_number
 from auv_core.machine.file_locks import lock_file
 from auv_core.machine.processors import processor_count
 from auv_core.params import ConfigError
@@ -113,14 +113,9 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _seconds(text: str) -> float:
-    allowed = "a number of seconds, at least 1"
-    try:
-        value = float(text)
-    except ValueError:
-        raise refusal(text, allowed) from None
-    if not 1.0 <= value < math.inf:
-        raise refusal(text, allowed)
-    return value
+    return read_argument(
+        text, float, lambda value: 1.0 <= value < math.inf, "a number of seconds, at least 1"
+    )
 
 
 def _do(options: argparse.Namespace) -> int:
