@@ -6,7 +6,7 @@ import base64
 import html
 from collections.abc import Mapping
 
-_HEAD = """\
+_TOP = """\
 <!DOCTYPE html>
 <html lang="en">
 <head>
@@ -18,8 +18,10 @@ _HEAD = """\
 <style>
 :root { color-scheme: light; }
 * { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 62rem; padding: 1.2rem 1rem 3rem; color: #1a1a1a; background: #fff;
+body { margin: 0 auto; max-width: $width; padding: 1.2rem 1rem 3rem; color: #1a1a1a; background: #fff;
   font: 1rem/1.5 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; overflow-wrap: break-word; }
+"""
+_HEAD = """\
 h1 { font-size: 1.6rem; line-height: 1.25; margin: 0 0 .3rem; }
 h2 { font-size: 1.25rem; margin: 2.6rem 0 .6rem; border-bottom: 1px solid #bbb; padding-bottom: .2rem; }
 h3 { font-size: 1.05rem; margin: 1.6rem 0 .5rem; }
@@ -58,9 +60,14 @@ summary { cursor: pointer; }
 </head>"""
 
 
+def page_top(width: str) -> str:
+    """Return a page with `$title` up to the style of its body: nothing may be fetched, nothing may run."""
+    return _TOP.replace("$width", width)
+
+
 def head(title: str) -> str:
-    """Return a page up to its body: nothing may be fetched, nothing may run."""
-    return _HEAD.replace("$title", html.escape(title))
+    """Return a page up to its body."""
+    return (page_top("62rem") + _HEAD).replace("$title", html.escape(title))
 
 
 def embedded_png(data: bytes, words: str) -> str:

@@ -4,20 +4,11 @@ from __future__ import annotations
 
 from string import Template
 
-PAGE = Template("""\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta http-equiv="Content-Security-Policy"
-  content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
-<title>$title</title>
-<style>
-:root { color-scheme: light; }
-* { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 58rem; padding: 1.2rem 1rem 3rem; color: #1a1a1a; background: #fff;
-  font: 1rem/1.5 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; overflow-wrap: break-word; }
+from auv_experiment.report.html import page_top
+
+PAGE = Template(
+    page_top("58rem")
+    + """\
 h1 { font-size: 1.5rem; line-height: 1.25; margin: 0 0 .3rem; }
 h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid #bbb; padding-bottom: .2rem; }
 .facts { color: #555; margin: 0 0 1rem; }
@@ -68,4 +59,5 @@ $versions
 </details>
 </body>
 </html>
-""")
+"""
+)
