@@ -92,11 +92,23 @@ def is_up(name):
     return "UP" in subprocess.run(asked, check=True, capture_output=True, text=True).stdout.split()
 
 
+OWN_MACHINE = """
+set -e
+mount -t tmpfs tmpfs /dev/shm
+if [ -e /etc/machine-id ]; then
+  printf '%s' "$0" | md5sum | cut -c 1-32 > /dev/shm/machine-id
+  mount --bind /dev/shm/machine-id /etc/machine-id
+fi
+exec "$@"
+"""
+"""Make a network another machine: it has its own shared memory and, where machines have one, its own id."""
+
+
 def inside(network, code, argument, environ):
-    """Start Python code in a network, with a shared memory of its own."""
-    shell = ["unshare", "--mount", "sh", "-c", 'mount -t tmpfs tmpfs /dev/shm && exec "$0" -c "$@"']
+    """Start Python code in a network, as on a machine of its own."""
+    shell = ["unshare", "--mount", "sh", "-c", OWN_MACHINE, network]
     return subprocess.Popen(
-        ["ip", "netns", "exec", network, *shell, sys.executable, code, argument],
+        ["ip", "netns", "exec", network, *shell, sys.executable, "-c", code, argument],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
