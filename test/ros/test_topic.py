@@ -111,3 +111,10 @@ def test_an_unknown_topic_gives_a_hint(graph, name, said):
     assert f"no topic {name} in ROS domain" in errors
     assert said in errors
     assert errors.count("\n") == 1
+
+
+def test_echo_of_a_silent_topic_ends(graph):
+    with process(TOPIC, "--silence", 0.5, "echo", NAME, "--once") as command:
+        status, out, errors = finish(command, None)
+    assert (status, out) == (2, "")
+    assert f"error: no message of {NAME} for " in errors

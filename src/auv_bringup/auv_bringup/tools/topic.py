@@ -12,12 +12,11 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-import yaml
-
 from auv_bag.ros_types import message_class
 from auv_bag.writer import BagError
 from auv_bringup.tools.environment import prepare_environment
+from auv_bringup.tools.silence import Silence
+from auv_bringup.tools.topic_words import describe_rate, message_to_yaml
 from auv_core.cli.failures import DONE, answered
 from auv_core.cli.one_line_parser import OneLineParser, read_argument
 from auv_core.cli.printable import printable
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
 
 WINDOW = 10_000
-MAX_ELEMENTS = 128
 REPORT_PERIOD_S = 1.0
 SETTLED_S = 0.5
 UNNAMED = "_NODE_NAME_UNKNOWN_"
@@ -69,6 +67,13 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument(
         "--wait", type=_positive, default=3.0, metavar="S", help="longest time to look for topics (3)"
+    )
+    parser.add_argument(
+        "--silence",
+        type=_positive,
+        default=60.0,
+        metavar="S",
+        help="echo and hz: longest time between two messages (60)",
     )
     verbs = parser.add_subparsers(required=True, metavar="list|echo|hz|info")
     verb = verbs.add_parser("list", help="names of all topics")
@@ -164,62 +169,26 @@ def _hz(node: Node, options: argparse.Namespace) -> int:
         arrivals_s.append(now_s)
         if now_s - reported_s >= REPORT_PERIOD_S and len(arrivals_s) > 1:
             reported_s = now_s
-            print(describe_rate(arrivals_s), flush=True)
+            print(describe_rate(tuple(arrivals_s)), flush=True)
         return False
 
     _receive(node, options, note, raw=True)
     return DONE
 
 
-def describe_rate(arrivals_s: Sequence[float] | deque[float]) -> str:
-    """Return the average rate of arrivals and the spread of the intervals, as `ros2 topic hz` words it.
-
-    Parameters
-    ----------
-    arrivals_s
-        Two or more arrival times (s), oldest first.
-    """
-    intervals_s = np.diff(np.array(arrivals_s))
-    mean_s = float(intervals_s.mean())
-    rate_hz = 1.0 / mean_s if mean_s > 0.0 else float("inf")
-    return (
-        f"average rate: {rate_hz:.3f}\n\tmin: {intervals_s.min():.3f}s max: {intervals_s.max():.3f}s "
-        f"std dev: {intervals_s.std():.5f}s window: {len(intervals_s)}"
-    )
-
-
-def message_to_yaml(message: Any) -> str:
-    """Return a message as block-style YAML; long arrays are cut with '...'."""
-    return yaml.safe_dump(
-        _plain(message), sort_keys=False, allow_unicode=True, default_flow_style=False, width=1000
-    )
-
-
-def _plain(value: Any) -> Any:
-    """Return a message, or a field of one, as plain Python values."""
-    if hasattr(value, "get_fields_and_field_types"):
-        return {name: _plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, bytes):
-        return list(value)
-    if isinstance(value, str | bool | int | float):
-        return value
-    items = [_plain(each) for each in value[:MAX_ELEMENTS]]
-    return [*items, "..."] if len(value) > MAX_ELEMENTS else items
-
-
 def _receive(
     node: Node, options: argparse.Namespace, take: Callable[[Any], bool], *, raw: bool = False
 ) -> None:
-    """Give each message of a topic to a function until that returns True."""
+    """Give each message of a topic to a function until that returns True; refuse to wait too long for one."""
     from rclpy.executors import SingleThreadedExecutor
 
     kind = message_class(_find_type(node, options.topic, options.wait))
     finished = False
+    silence = Silence(options.silence)
 
     def callback(message: Any) -> None:
         nonlocal finished
+        silence.end()
         finished = finished or take(message)
 
     with held_interrupts():
@@ -229,6 +198,17 @@ def _receive(
     while not finished:
         with held_interrupts():
             executor.spin_once(timeout_sec=_LOOK_S)
+        if silence.is_to_be_said():
+            _say_silence(node, options.topic, silence)
+
+
+def _say_silence(node: Node, topic: str, silence: Silence) -> None:
+    """Say for what the command waits, or give up."""
+    count = node.count_publishers(topic)
+    words = f"no message of {topic} for {silence.lasts_s:.0f} s ({count} publisher{'s' * (count != 1)})"
+    if silence.is_too_long:
+        raise BagError(words)
+    print(f"note: {words}; Ctrl-C ends the wait", file=sys.stderr, flush=True)
 
 
 def _find_type(node: Node, topic: str, wait_s: float) -> str:
