@@ -23,6 +23,7 @@ from auv_ros.wire import conversions as convert
 pytestmark = pytest.mark.ros
 
 PATIENCE_S = 120.0
+FORGED_WORD = "forged"
 FORGED = {
     "/auv_1/cmd_wrench": WrenchStamped(),
     "/auv_1/nav": VehicleState(tick=10**9, valid=True),
@@ -105,17 +106,23 @@ def test_a_flight_under_forged_messages_is_the_flight_without_them(scenario_file
         assert compare_bags(folder / "bag", alone / "bag") == []
 
 
+def is_running(status):
+    return status.state == FlockStatus.RUNNING and status.detail != FORGED_WORD
+
+
 def forge_ends_during(at, run, state):
-    """Say all the time that a run is over, as its clock would say it: same epoch, same length."""
+    """Say all the time, as the clock of a run would, that a vehicle is lost, and that the run is over."""
     publisher = at.publisher(FlockStatus, "/flock/status", latched=True)
     heard = at.listen(FlockStatus, "/flock/status", latched=True)
     said = 0
     while run.poll() is None:
         at.executor.spin_once(timeout_sec=0.02)
-        running = next((each for each in reversed(heard) if each.state == FlockStatus.RUNNING), None)
+        running = next((each for each in reversed(heard) if is_running(each)), None)
         if running is None:
             continue
         heard.clear()
+        running.lost_vehicles, running.detail = ["auv_2"], FORGED_WORD
+        publisher.publish(running)
         left_s = running.duration_s - running.time_s
         stamp_s = running.header.stamp.sec + 1e-9 * running.header.stamp.nanosec + left_s
         publisher.publish(
@@ -124,7 +131,8 @@ def forge_ends_during(at, run, state):
                 state=state,
                 time_s=running.duration_s,
                 duration_s=running.duration_s,
-                detail="forged",
+                lost_vehicles=["auv_2"],
+                detail=FORGED_WORD,
             )
         )
         said += 1
@@ -139,15 +147,21 @@ def forge_ends_during(at, run, state):
         (FlockStatus.ABORTED, "realtime", "single"),
     ],
 )
-def test_a_forged_end_ends_no_flight(scenario_file, state, mode, layout):
+def test_a_forged_end_or_loss_ends_no_flight_and_no_process(scenario_file, state, mode, layout):
     duration_s = 200.0 if mode == "lockstep" else 8.0
+    arguments = ("--mode", mode, "--layout", layout, "--duration", duration_s)
+    if layout == "node":
+        arguments += ("--set", "on_vehicle_loss=continue")
     with desk() as at:
-        run = fly(scenario_file, "beside", "--mode", mode, "--layout", layout, "--duration", duration_s)
+        run = fly(scenario_file, "beside", *arguments)
         forged = forge_ends_during(at, run, state)
     status, said = finished(run)
     assert forged > 3
     assert status == 0, said
-    assert results_of(scenario_file, "beside")[1]["simulated_s"] == pytest.approx(duration_s, abs=0.5)
+    provenance = results_of(scenario_file, "beside")[1]
+    assert provenance["simulated_s"] == pytest.approx(duration_s, abs=0.5)
+    assert provenance["lost_vehicles"] == []
+    assert said.count("auv_2 is lost, but the run's own clock goes on with it") == (layout == "node")
     assert said.count("the run's own process goes on: somebody else publishes it; not believed") == 1
 
 

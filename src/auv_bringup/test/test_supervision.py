@@ -52,6 +52,16 @@ def waiting(*names):
 FINISHED = status("finished", 650.0)
 
 
+def stands_by(supervisor, claim, most_s=5.0):
+    """Let the clock repeat a status until the supervisor takes it up; return after how long (s)."""
+    stood_s = 0.0
+    while not (supervisor.is_over or supervisor.lost_vehicles) and stood_s < most_s:
+        supervisor.status_arrived(claim, 104.0)
+        supervisor.time_passed(0.25)
+        stood_s += 0.25
+    return stood_s
+
+
 def finish(supervisor, wall_s=165.0):
     supervisor.status_arrived(FINISHED, wall_s)
     end(supervisor, RELAY, 0)
@@ -113,9 +123,7 @@ def test_a_flight_that_may_go_on_ends_both_processes_of_a_lost_vehicle():
 
 def test_a_vehicle_that_the_clock_gave_up_is_lost_too():
     supervisor = make("continue")
-    supervisor.status_arrived(
-        running(5.0, lost_vehicles=("auv_3",), detail="/auv_3/agent_node: no answer"), 104.0
-    )
+    stands_by(supervisor, running(5.0, lost_vehicles=("auv_3",), detail="/auv_3/agent_node: no answer"))
     assert supervisor.lost_vehicles == ["auv_3"]
     assert sorted(supervisor.take_processes_to_end()) == ["/auv_3/agent_node", "/auv_3/vehicle_node"]
     assert "/auv_3/agent_node: no answer" in "\n".join(supervisor.take_messages())
@@ -131,8 +139,43 @@ def test_a_process_of_two_nodes_that_ends_is_the_loss_of_its_vehicle():
 
 def test_a_vehicle_that_the_clock_gave_up_loses_the_process_of_both_nodes():
     supervisor = make("continue", layout="vehicle")
-    supervisor.status_arrived(running(5.0, lost_vehicles=("auv_3",)), 104.0)
+    stands_by(supervisor, running(5.0, lost_vehicles=("auv_3",)))
     assert supervisor.take_processes_to_end() == ["/auv_3"]
+
+
+@pytest.mark.parametrize("lost", ["auv_3", "auv_9"])
+def test_a_forged_loss_ends_no_process_and_is_said_once(lost):
+    supervisor = make("continue")
+    for tenths in range(10, 100):
+        supervisor.status_arrived(running(0.1 * tenths), 100.0)
+        supervisor.status_arrived(running(0.1 * tenths, lost_vehicles=(lost,)), 100.0)
+        supervisor.time_passed(0.2)
+    assert (supervisor.lost_vehicles, supervisor.take_processes_to_end()) == ([], [])
+    said = [line for line in supervisor.take_messages() if "not believed" in line]
+    assert len(said) == (1 if lost == "auv_3" else 0)
+
+
+def test_a_clock_that_may_not_go_on_without_a_vehicle_gives_up_none():
+    supervisor = make("stop")
+    stands_by(supervisor, running(5.0, lost_vehicles=("auv_3",)))
+    assert (supervisor.lost_vehicles, supervisor.take_processes_to_end()) == ([], [])
+
+
+@pytest.mark.parametrize("forged_first", [True, False])
+def test_a_loss_that_is_forged_into_the_end_is_not_believed(forged_first):
+    supervisor = make("continue")
+    ends = [FINISHED, status("finished", 650.0, lost_vehicles=("auv_2",))]
+    for claim in reversed(ends) if forged_first else ends:
+        supervisor.status_arrived(claim, 165.0)
+    end(supervisor, RELAY, 0)
+    assert (supervisor.is_finished, supervisor.lost_vehicles) == (True, [])
+
+
+def test_a_loss_just_before_the_end_is_believed_with_it():
+    supervisor = make("continue")
+    supervisor.status_arrived(status("finished", 650.0, lost_vehicles=("auv_2",)), 165.0)
+    end(supervisor, RELAY, 0)
+    assert (supervisor.is_finished, supervisor.lost_vehicles) == (True, ["auv_2"])
 
 
 def test_a_process_of_all_nodes_that_ends_stops_the_flight_and_says_which_node_failed():
@@ -144,7 +187,7 @@ def test_a_process_of_all_nodes_that_ends_stops_the_flight_and_says_which_node_f
 
 def test_a_stalled_node_of_a_process_of_all_nodes_stops_the_flight():
     supervisor = make("stop", layout="single")
-    supervisor.status_arrived(stalled(AGENT_2), 104.0)
+    stands_by(supervisor, stalled(AGENT_2))
     assert (supervisor.exit_status, supervisor.reason) == (3, f"{AGENT_2} stopped answering")
 
 
@@ -216,11 +259,21 @@ def test_a_stall_that_passes_is_forgotten():
     assert not supervisor.is_over
 
 
-def test_a_stalled_recorder_stops_the_flight_at_once(policy):
+def test_a_stalled_recorder_stops_the_flight_soon(policy):
     supervisor = make(policy)
-    supervisor.status_arrived(stalled(RECORDER), 104.0)
+    assert stands_by(supervisor, stalled(RECORDER)) <= supervision.CLAIM_S + 0.5
     assert supervisor.exit_status == 3
     assert RECORDER in supervisor.reason
+
+
+def test_a_forged_stall_stops_nothing_and_is_said_once(policy):
+    supervisor = make(policy)
+    for tenths in range(10, 100):
+        supervisor.status_arrived(running(0.1 * tenths), 100.0)
+        supervisor.status_arrived(status("stalled", 0.1 * tenths, waiting_for=(RECORDER,)), 100.0)
+        supervisor.time_passed(0.2)
+    assert not supervisor.is_over
+    assert len(supervisor.take_messages()) == 1
 
 
 def test_a_silent_clock_is_named_within_5_s(policy):
@@ -374,6 +427,25 @@ def test_an_end_after_which_the_run_goes_on_is_said_once_and_not_believed(forged
     assert "the run's own process goes on" in line
     finish(supervisor)
     assert supervisor.exit_status == 0
+
+
+def test_an_end_holds_whatever_is_said_after_it_if_the_clock_leaves_with_it():
+    supervisor = make()
+    supervisor.status_arrived(FINISHED, 165.0)
+    supervisor.status_arrived(running(649.0), 165.0)  # forged
+    end(supervisor, RELAY, 0)
+    assert (supervisor.is_finished, supervisor.simulated_s, supervisor.exit_status) == (True, 650.0, 0)
+
+
+def test_a_contradicted_end_is_forgotten_in_time():
+    supervisor = make()
+    supervisor.status_arrived(FINISHED, 101.0)
+    for tenths in range(20, 20 + 5 * int(supervision.LEAVE_S) + 5):
+        supervisor.time_passed(0.2)
+        supervisor.status_arrived(running(0.1 * tenths), 101.0)
+    end(supervisor, RELAY, 0)
+    supervisor.time_passed(1.5)
+    assert supervisor.exit_status == 3
 
 
 @pytest.mark.parametrize("layout", ["node", "single"])

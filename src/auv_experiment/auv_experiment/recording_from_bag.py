@@ -87,11 +87,16 @@ class _Arrays:
         recording = Recording.empty(self._ids, t_s)
         for i, name in enumerate(self._ids):
             self._add_truth(recording, i)
-            self._add_decisions(recording, i, lost=name in self._messages.lost)
+            lost = name in self._messages.lost and self._falls_silent(i, n_ticks)
+            self._add_decisions(recording, i, lost=lost)
         self._add_laws(recording)
         self._add_packets(recording)
         self._add_sound(recording)
         return recording
+
+    def _falls_silent(self, i: int, n_ticks: int) -> bool:
+        """Return whether vehicle i gets no command any more before the end: one that does is not lost."""
+        return max(self._messages.command[i].values, default=-1) < n_ticks - 1
 
     def _add_truth(self, recording: Recording, i: int) -> None:
         """Fill in the states of vehicle i."""

@@ -223,7 +223,7 @@ class RunMessages:
         return e.outcome, e.source, e.destination, e.sequence, e.size_bytes
 
     def _take_status(self, status: Any) -> None:
-        self.lost.update(status.lost_vehicles)
+        self.lost = set(status.lost_vehicles)  # the clock repeats a loss: what the next one lacks is forged
 
 
 def _nanoseconds(stamp: Any) -> int:

@@ -124,18 +124,19 @@ class Losing(synthetic.SyntheticRun):
 
     def write(self, recorder, **options):
         super().write(recorder, **options)
-        status = synthetic.make(
-            "auv_msgs/msg/FlockStatus",
-            header=synthetic.header(self.time_ns(8), ""),
-            state="running",
-            tick=8,
-            time_s=0.8,
-            duration_s=1.0,
-            waiting_for=[],
-            lost_vehicles=["auv_2"],
-            detail="",
-        )
-        recorder.write("/flock/status", status, self.time_ns(8))
+        for tick, lost in ((4, ["auv_1"]), (8, ["auv_2"])):  # the first is forged: it is not repeated
+            status = synthetic.make(
+                "auv_msgs/msg/FlockStatus",
+                header=synthetic.header(self.time_ns(tick), ""),
+                state="running",
+                tick=tick,
+                time_s=0.1 * tick,
+                duration_s=1.0,
+                waiting_for=[],
+                lost_vehicles=lost,
+                detail="",
+            )
+            recorder.write("/flock/status", status, self.time_ns(tick))
 
 
 def test_a_lost_vehicle_has_no_commands_from_its_loss_on(tmp_path):
@@ -146,6 +147,14 @@ def test_a_lost_vehicle_has_no_commands_from_its_loss_on(tmp_path):
     assert np.isnan(recording.command[6:, 1]).all()
     assert np.isnan(recording.neighbour_position_ned_m[6:, 1]).all()
     check_states(recording, run)
+
+
+def test_a_vehicle_that_is_commanded_to_the_end_is_not_lost_whatever_a_status_says(tmp_path, monkeypatch):
+    monkeypatch.setattr(Losing, "write_decision", synthetic.SyntheticRun.write_decision)
+    run = Losing(2, 10)
+    recording = read_recording(written(tmp_path, run), synthetic.scenario(2))
+    assert np.isnan(recording.lost_at_s).all()
+    assert_array_equal(recording.command[:, 1], run.command[:, 1])
 
 
 def test_an_unfinished_bag_gives_the_ticks_that_all_vehicles_have(tmp_path):

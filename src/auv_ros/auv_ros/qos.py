@@ -47,3 +47,5 @@ def own_qos(
 
 EVERY_TICK = own_qos()
 LATCHED = own_qos(latched=True)
+EVERY_LATCHED = own_qos(latched=True, history=HistoryPolicy.KEEP_ALL)
+"""For readers of a latched topic that must miss nothing: else one writer's message displaces another's."""

@@ -58,7 +58,7 @@ class StatusListener:
 
         from auv_msgs.msg import FlockStatus
         from auv_ros.hearing import Hearing
-        from auv_ros.qos import LATCHED
+        from auv_ros.qos import EVERY_LATCHED
         from auv_ros.strangers import StrangerWatch
 
         self._context = rclpy.Context()
@@ -72,7 +72,7 @@ class StatusListener:
         # The client library's own line about a stranger: `new_strangers` says it in plain words.
         self._node.get_logger().set_level(LoggingSeverity.ERROR)
         self._hearing = Hearing(self._node)
-        self._hearing.listen_decoded(FlockStatus, "/flock/status", self._hear, LATCHED)
+        self._hearing.listen_decoded(FlockStatus, "/flock/status", self._hear, EVERY_LATCHED)
         self._watch = StrangerWatch(self._node, self._own_nodes, self._vehicle_ids)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)

@@ -18,6 +18,7 @@ from collections.abc import Mapping, Sequence
 from auv_bringup.launching.end_claims import EXIT_STATUS, EndClaims
 from auv_bringup.launching.flight_status import LOST_STATUS, Status, start_of_run
 from auv_bringup.launching.layout import ProcessSpec, patience_s, start_patience_s, vehicles_of
+from auv_bringup.launching.standing_claims import StandingClaims
 from auv_core.machine.child_end import Exit
 from auv_ros.run_identity import follows, is_of_run
 
@@ -34,6 +35,8 @@ STOPPED_S = 2.0
 SLOW_START_S = 15.0
 """After this time the user is told which nodes the start waits for."""
 
+CLAIM_S = 1.5
+"""So long the clock must stand by a loss, or by a stall that ends the flight, before either is believed."""
 LEAVE_S = 10.0
 """The process of the clock hands over what it has said and leaves within this time after the run."""
 LEAVE_RECORDING_S = 30.0
@@ -63,6 +66,7 @@ class Supervisor:
 
     def __init__(self, processes: Sequence[ProcessSpec], *, on_vehicle_loss: str) -> None:
         self._processes = {process.name: process for process in processes}
+        self._vehicle_ids = {process.vehicle_id for process in processes}
         self._process_of = {node.name: process for process in processes for node in process.nodes}
         self._patience_s = patience_s(vehicles_of(processes))
         self._start_patience_s = start_patience_s(vehicles_of(processes))
@@ -70,13 +74,16 @@ class Supervisor:
         self._stopwatch = _Stopwatch()
         self._messages: list[str] = []
         self._to_end: list[str] = []
-        self._stalled: tuple[str, ...] = ()
-        self._stalled_for_s = 0.0
+        self._losses = StandingClaims(CLAIM_S + self._patience_s)
+        self._vital_stalls = StandingClaims(CLAIM_S + self._patience_s)
+        self._stalls = StandingClaims(STALL_S + self._patience_s)
+        self._why_lost: dict[str, str] = {}
+        self._named_stalled: set[str] = set()
         self._silent_s = 0.0
         self._run = start_of_run(processes)
         records_too = any(process.role == "relay" and process.records for process in processes)
         self._ends = EndClaims(self._start_patience_s + (LEAVE_RECORDING_S if records_too else LEAVE_S))
-        self._says_it_goes_on = False
+        self._disbelieved: set[str] = set()
         self._relay_exit: tuple[Exit, Sequence[str], str] | None = None
         self._relay_gone_s = 0.0
         self._stopped_for_s: dict[str, float] = {}
@@ -124,7 +131,8 @@ class Supervisor:
         Take a status of the clock, received at `wall_s` on any steady clock (s).
 
         One of another run, or that goes back in time, is of another clock, and is not believed. An end is
-        believed once the process of the clock has left with it.
+        believed once the process of the clock has left with it, a lost vehicle once the clock has said so for
+        `CLAIM_S`.
         """
         if not self._is_next(status):
             self._doubt(status)
@@ -141,11 +149,8 @@ class Supervisor:
             self._contradict_end()
         if status.state == "running":
             self._stopwatch.lap(status.time_s, wall_s)
-        self._lose_vehicles(status)
-        if status.state == "stalled":
-            self._stall(status)
-        else:
-            self._stalled, self._stalled_for_s = (), 0.0
+        self._claim_losses(status)
+        self._stall(status.waiting_for if status.state == "stalled" else (), status.time_s)
 
     def _is_next(self, status: Status) -> bool:
         """Return whether the clock of this run can say so now."""
@@ -166,15 +171,25 @@ class Supervisor:
 
     def _contradict_end(self) -> None:
         """Say once that an end was claimed after which the run goes on."""
-        if not self._ends.are_open:
-            return
-        end = self._ends.refute()
-        if not self._says_it_goes_on:
-            self._says_it_goes_on = True
-            self._messages.append(
-                f"/flock/status says {end.state} at {end.time_s:g} s, but the run's own process goes on: "
-                "somebody else publishes it; not believed"
-            )
+        if self._ends.are_open:
+            end = self._ends.contradict()
+            self._disbelieve("end", f"{end.state} at {end.time_s:g} s, but the run's own process goes on")
+
+    def _losses_in(self, status: Status) -> list[str]:
+        """Return the vehicles that a status gives up; a clock gives up none where a loss ends the flight."""
+        return [name for name in status.lost_vehicles if self._goes_on and name in self._vehicle_ids]
+
+    def _claim_losses(self, status: Status) -> None:
+        claimed = [name for name in self._losses_in(status) if name not in self.lost_vehicles]
+        self._why_lost = {name: self._why_lost.get(name) or _why_lost(name, status) for name in claimed}
+        for name in self._losses.hear(claimed):
+            if name not in self.lost_vehicles:
+                self._disbelieve(name, f"{name} is lost, but the run's own clock goes on with it")
+
+    def _disbelieve(self, what: str, words: str) -> None:
+        if what not in self._disbelieved:
+            self._disbelieved.add(what)
+            self._messages.append(f"/flock/status says {words}: somebody else publishes it; not believed")
 
     def _confirm_end(self, exit_: Exit) -> bool:
         """Believe the end with which the process of the clock has left, if one was claimed."""
@@ -182,7 +197,8 @@ class Supervisor:
         if end is None:
             return False
         self.status, wall_s = end
-        self._lose_vehicles(self.status)
+        for name in self._losses_in(self.status):
+            self._lose_vehicle(name, _why_lost(name, self.status))
         if self.is_finished:
             self._stopwatch.lap(self.status.time_s, wall_s)
             self.is_over = True
@@ -234,12 +250,18 @@ class Supervisor:
         if self.is_over:
             return
         self._silent_s += awake_s
+        end_is_late = self._ends.time_passed(awake_s)
+        for name in self._losses.time_passed(awake_s):
+            self._lose_vehicle(name, self._why_lost[name])
+        stalled = [*self._vital_stalls.time_passed(awake_s), *self._stalls.time_passed(awake_s)]
+        if stalled:
+            self._stop(f"{_listed(stalled)} stopped answering")
         if self._relay_exit is not None:
             self._relay_gone_s += awake_s
             if self._relay_gone_s > RELAY_EXIT_GRACE_S:
                 self._ended_early(*self._relay_exit)
         elif self._ends.are_open:
-            if self._ends.time_passed(awake_s):
+            if end_is_late:
                 self._contradict_end()
         elif self.status is None:
             limit_s = NO_STATUS_S + self._start_patience_s
@@ -254,10 +276,6 @@ class Supervisor:
                 "/clock_node (process of /acoustic_relay_node) has not answered for "
                 f"{SILENCE_S + self._patience_s:.3g} s"
             )
-        elif self._stalled:
-            self._stalled_for_s += awake_s
-            if self._stalled_for_s > STALL_S + self._patience_s:
-                self._stop(f"{_listed(self._stalled)} stopped answering")
         self._mention_slow_start(awake_s)
 
     def _mention_slow_start(self, awake_s: float) -> None:
@@ -267,14 +285,13 @@ class Supervisor:
         if before_s <= SLOW_START_S < self._waiting_s:
             self._messages.append(f"still waiting for {_listed(self.status.waiting_for)}")
 
-    def _stall(self, status: Status) -> None:
-        if status.waiting_for == self._stalled:
-            return
-        self._stalled, self._stalled_for_s = status.waiting_for, 0.0
-        for name in status.waiting_for:
-            self._messages.append(f"{name} does not answer (at {status.time_s:.1f} s of the flight)")
-        if any(self._is_vital(name) for name in status.waiting_for):
-            self._stop(f"{_listed(status.waiting_for)} stopped answering")
+    def _stall(self, names: Sequence[str], time_s: float) -> None:
+        self._stalls.hear(names)
+        self._vital_stalls.hear([name for name in names if self._is_vital(name)])
+        for name in names:
+            if name not in self._named_stalled:
+                self._named_stalled.add(name)
+                self._messages.append(f"{name} does not answer (at {time_s:.1f} s of the flight)")
 
     def _is_vital(self, name: str) -> bool:
         process = self._process_of.get(name)
@@ -285,10 +302,6 @@ class Supervisor:
             self._lose_vehicle(process.vehicle_id, why)
         else:
             self._stop(why)
-
-    def _lose_vehicles(self, status: Status) -> None:
-        for vehicle_id in status.lost_vehicles:
-            self._lose_vehicle(vehicle_id, status.detail or f"{vehicle_id} does not answer")
 
     def _lose_vehicle(self, vehicle_id: str, why: str) -> None:
         if vehicle_id in self.lost_vehicles:
@@ -326,6 +339,10 @@ class _Stopwatch:
         if self._first is None or self._last is None or self._last[1] <= self._first[1]:
             return math.nan
         return (self._last[0] - self._first[0]) / (self._last[1] - self._first[1])
+
+
+def _why_lost(vehicle_id: str, status: Status) -> str:
+    return status.detail or f"{vehicle_id} does not answer"
 
 
 def _listed(names: Sequence[str]) -> str:
