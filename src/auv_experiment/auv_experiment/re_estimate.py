@@ -1,8 +1,8 @@
 """Run the neighbour filters of every agent again, from a bag's received packets and contacts, and compare.
 
 Only what an agent was given goes in, acoustic packets, sonar contacts and its own navigation: no truth, no
-simulator, no estimate of another agent.  The filters are those of :mod:`auv_flocking.neighbours.table`, set
-as in the scenario beside the bag: any difference means that the recorded estimates were not made from them.
+simulator, no estimate of another agent.  What is done with it is :mod:`auv_flocking.senses`, set as in the
+scenario beside the bag: any difference means that the recorded estimates were not made from them.
 """
 
 from __future__ import annotations
@@ -17,11 +17,10 @@ from numpy.typing import ArrayLike
 from auv_bag.bag import Bag
 from auv_bag.writer import BagError
 from auv_core.messages import Packet, SonarContact, VehicleState
-from auv_flocking.input_limits import InputJudge, InputLimits
+from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.estimates import NeighbourEstimate
-from auv_flocking.neighbours.filter import with_rounding
-from auv_flocking.neighbours.table import NeighbourConfig, NeighbourTable
-from auv_flocking.packet_judge import PacketJudge
+from auv_flocking.neighbours.table import NeighbourConfig
+from auv_flocking.senses import Senses
 
 TOLERANCE = 1e-9
 
@@ -91,35 +90,12 @@ def re_estimate(
             "estimate used; allowed: a bag of a lockstep run"
         )
     for index in range(len(vehicle_ids)):
-        repeat = _Repeat(
-            NeighbourTable(with_rounding(config, report_format)),
-            PacketJudge(report_format, index + 1, len(vehicle_ids), limits),
-            InputJudge(limits, period_s),
-        )
-        _compare_agent(bag, vehicle_ids[index], repeat, period_s, result)
+        senses = Senses(config, limits, report_format, index + 1, len(vehicle_ids), period_s)
+        _compare_agent(bag, vehicle_ids[index], senses, period_s, result)
     return result
 
 
-@dataclass
-class _Repeat:
-    """What one agent estimates with."""
-
-    table: NeighbourTable
-    packets: PacketJudge
-    navs: InputJudge
-
-    def estimates(self, t_s: float, inbox: Any, nav: VehicleState) -> Sequence[NeighbourEstimate]:
-        """Return the estimates of one tick, as `auv_flocking.agent.Agent.step` makes them."""
-        for report in self.packets.reports(t_s, [_packet(each.packet) for each in inbox.receptions]):
-            self.table.receive(report)
-        usable, _ = self.navs.navigation(t_s, nav)
-        if inbox.contacts and usable is not None:
-            contacts = [SonarContact(c.range_m, c.bearing_rad, c.elevation_rad) for c in inbox.contacts]
-            self.table.observe(t_s, usable, contacts)
-        return self.table.estimates(t_s, usable)
-
-
-def _compare_agent(bag: Bag, vehicle_id: str, repeat: _Repeat, period_s: float, result: Comparison) -> None:
+def _compare_agent(bag: Bag, vehicle_id: str, senses: Senses, period_s: float, result: Comparison) -> None:
     """Repeat one agent's estimates and add their differences to the result."""
     inboxes = _by_tick(bag, f"/{vehicle_id}/acoustic/rx")
     navs = _by_tick(bag, f"/{vehicle_id}/nav")
@@ -129,9 +105,12 @@ def _compare_agent(bag: Bag, vehicle_id: str, repeat: _Repeat, period_s: float, 
         known += 1
     result.unused_ticks += sum(tick >= known for tick in recorded)
     for tick in range(known):
-        estimates = repeat.estimates(tick * period_s, inboxes[tick], _navigation(navs[tick]))
+        inbox = inboxes[tick]
+        packets = [_packet(each.packet) for each in inbox.receptions]
+        contacts = [SonarContact(c.range_m, c.bearing_rad, c.elevation_rad) for c in inbox.contacts]
+        sensed = senses.take(tick * period_s, _navigation(navs[tick]), packets, contacts)
         if tick in recorded:
-            _compare_tick(recorded[tick].neighbours, estimates, result)
+            _compare_tick(recorded[tick].neighbours, sensed.neighbours, result)
 
 
 def _packet(m: Any) -> Packet:

@@ -29,13 +29,11 @@ from auv_flocking.agent_config import (
 from auv_flocking.flock_task import FlockTask
 from auv_flocking.flocking import FlockVelocity
 from auv_flocking.holding import NO_FINITE_COMMAND, OUT_OF_REPORT
-from auv_flocking.input_limits import InputJudge
 from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbours.estimates import Estimates
-from auv_flocking.neighbours.filter import with_rounding
-from auv_flocking.neighbours.table import NeighbourTable
-from auv_flocking.packet_judge import PacketJudge, Refusal
+from auv_flocking.packet_judge import Refusal
 from auv_flocking.report import Report, ReportError, why_not_carried
+from auv_flocking.senses import Senses
 
 
 class Agent:
@@ -60,9 +58,9 @@ class Agent:
         self._format = make_format(config.report, consensus)
         self.task = self._make_task(consensus)
         self.flocks = isinstance(self.task, FlockTask)
-        self._table = NeighbourTable(with_rounding(config.neighbours, self._format))
-        self._judge = InputJudge(config.inputs, config.period_s)
-        self._packet_judge = PacketJudge(self._format, config.address, config.fleet_size, config.inputs)
+        self._senses = Senses(
+            config.neighbours, config.inputs, self._format, config.address, config.fleet_size, config.period_s
+        )
         self._sequence = 0
         self.unsent = 0
         self.holding = ""
@@ -115,22 +113,22 @@ class Agent:
     @property
     def rejected(self) -> int:
         """Number of packets that were refused."""
-        return self._packet_judge.rejected
+        return self._senses.packets.rejected
 
     @property
     def refusals(self) -> dict[int, Refusal]:
         """Why the newest packet of a sender was refused, by its address; empty where all are heard."""
-        return self._packet_judge.refusals
+        return self._senses.packets.refusals
 
     @property
     def contacts_refused(self) -> int:
         """Number of sonar contacts that can be none."""
-        return self._table.contacts_refused
+        return self._senses.table.contacts_refused
 
     @property
     def outdated(self) -> int:
         """Number of packets that came after a newer one of the same sender."""
-        return self._table.outdated
+        return self._senses.table.outdated
 
     @property
     def saturated(self) -> int:
@@ -161,15 +159,10 @@ class Agent:
             What the modem received since the last tick; its tick tells its age.
 
         """
-        if inbox.receptions:
-            for report in self._packet_judge.reports(t_s, [each.packet for each in inbox.receptions]):
-                self._table.receive(report)
-        usable, self.holding = self._judge.navigation(t_s, nav)
-        if inbox.contacts and usable is not None:
-            self._table.observe(t_s, usable, inbox.contacts)
-        self.neighbours = self._table.estimates(t_s, usable)
+        packets = [each.packet for each in inbox.receptions]
+        usable, self.holding, self.neighbours = self._senses.take(t_s, nav, packets, inbox.contacts)
         if usable is not None and self._config.fleet_size > 1:
-            self.holding = self._judge.modem(t_s, inbox.tick) or self._uncarried(usable.position)
+            self.holding = self._senses.inputs.modem(t_s, inbox.tick) or self._uncarried(usable.position)
         if usable is None or self.holding:
             return self._safe_command(), []
         command = self._act_safely(t_s, usable)
@@ -191,7 +184,7 @@ class Agent:
         return self._safe_command()
 
     def _act(self, t_s: float, nav: VehicleState) -> Command:
-        is_waiting = t_s < self._config.hold_s and self._table.heard < self._config.fleet_size - 1
+        is_waiting = t_s < self._config.hold_s and self._senses.table.heard < self._config.fleet_size - 1
         path = self.path_point(t_s)
         if isinstance(self.task, MotionTask):
             return self.task.step(t_s, nav, path, self.neighbours, is_waiting=is_waiting)
