@@ -4,7 +4,7 @@ Measure everything in one run and print one table: each figure, what it is measu
     source scripts/activate.bash && python -m benchmarks [--only PART] [--peers] [--quick]
 
 Machines are noisy: compare ratios, which are of blocks that take turns.  The table is also written to
-results/benchmarks as Markdown and JSON.  docs/performance.md says what is measured and what is not.
+results/benchmarks as Markdown and JSON.  docs/reference/performance.md says what is measured and what is not.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ def test_the_list_has_every_equation_of_the_five_chapters():
     assert LISTED.counts == {2: 48, 3: 40, 4: 14, 5: 44, 6: 47}
 
 
-@pytest.mark.parametrize("page", ["docs/equations.md", "docs/figures.md"])
+@pytest.mark.parametrize("page", ["docs/reference/equations.md", "docs/reference/figures.md"])
 def test_the_page_is_what_the_command_would_write(page):
     written = (ROOT / page).read_text(encoding="utf-8")
     assert written == documents(chapters(), LISTED)[page], "./scripts/reproduce --docs writes it again"
@@ -108,7 +108,7 @@ def test_pages_are_written_where_they_are_looked_for(tmp_path):
     small(tmp_path)
     written = write_documents([], tmp_path)
     assert [path.relative_to(tmp_path).as_posix() for path in written] == [
-        "docs/equations.md",
-        "docs/figures.md",
+        "docs/reference/equations.md",
+        "docs/reference/figures.md",
     ]
     assert "(2.2)-(2.3)" in written[0].read_text(encoding="utf-8")

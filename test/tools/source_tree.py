@@ -7,7 +7,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "src"
 
-# The order of docs/design.md: a package may import itself and those before it.
+# The order of docs/explanation/design.md: a package may import itself and those before it.
 ORDER = (
     "auv_msgs",
     "auv_core",

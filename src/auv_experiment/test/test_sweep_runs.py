@@ -513,8 +513,8 @@ except Exception as error:
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("openssl") is None, reason="makes certificates with openssl")
 def test_a_cluster_with_certificates_flies_and_keeps_another_user_without_them_out(tmp_path, monkeypatch):
-    """Certificates and configuration are those of docs/sweeps.md."""
-    text = (Path(__file__).parents[3] / "docs/sweeps.md").read_text(encoding="utf-8")
+    """Certificates and configuration are those of docs/how_to/sweeps.md."""
+    text = (Path(__file__).parents[3] / "docs/how_to/sweeps.md").read_text(encoding="utf-8")
     make, config = re.search(r"(openssl [^\n]+).*```yaml\n(distributed:.*?)```", text, re.DOTALL).groups()
     subprocess.run(make.split(), check=True, capture_output=True, cwd=tmp_path)
     (tmp_path / "dask.yaml").write_text(config.replace("/home/me", str(tmp_path)))

@@ -204,7 +204,7 @@ def test_the_built_in_studies_are_allowed(name):
 
 
 def test_the_study_of_the_documentation_is_allowed():
-    text = (Path(__file__).parents[3] / "docs/sweeps.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[3] / "docs/how_to/sweeps.md").read_text(encoding="utf-8")
     shown, sample, _ = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
     grid = study_from_plain({**yaml.safe_load(shown), "seeds": [1]})
     assert len(plan_runs(grid)) == 9

@@ -323,7 +323,7 @@ def test_exact_versions_and_lengths_differ_from_those_before():
 
 
 def test_the_page_on_packets_shows_the_fields_as_they_are():
-    page = (Path(__file__).parents[3] / "docs" / "packets.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "reference" / "packets.md").read_text(encoding="utf-8")
     layouts = [compact.Format(compact.Params(), ()).fields]
     layouts += [module.Consensus(module.Params(), 4).shared_fields for module in (pi, push_sum)]
     for layout in layouts:

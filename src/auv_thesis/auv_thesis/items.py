@@ -24,7 +24,7 @@ name. What a file imports from another of its chapter is counted once.
 6. Numbers ("2.6") are unique among figures, among tables and, with their text, among claims. What the thesis
    does not have takes a letter: "3.A".
 
-docs/reproduction.md says how the page is made.
+docs/how_to/reproduction.md says how the page is made.
 """
 
 from __future__ import annotations

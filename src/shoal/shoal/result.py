@@ -33,7 +33,7 @@ class Result:
     scenario : Scenario
         What was flown, resolved.
     recording : Recording
-        What happened, as NumPy arrays; docs/recording.md describes them.
+        What happened, as NumPy arrays; docs/reference/recording.md describes them.
     mode : str
         'inprocess', 'lockstep' or 'realtime'.
 

@@ -11,7 +11,7 @@ import shoal
 from auv_experiment.recording import Recording
 from shoal.arrays import LABELS, MEANINGS
 
-DESCRIPTION = (Path(__file__).parents[3] / "docs" / "recording.md").read_text(encoding="utf-8")
+DESCRIPTION = (Path(__file__).parents[3] / "docs" / "reference" / "recording.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")

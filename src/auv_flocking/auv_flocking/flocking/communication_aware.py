@@ -32,7 +32,7 @@ and the hull's lag where the sonar sees it; A: mean of the packets' A_j over the
 
 Deviation: thesis Eqs. (5.22)-(5.24) have g = g_j = 1 and d_j = d, a leader that steers itself, and followers
 that are not told w.  With all information fresh, one leader and no margin this law is that law with u_max.
-docs/safe_flocking.md measures what each part is worth.
+docs/explanation/safe_flocking.md measures what each part is worth.
 """
 
 from __future__ import annotations

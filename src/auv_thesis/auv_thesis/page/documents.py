@@ -1,5 +1,5 @@
 """
-Writes docs/equations.md from docs/equations.yaml, and docs/figures.md from the chapters.
+Writes docs/reference/equations.md from docs/reference/equations.yaml, and docs/reference/figures.md from the chapters.
 
 Both are checked into the repository; a test fails where they are not what would be written now.
 """
@@ -15,8 +15,8 @@ from auv_core.machine.whole_files import write_text
 from auv_thesis.items import Chapter, ChapterError, Item, RunSpec, function_of
 from auv_thesis.page.equations import EQUATIONS_FILE, EquationList, load_equations
 
-EQUATIONS_PAGE = "docs/equations.md"
-FIGURES_PAGE = "docs/figures.md"
+EQUATIONS_PAGE = "docs/reference/equations.md"
+FIGURES_PAGE = "docs/reference/figures.md"
 SHOWN_RUNS = 6
 
 _GENERATED = "<!-- Written by `./scripts/reproduce --docs`; change {source} instead. -->\n"
@@ -46,7 +46,7 @@ def documents(chapters: Sequence[Chapter], listed: EquationList) -> dict[str, st
 
 
 def checkout() -> Path:
-    """Return the folder that holds docs/equations.yaml; raise ChapterError where there is none."""
+    """Return the folder that holds docs/reference/equations.yaml; raise ChapterError where there is none."""
     for folder in Path(__file__).resolve().parents:
         if (folder / EQUATIONS_FILE).is_file():
             return folder

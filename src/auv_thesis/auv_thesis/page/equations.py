@@ -1,7 +1,7 @@
 """
 The equations of the thesis: which function is which, which test holds it, and where ours differs.
 
-`docs/equations.yaml` lists every numbered equation of chapters 2 to 6 exactly once, as implemented or with
+`docs/reference/equations.yaml` lists every numbered equation of chapters 2 to 6 exactly once, as implemented or with
 the reason why not. `problems` holds the list against the source: its functions can be imported, its tests
 exist, and an equation that a library's docstring cites is one that the list gives to that library module.
 """
@@ -22,7 +22,7 @@ import yaml
 
 from auv_thesis.items import ChapterError
 
-EQUATIONS_FILE = "docs/equations.yaml"
+EQUATIONS_FILE = "docs/reference/equations.yaml"
 LIBRARIES = ("auv_core", "auv_control", "auv_flocking")
 
 _NUMBERS = re.compile(r"(\d+)\.(\d+)(?:-(\d+)\.(\d+))?\Z")
