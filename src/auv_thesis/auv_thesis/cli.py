@@ -62,7 +62,7 @@ examples:
   ./scripts/reproduce --only ch3         one chapter
   ./scripts/reproduce --only ch2,ch4 --out /tmp/two_chapters
   ./scripts/reproduce --only acoustics --seeds 100   the studies with all their seeds
-  ./scripts/reproduce --docs             write docs/reference/equations.md and docs/reference/figures.md again
+  ./scripts/reproduce --docs             write equations.md and figures.md of docs/reference again
 """
 
 
@@ -130,7 +130,7 @@ def _parser() -> argparse.ArgumentParser:
         "--list", action="store_true", help="list chapters, figures, tables and claims; fly nothing"
     )
     group.add_argument(
-        "--docs", action="store_true", help="write docs/reference/equations.md and docs/reference/figures.md; fly nothing"
+        "--docs", action="store_true", help="write equations.md and figures.md of docs/reference; fly nothing"
     )
     return parser
 

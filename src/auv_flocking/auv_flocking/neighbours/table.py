@@ -4,8 +4,8 @@ and its own navigation, to one estimate per neighbour and tick.
 
 The parts: `motion` (how neighbours move), `navigation_offset` (what drifting navigations do),
 `sonar_contact` (the sonar's measurement model), `filter` (the extended Kalman filter),
-`association` (which contact is whom), `track` (one neighbour through time).  docs/explanation/estimation.md tells it in
-one piece.
+`association` (which contact is whom), `track` (one neighbour through time).  docs/explanation/estimation.md
+tells it in one piece.
 """
 
 from __future__ import annotations

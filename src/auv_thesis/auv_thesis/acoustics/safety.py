@@ -3,7 +3,8 @@ Is a flock on a modem safe?  Distances and path error over slot lengths, losses,
 
 Four numbers describe many runs of one thing: the smallest distance of any pair at any time, the smallest for
 t > 150 s, when the flock has gathered, the largest for t > 200 s, each over all runs, and the 95th percentile
-of the runs' rms path errors for t > 200 s.  docs/explanation/safe_flocking.md explains the law and has the whole study.
+of the runs' rms path errors for t > 200 s.  docs/explanation/safe_flocking.md
+explains the law and has the whole study.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 """
-Writes docs/reference/equations.md from docs/reference/equations.yaml, and docs/reference/figures.md from the chapters.
+Writes equations.md from equations.yaml, and figures.md from the chapters, all of docs/reference.
 
 Both are checked into the repository; a test fails where they are not what would be written now.
 """

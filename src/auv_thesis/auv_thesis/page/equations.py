@@ -1,9 +1,10 @@
 """
 The equations of the thesis: which function is which, which test holds it, and where ours differs.
 
-`docs/reference/equations.yaml` lists every numbered equation of chapters 2 to 6 exactly once, as implemented or with
-the reason why not. `problems` holds the list against the source: its functions can be imported, its tests
-exist, and an equation that a library's docstring cites is one that the list gives to that library module.
+`docs/reference/equations.yaml` lists every numbered equation of chapters 2 to 6 exactly once, as implemented
+or with the reason why not. `problems` holds the list against the source: its functions can be imported, its
+tests exist, and an equation that a library's docstring cites is one that the list gives to that library
+module.
 """
 
 from __future__ import annotations
