@@ -196,7 +196,7 @@ def test_a_path_below_the_bottom_is_refused(monkeypatch):
     ],
 )
 def test_a_vehicle_of_a_flock_that_nobody_can_hear_is_refused(modem):
-    assert ": out of hearing of vehicles[0]" in _refusal(
+    assert ": out of range of vehicles[0]" in _refusal(
         modem, "acoustics.propagation={kind: straight}", "acoustics.modem.params.max_payload_bytes=128"
     )
 

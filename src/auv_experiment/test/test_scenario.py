@@ -199,7 +199,7 @@ def test_a_file_that_is_not_text_is_refused(tmp_path):
         ("", "scenario: None is not allowed; allowed: a mapping of scenario keys"),
         ("- 1\n- 2", "scenario: [1, 2] is not allowed; allowed: a mapping of scenario keys"),
         ("a: [1", "scenario: not YAML: "),
-        ("a: 1\na: 2", "scenario: not YAML: the key 'a' stands twice (line 1)"),
+        ("a: 1\na: 2", "scenario: not YAML: the key 'a' is given twice (line 1)"),
         ("a: *b", "scenario: not YAML: found undefined alias 'b' (line 1)"),
         ("a: !!python/object:os.system {}", "scenario: not YAML: could not determine a constructor"),
         ("? [1, 2]\n: 3", "scenario: not YAML: found unhashable key (line 1)"),
@@ -213,7 +213,7 @@ def test_a_file_that_is_not_text_is_refused(tmp_path):
         (f"a: 0x{'f' * 5000}", "scenario: unknown key 'a'"),
         (f"0x{'f' * 5000}", "scenario: '0xffff"),
         (f"? 0x{'f' * 5000}\n: 1", "scenario: unknown key '0xffff"),
-        ("[" * 3000, "scenario: not YAML"),
+        ("[" * 3000, "scenario: nested too deeply"),
     ],
 )  # fmt: skip
 def test_text_that_is_no_mapping_is_refused(text, said, tmp_path):

@@ -1,4 +1,4 @@
-"""What an agent is made of: its settings, the plugin folders of its parts, and which parts fit together."""
+"""Configuration of an agent: its settings, the plugin folders of its parts, and which parts fit together."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ COMPACT = Section("compact", compact.Params())
 
 @dataclass(frozen=True, kw_only=True)
 class AgentConfig:
-    """Everything that one agent needs to know."""
+    """Configuration of one agent."""
 
     vehicle_id: str = param("name of the vehicle, also its namespace")
     address: int = param("acoustic address of this vehicle, from 1", minimum=1, maximum=254)
@@ -44,16 +44,18 @@ class AgentConfig:
     )
     reference: Section | None = param("path to follow, if any", default=None, plugins=REFERENCES)
     flocking: Section | None = param(
-        "flocking law, under a controller that follows a velocity", default=None, plugins=FLOCKING
+        "flocking law, for a controller that follows a velocity", default=None, plugins=FLOCKING
     )
     separation: Section | None = param("separation law of the flock", default=None, plugins=SEPARATION)
     consensus: Section | None = param(
         "consensus filter of the flocking centre", default=None, plugins=CONSENSUS
     )
-    report: Section = param("bytes of a report", default=COMPACT, plugins=REPORTS)
+    report: Section = param("format of a report", default=COMPACT, plugins=REPORTS)
     neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
-    inputs: InputLimits = param("what is too old or impossible to be used", default=InputLimits())
-    controller: Section = param("from velocity, path or region to command", plugins=CONTROLLERS)
+    inputs: InputLimits = param(
+        "limits beyond which inputs are ignored as too old or impossible", default=InputLimits()
+    )
+    controller: Section = param("control law from velocity, path or region to command", plugins=CONTROLLERS)
 
     def __post_init__(self) -> None:
         check_parts(self.controller, self.flocking, self.separation, self.consensus, self.reference)
@@ -93,8 +95,8 @@ def check_parts(
     Raises
     ------
     ValueError
-        Where a controller lacks a part that it works with, or has one that it has no use for; `where` is put
-        before the name of the part.
+        If a controller lacks a part that it needs, or has one that it does not use; `where` precedes the
+        name of the part.
 
     """
     follows = find_plugin(CONTROLLERS, controller.kind).Controller.follows

@@ -1,1 +1,1 @@
-"""The thesis, redone: its figures, tables and claims, from runs of ours."""
+"""The reproduction of the thesis: its figures, tables and claims, made from our own runs."""

@@ -1,4 +1,4 @@
-"""`./scripts/reproduce`: fly what the thesis flew, and lay the results beside it."""
+"""`./scripts/reproduce`: repeat the simulations of the thesis, and compare the results."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ RUNS = "runs"
 FAILURES_FILE = "failures.txt"
 
 _HELP = """\
-Redo the simulations of the thesis: draw its figures again from runs of ours, fill its
-tables with its numbers and ours side by side, and judge its claims by what came out.
+Repeat the simulations of the thesis: draw its figures from our own runs, fill its
+tables with its numbers and ours side by side, and judge its claims by the results.
 """
 
 _EPILOG = """\
@@ -38,15 +38,15 @@ how it works:
   Each figure, table and claim names the runs that it needs. They are flown in one
   process each, without ROS, in continuous time where the scenario says so; the longest
   first, one per worker. A run that two figures need is flown once.
-  What was flown is kept in DIR/runs and used again until the scenario, a law, a model
-  or the version of a numerical package changes; --fresh flies everything again.
+  Finished runs are kept in DIR/runs and reused until the scenario, a law, a model or
+  the version of a numerical package changes; --fresh flies everything again.
 
 results:
-  DIR/index.html      the page: needs no other file, can be mailed and printed
-  DIR/summary.json    the same in numbers and words
-  DIR/figures/*.png   the figures one by one
-  DIR/failures.txt    tracebacks of what failed; only if something did
-  A run that fails does not stop the others: what depends on it says so on the page.
+  DIR/index.html      the page: one self-contained file, to send or print
+  DIR/summary.json    the same content as data
+  DIR/figures/*.png   the figures as single files
+  DIR/failures.txt    tracebacks of failures; only if something failed
+  A run that fails does not stop the others. The page marks each item that depends on it.
 
 exit status:
   0    done; a claim that does not hold is a result, not a failure
@@ -54,11 +54,11 @@ exit status:
        or no worker could start
   2    bad input; nothing was flown
   3    a result cannot be written, as on a full disk; finished runs are kept
-  130  Ctrl-C; finished runs are kept, and the next call goes on from there
+  130  Ctrl-C; finished runs are kept, and the next call continues from there
 
 examples:
-  ./scripts/reproduce                    all of it
-  ./scripts/reproduce --list             what there is
+  ./scripts/reproduce                    everything
+  ./scripts/reproduce --list             list chapters and items; fly nothing
   ./scripts/reproduce --only ch3         one chapter
   ./scripts/reproduce --only ch2,ch4 --out /tmp/two_chapters
   ./scripts/reproduce --only acoustics --seeds 100   the studies with all their seeds
@@ -68,8 +68,7 @@ examples:
 
 def main(arguments: Sequence[str] | None = None, found: Sequence[Chapter] | None = None) -> int:
     """
-    Run the command; return its exit status. `found` are the chapters; those of this package if left
-    out.
+    Run the command; return its exit status. `found` are the chapters, by default those of this package.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     return answered(lambda: _do(given, found), (ConfigError, ChapterError, results.ResultsError))
@@ -101,7 +100,7 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="CHAPTER",
-        help="this chapter only, by its word in --list; may be repeated, or several with commas",
+        help="only this chapter, by its name in --list; repeatable, or several with commas",
     )
     parser.add_argument(
         "--workers",
@@ -115,9 +114,9 @@ def _parser() -> argparse.ArgumentParser:
         type=_seeds,
         default=FEW_SEEDS,
         metavar="N",
-        help=f"how many seeds the studies fly, up to {MOST_SEEDS} (default: %(default)s, a look at them)",
+        help=f"how many seeds the studies fly, up to {MOST_SEEDS} (default: %(default)s, for a first look)",
     )
-    parser.add_argument("--fresh", action="store_true", help="fly everything again, also what is kept")
+    parser.add_argument("--fresh", action="store_true", help="fly everything again, kept runs too")
     parser.add_argument(
         "--out",
         default=Path("results/reproduction"),
@@ -222,7 +221,7 @@ def _tell_failures(file: Path, flown: Flown, outcomes: Sequence[ChapterOutcome])
         return DONE
     text = "\n".join(f"== {name}\n{failure.traceback or failure.line}\n" for name, failure in failures)
     write_text(file, text)
-    return fail(FAILED, f"{len(failures)} of its parts could not be made; see {file}")
+    return fail(FAILED, f"{len(failures)} items could not be made; see {file}")
 
 
 if __name__ == "__main__":

@@ -1,30 +1,30 @@
 """
-The thesis, redone: its figures, tables and claims, each drawn, filled or judged from runs of ours.
+The items of the reproduction: figures, tables and claims, each made from our own runs.
 
 A chapter is a folder of this package, or a file of a folder that several share. Its files define
 
-    TITLE    its heading on the page (the thesis's chapters have one already)
+    TITLE    heading on the page (the thesis's chapters have one already)
     FIGURES  tuple of `Figure`: a figure of the thesis and the function that draws it again
     TABLES   tuple of `Table`: a table of the thesis and the function that fills it again
     CLAIMS   tuple of `Claim`: a sentence of the thesis and the function that judges it
 
-To add a figure, a table or a claim, append it to the tuple of its file; to add a chapter, write a file into
-`laws`. The folders `ch2`, `ch3` and `acoustics` are a chapter each. In `ch4_6` and `laws` `ch5.py`, and
-`ch5_claims.py` if one file would be too long, make the chapter `ch5`; any other name is a chapter of that
-name. What a file imports from another of its chapter is counted once.
+To add a figure, a table or a claim, append it to the tuple of its file. To add a chapter, write a file into
+`laws`. The folders `ch2`, `ch3` and `acoustics` are a chapter each. In `ch4_6` and `laws` each file is a
+chapter of its name; a long chapter is split, such as `ch5` into `ch5.py` and `ch5_claims.py`. An item that a
+file imports from another file of its chapter counts once.
 
-1. A `RunSpec` names a run: a scenario and what is changed in it. Equal ones are flown once.
+1. A `RunSpec` names a run: a scenario and its changes. Equal ones are flown once.
 2. The functions get the finished runs in the order of `runs`. They fly nothing and keep nothing.
-3. Every number, word of evidence and verdict comes from the runs; only what the thesis prints is typed in.
-4. `draw` gets an empty Matplotlib figure, in the style of `auv_experiment.report.plotting`; axes are the
+3. Every number, verdict and piece of evidence comes from the runs; only what the thesis prints is typed in.
+4. `draw` gets an empty Matplotlib figure in the style of `auv_experiment.report.plotting`; the axes are the
    thesis's.
-5. Studies of many seeds (`RunSpec.nth`) get the runs of as many seeds as were asked for, none for what comes
-   later; their functions look at `run.spec`. A study that flies no scenario is a function with
-   `functools.cache`: items of one file that name no runs are made by one worker, which computes it once.
-6. Numbers ("2.6") are unique among figures, among tables and, with their text, among claims. What the thesis
-   does not have takes a letter: "3.A".
+5. Studies of many seeds (`RunSpec.nth`) get the runs of the requested number of seeds only; their functions
+   look at `run.spec`. A study that flies no scenario is a function with `functools.cache`: one worker makes
+   all items of one file that name no runs, and computes it once.
+6. Numbers ("2.6") are unique among figures, among tables and, with their text, among claims. Items that the
+   thesis does not have take a letter: "3.A".
 
-docs/how_to/reproduction.md says how the page is made.
+docs/how_to/reproduction.md explains how the page is made.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ _TITLES = {
     "ch6": "Chapter 6: flocking with fuzzy potentials",
     "path_laws": "Path-following laws on one plant",
     "separation_laws": "Separation laws in one flock",
-    "acoustics": "The water between the vehicles",
+    "acoustics": "Acoustic communication",
 }
 _FOLDERS = ("acoustics", "ch2", "ch3", "ch4_6", "laws")
 _SHARED_FOLDERS = ("ch4_6", "laws")
@@ -68,7 +68,7 @@ _SEVERAL_FILES = re.compile(r"(ch\d+)(?:_\w+)?\Z")
 
 
 class ChapterError(ValueError):
-    """No such chapter, or two items under one number; the message is one line."""
+    """Raised for an unknown chapter, or two items with one number; the message is one line."""
 
 
 @dataclass(frozen=True)
@@ -76,9 +76,9 @@ class RunSpec:
     """
     A run in one process: a scenario, `--set` overrides ("path=value") and perhaps another duration (s).
 
-    Hashable; equal ones are flown once. The scenario's own seed and sampling hold unless overridden.
-    A study flies one thing with many seeds: its runs have a `nth` and are flown only where more than `nth`
-    seeds are asked for, and keep metrics only where `keep_recording` is false (a recording has megabytes).
+    Hashable; equal ones are flown once. The scenario's own seed and sampling apply unless overridden. A
+    study flies one case with many seeds. Its runs have a `nth`, and are flown only if more than `nth` seeds
+    are requested. They keep metrics only if `keep_recording` is false (a recording takes megabytes).
     """
 
     scenario: str
@@ -99,7 +99,7 @@ class RunSpec:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A finished run: what was asked, the scenario resolved, what happened, and its metrics."""
+    """A finished run: its spec, the resolved scenario, the recording and the metrics."""
 
     spec: RunSpec
     scenario: Scenario
@@ -112,8 +112,7 @@ class Figure:
     """
     A figure of the thesis, drawn again.
 
-    `draw(canvas, runs)` fills an empty Matplotlib figure; `caption` says in our words what the thesis shows
-    and what ours shows.
+    `draw(canvas, runs)` fills an empty Matplotlib figure; `caption` describes the thesis's figure and ours.
     """
 
     number: str
@@ -140,7 +139,9 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of the thesis, or one of ours; `rows(runs)` fills it, `beside` heads what `Row.thesis` says."""
+    """
+    A table of the thesis, or one of ours; `rows(runs)` fills it, `beside` is the heading above `Row.thesis`.
+    """
 
     number: str
     title: str
@@ -151,7 +152,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of a claim, and the numbers that say so."""
+    """The verdict on a claim, and the numbers behind it."""
 
     holds: str
     evidence: str
@@ -163,7 +164,9 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of the thesis in our words; `number` is its section or figure, `judge(runs)` its judge."""
+    """
+    A claim of the thesis in our words; `number` is its section or figure, `judge(runs)` gives the verdict.
+    """
 
     number: str
     text: str
@@ -175,7 +178,7 @@ Item = Figure | Table | Claim
 
 
 def function_of(item: Item) -> Callable[..., Any]:
-    """Return the function that makes an item; of a partial, the function under it."""
+    """Return the function that makes an item; for a partial, the wrapped function."""
     function: Any = next(getattr(item, word) for word in ("draw", "rows", "judge") if hasattr(item, word))
     while isinstance(function, partial):
         function = function.func
@@ -184,7 +187,7 @@ def function_of(item: Item) -> Callable[..., Any]:
 
 @dataclass(frozen=True)
 class Chapter:
-    """What the files of one chapter define, in reading order of their names."""
+    """All items that the files of one chapter define, in the order of the file names."""
 
     key: str
     title: str
@@ -194,12 +197,12 @@ class Chapter:
 
     @property
     def items(self) -> tuple[Item, ...]:
-        """Everything that needs runs."""
+        """All items of the chapter."""
         return (*self.figures, *self.tables, *self.claims)
 
     @property
     def runs(self) -> tuple[RunSpec, ...]:
-        """The runs that the chapter needs, each once, in the order in which they are first asked for."""
+        """The runs that the chapter needs, each once, in the order of first use."""
         return tuple(dict.fromkeys(spec for item in self.items for spec in item.runs))
 
 
@@ -210,7 +213,7 @@ def chapters() -> tuple[Chapter, ...]:
     Raises
     ------
     ChapterError
-        When two figures, or two tables, of different content have one number.
+        If two different figures, or two different tables, have one number.
 
     """
     names = [f"{folder}.{file}" for folder in _FOLDERS for file in list_plugins(f"{__package__}.{folder}")]
@@ -219,8 +222,7 @@ def chapters() -> tuple[Chapter, ...]:
 
 def chapters_of(modules: dict[str, ModuleType]) -> tuple[Chapter, ...]:
     """
-    Return the chapters that modules, by folder and file, make up; modules that define nothing are left
-    out.
+    Return the chapters that the modules form, by folder and file; modules without items are left out.
     """
     grouped: dict[str, list[ModuleType]] = {}
     for name in sorted(modules):
@@ -236,12 +238,12 @@ def chapters_of(modules: dict[str, ModuleType]) -> tuple[Chapter, ...]:
 
 def choose(found: Sequence[Chapter], keys: Sequence[str]) -> tuple[Chapter, ...]:
     """
-    Return the chapters with these keys, all where there are no keys, in reading order.
+    Return the chapters with these keys in reading order, or all chapters if no keys are given.
 
     Raises
     ------
     ChapterError
-        When there is no such chapter.
+        If a chapter does not exist.
 
     """
     known = [chapter.key for chapter in found]
@@ -252,7 +254,7 @@ def choose(found: Sequence[Chapter], keys: Sequence[str]) -> tuple[Chapter, ...]
 
 
 def with_seeds(found: Sequence[Chapter], n_seeds: int) -> tuple[Chapter, ...]:
-    """Return the chapters without the runs of their studies that come after the first `n_seeds`."""
+    """Return the chapters with the runs of the first `n_seeds` seeds of each study only."""
 
     def fewer(items: tuple[Any, ...]) -> tuple[Any, ...]:
         return tuple(
@@ -272,8 +274,7 @@ def with_seeds(found: Sequence[Chapter], n_seeds: int) -> tuple[Chapter, ...]:
 
 def chapter_key(module_name: str) -> str:
     """
-    Return the chapter of a file: `ch2` for `ch2.claims`, `ch5` for `ch4_6.ch5_claims`, else its own
-    name.
+    Return the chapter of a file: `ch2` for `ch2.claims`, `ch5` for `ch4_6.ch5_claims`, else the file's name.
     """
     folder, _, file = module_name.rpartition(".")
     if folder and folder not in _SHARED_FOLDERS:
@@ -294,7 +295,7 @@ def _chapter(key: str, modules: list[ModuleType]) -> Chapter:
 
 
 def _items(modules: list[ModuleType], word: str, kind: type[Any]) -> tuple[Any, ...]:
-    """Return what the modules have under a word, each item once."""
+    """Return the items of the modules' tuples of this name, each once."""
     items = [item for module in modules for item in getattr(module, word, ())]
     for item in items:
         if not isinstance(item, kind):

@@ -185,7 +185,7 @@ def test_what_fails_is_told_and_touches_nothing_else(made, tmp_path, capfd):
     assert len(list((tmp_path / "figures").iterdir())) == 2, "those of an earlier call are gone"
     assert "in raise_in_two_lines" in (tmp_path / "failures.txt").read_text(encoding="utf-8")
     *_, last = capfd.readouterr().err.splitlines()
-    assert last.startswith("error: 5 of its parts could not be made; see ")
+    assert last.startswith("error: 5 items could not be made; see ")
 
 
 def test_items_of_one_file_without_runs_share_a_study_and_fail_alone(tmp_path):

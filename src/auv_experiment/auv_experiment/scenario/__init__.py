@@ -1,1 +1,1 @@
-"""Scenarios: the schema, the file, what is checked at load; and those that come with Shoal."""
+"""Scenarios: the schema, the files, the checks at load, and the built-in scenarios."""

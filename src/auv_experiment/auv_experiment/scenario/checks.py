@@ -1,4 +1,4 @@
-"""What no single value of a scenario shows: that its parts fit together."""
+"""Checks across several values of a scenario: its parts must fit together."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 def check_scenario(scenario: Scenario) -> None:
     """
-    Check a scenario whose values are allowed one by one.
+    Check a scenario whose single values are allowed.
 
     Raises
     ------
     ValueError
-        At the first thing that does not fit; the message begins with the field.
+        At the first mismatch; the message begins with the field.
 
     """
     for check in (
@@ -86,7 +86,7 @@ def _check_agent(scenario: Scenario) -> None:
 
 
 def _check_frames(scenario: Scenario) -> None:
-    """A law that is written for one frame steers a plant of that frame."""
+    """Check that a law written for one frame steers a plant of that frame."""
     frame = getattr(scenario.agent.controller.params, "frame", None)
     for index, vehicle in enumerate(scenario.vehicles):
         plant = getattr(vehicle.model.params, "frame", "body")
@@ -161,20 +161,20 @@ def _check_continuous(scenario: Scenario) -> None:
     if not ideal and scenario.follows != "path":
         raise ValueError(
             "sampling: 'continuous' is not allowed; allowed: sampled, unless acoustics.preset is ideal or "
-            "nobody listens (a controller that follows a path)"
+            "the controller follows a path and uses no reports"
         )
     separation = scenario.agent.separation
     if separation is not None and getattr(separation.params, "adapts", False):
         raise ValueError(
             "sampling: 'continuous' is not allowed; allowed: sampled, since agent.separation has a memory "
-            "that is kept once per control period"
+            "that is updated once per control period"
         )
     for name in ("flocking", "consensus"):
         section = getattr(scenario.agent, name)
         if section is not None and getattr(section.params, "uses_flock_velocity", False):
             raise ValueError(
                 "sampling: 'continuous' is not allowed; allowed: sampled, since "
-                f"agent.{name}.params pass the flock's velocity on by packets"
+                f"agent.{name}.params send the flock's velocity in packets"
             )
 
 

@@ -46,18 +46,20 @@ _FLOCK_ON_A_MODEM: dict[str, Any] = {
 
 
 def is_path(name_or_path: str) -> bool:
-    """Tell a path, which has a slash or ends in .yaml or .yml, from the name of a built-in file."""
+    """
+    Return whether this is a path (it has a slash or ends in .yaml or .yml), not the name of a built-in file.
+    """
     return "/" in name_or_path or name_or_path.endswith((".yaml", ".yml"))
 
 
 def find_file(name_or_path: str, *, folder: Path = SCENARIOS_DIR, what: str = "scenario") -> Path:
     """
-    Return the file of a scenario or a study: a path, or the name of a built-in one, which is in `folder`.
+    Return the file of a scenario or a study, given a path or the name of a built-in one in `folder`.
 
     Raises
     ------
     ConfigError
-        For a name that is not built in.
+        If the name is not built in.
 
     """
     if is_path(name_or_path):
@@ -78,7 +80,7 @@ def read_raw(path: Path, what: str = "scenario") -> dict[str, Any]:
     Raises
     ------
     ConfigError
-        For a file that cannot be read, is not the YAML that `strict_yaml` takes, or does not hold a mapping.
+        If the file cannot be read, is not YAML that `strict_yaml` accepts, or does not hold a mapping.
 
     """
     raw = parse_yaml(read_text(path, what), what)
@@ -89,12 +91,12 @@ def read_raw(path: Path, what: str = "scenario") -> dict[str, Any]:
 
 def override(raw: dict[str, Any], override: str) -> None:
     """
-    Put ``path.to.key=value`` into the raw scenario.
+    Apply the override ``path.to.key=value`` to the raw scenario.
 
     Raises
     ------
     ConfigError
-        For text that is no override, a path that leads nowhere, or a value that is not YAML.
+        If the text is no override, the path does not exist, or the value is not YAML.
 
     """
     path, equals, text = override.partition("=")
@@ -105,12 +107,12 @@ def override(raw: dict[str, Any], override: str) -> None:
 
 def put(raw: dict[str, Any], path: str, value: Callable[[], Any]) -> None:
     """
-    Put what `value` returns under a dotted path; it is called when the place is found.
+    Store the result of `value` under a dotted path; `value` is called once the place is found.
 
     Raises
     ------
     ConfigError
-        For a path that leads nowhere.
+        If the path does not exist.
 
     """
     keys = path.split(".")
@@ -118,7 +120,7 @@ def put(raw: dict[str, Any], path: str, value: Callable[[], Any]) -> None:
     for depth in range(1, len(keys)):
         where = _place(target, keys[:depth])
         inner = target.get(where) if isinstance(target, dict) else target[where]
-        # A copy: what the file names by an alias (*name) in several places changes only here.
+        # A copy, so that data which an alias (*name) puts in several places changes only here.
         target[where] = {} if inner is None else inner.copy() if isinstance(inner, dict | list) else inner
         target = target[where]
     place = _place(target, keys)
@@ -126,7 +128,7 @@ def put(raw: dict[str, Any], path: str, value: Callable[[], Any]) -> None:
 
 
 def _place(target: Any, keys: list[str]) -> str | int:
-    """Return the key or index that the last of `keys` means in `target`, which the others lead to."""
+    """Return the key or index of the last of `keys` in `target`, which the other keys lead to."""
     if isinstance(target, dict):
         return keys[-1]
     if not isinstance(target, list):
@@ -139,7 +141,10 @@ def _place(target: Any, keys: list[str]) -> str | int:
 
 
 def with_presets(raw: dict[str, Any]) -> dict[str, Any]:
-    """Return the raw scenario with fleets and the presets of models, controllers and acoustics filled in."""
+    """
+    Return the raw scenario with fleets expanded and the presets of models, controllers and acoustics filled
+    in.
+    """
     filled = _with_fleet(raw)
     vehicles = filled.get("vehicles")
     if isinstance(vehicles, list):
@@ -161,9 +166,10 @@ def with_presets(raw: dict[str, Any]) -> dict[str, Any]:
 
 def _with_fleet(raw: dict[str, Any]) -> dict[str, Any]:
     """
-    Return the raw scenario with all vehicles of a fleet, ``vehicles: {count: N, model: ...}``, one by one.
+    Return the raw scenario with a fleet, ``vehicles: {count: N, model: ...}``, expanded to a list of
+    vehicles.
 
-    They are called auv_1 to auv_N; ``leaders: all`` names all vehicles.
+    Their ids are auv_1 to auv_N; ``leaders: all`` names all vehicles.
     """
     filled = dict(raw)
     fleet = raw.get("vehicles")
@@ -184,10 +190,10 @@ def _with_fleet(raw: dict[str, Any]) -> dict[str, Any]:
 
 def _with_flock(filled: dict[str, Any]) -> dict[str, Any]:
     """
-    Return the raw scenario with the parts of a flock that it leaves out.
+    Return the raw scenario with the missing parts of a flock filled in.
 
-    On any modem but the ideal one that is the law which minds the age of what it hears, and what goes with
-    it; on the ideal one it is the thesis's.
+    On the ideal modem these are the thesis's parts. On every other modem they are `communication_aware` and
+    the parts that suit it.
     """
     agent, acoustics = filled.get("agent"), filled.get("acoustics")
     if not isinstance(agent, Mapping) or not isinstance(acoustics, Mapping) or "flocking" in agent:
@@ -225,7 +231,7 @@ def _preset(package: ModuleType, name: object, path: str) -> dict[str, Any]:
 
 
 def _merged(preset: Any, explicit: Any) -> Any:
-    """Return a plugin section: the explicit keys over the preset's, unless they name another kind."""
+    """Return a plugin section: explicit keys override those of the preset, unless they name another kind."""
     if not isinstance(preset, Mapping) or not isinstance(explicit, Mapping):
         return explicit
     if "kind" in explicit and explicit["kind"] != preset.get("kind"):

@@ -1,7 +1,7 @@
 """
 Scenarios as text: read from YAML with overrides, seed and presets; written as YAML and as JSON.
 
-`auv_experiment.scenario.schema` says what may be in them.
+`auv_experiment.scenario.schema` defines their content.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def load_scenario(
     duration_s: float | None = None,
 ) -> Scenario:
     """
-    Return a scenario, resolved: presets filled in and random starts drawn.
+    Return a resolved scenario: presets filled in and random starts drawn.
 
     Parameters
     ----------
@@ -34,9 +34,9 @@ def load_scenario(
         Name of a built-in scenario, or path of a YAML file (anything with a slash or ending in .yaml or
         .yml).
     overrides : sequence of str
-        ``path.to.key=value``, the value in YAML; a number addresses an item of a list.
+        ``path.to.key=value`` with the value in YAML; a number selects an item of a list.
     seed, duration_s : int, float
-        Override the keys of that name.
+        Override the keys of the same name.
 
     Raises
     ------
@@ -51,12 +51,12 @@ def load_for_seeds(
     name_or_path: str, *, overrides: Sequence[str] = (), seeds: Iterable[int]
 ) -> Iterator[Scenario]:
     """
-    Yield what `load_scenario` returns for each of the seeds; the file is read once.
+    Yield the scenario of `load_scenario` for each seed; the file is read once.
 
     Raises
     ------
     ConfigError
-        With one line for the user; seeds are taken to be allowed.
+        With one line for the user; the seeds are not checked.
 
     """
     undrawn = _undrawn(name_or_path, overrides)
@@ -65,7 +65,10 @@ def load_for_seeds(
 
 
 def scenario_from_raw(raw: Mapping[str, Any]) -> Scenario:
-    """Return what `load_scenario` makes of a file that holds this; raise ConfigError with one line."""
+    """
+    Return the scenario that `load_scenario` makes from a file with this content; raise ConfigError with one
+    line.
+    """
     return with_starts(load(Scenario, with_presets(dict(raw)), "scenario"))
 
 
@@ -80,7 +83,9 @@ def scenario_to_json(scenario: Scenario) -> str:
 
 
 def scenario_from_json(text: str) -> Scenario:
-    """Return what `scenario_to_json` was given; raise ConfigError where its plugins are not here."""
+    """
+    Return the scenario that `scenario_to_json` wrote; raise ConfigError if one of its plugins does not exist.
+    """
     return load(Scenario, json.loads(text), "scenario")
 
 
@@ -92,7 +97,7 @@ def scenario_to_yaml(scenario: Scenario) -> str:
 def _undrawn(
     name_or_path: str, overrides: Sequence[str], *, seed: int | None = None, duration_s: float | None = None
 ) -> Scenario:
-    """Return the scenario with its random starts yet to be drawn."""
+    """Return the scenario before its random starts are drawn."""
     raw = read_raw(find_file(name_or_path))
     for text in overrides:
         override(raw, text)

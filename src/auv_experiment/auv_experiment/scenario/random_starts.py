@@ -1,4 +1,4 @@
-"""Starts that the seed draws: in a ball, apart from each other and below the surface."""
+"""Random starts drawn with the seed: in a ball, apart from each other and below the surface."""
 
 from __future__ import annotations
 

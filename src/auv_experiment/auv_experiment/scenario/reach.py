@@ -1,8 +1,9 @@
 """
-Whether a scenario stays within what its actuators, the water, its modems and its reports allow.
+Checks that a scenario stays within the limits of its actuators, the water, its modems and its reports.
 
-Paths, regions, starts, speeds and the current tell where vehicles can come and how fast they must be; the
-plugins tell what they can hold, hear or carry.  What does not fit is refused before anything is started.
+Paths, regions, starts, speeds and the current determine where vehicles can be and how fast they must move.
+The plugins state what they can hold, hear or carry. A scenario that exceeds a limit is refused before
+anything starts.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ def check_reach(scenario: Scenario) -> None:
     Raises
     ------
     ValueError
-        At the first thing that is out of reach; the message begins with the field.
+        At the first value that exceeds a limit; the message begins with the field.
 
     """
     for check in (
@@ -48,14 +49,14 @@ def check_reach(scenario: Scenario) -> None:
 
 
 def _check_speeds(scenario: Scenario) -> None:
-    """The actuators hold a vehicle in the current, and move it along its path through the water."""
+    """Check that the actuators hold a vehicle in the current and move it along its path through the water."""
     current = scenario.environment.current_ned_mps
     for index, vehicle in enumerate(scenario.vehicles):
         model = find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params)
         max_force_n = getattr(scenario.agent.controller.params, "max_force_n", None)
         held_mps = model.speed_held_mps(math.inf if max_force_n is None else max_force_n)
-        who = "actuators" if held_mps == model.top_speed_mps else "controller and actuators"
-        held = f"at most {held_mps:.3g} m/s, which the {who} of vehicles[{index}] hold against the drag"
+        holder = "actuators" if held_mps == model.top_speed_mps else "controller and actuators"
+        held = f"at most {held_mps:.3g} m/s, which the {holder} of vehicles[{index}] hold against the drag"
         if math.hypot(*current) > held_mps:
             raise ValueError(
                 f"environment.current_ned_mps: runs at {math.hypot(*current):.3g} m/s, which is not allowed; "
@@ -81,7 +82,7 @@ def _check_surface(scenario: Scenario) -> None:
 
 
 def _check_bottom(scenario: Scenario) -> None:
-    """A propagation that knows a bottom has vehicles above it only."""
+    """Check that vehicles stay above the sea floor, if the propagation has one."""
     bottom_m = getattr(scenario.acoustics.propagation.params, "water_depth_m", math.inf)
     for key, reach in _places(scenario):
         if reach.highest[2] > bottom_m:
@@ -92,7 +93,7 @@ def _check_bottom(scenario: Scenario) -> None:
 
 
 def _check_report_positions(scenario: Scenario) -> None:
-    """Reports carry every place that starts, path and formation can reach."""
+    """Check that reports can carry every position that starts, path and formation can reach."""
     carried = _bounds(scenario).position
     for key, reach in _places(scenario):
         for axis in range(3):
@@ -109,7 +110,7 @@ def _check_report_positions(scenario: Scenario) -> None:
 
 
 def _check_report_velocities(scenario: Scenario) -> None:
-    """Reports carry the fastest that a vehicle moves over ground."""
+    """Check that reports can carry the largest speed of a vehicle over ground."""
     most_mps = _bounds(scenario).velocity_mps
     for index, vehicle in enumerate(scenario.vehicles):
         path = scenario.reference_of(index)
@@ -121,7 +122,7 @@ def _check_report_velocities(scenario: Scenario) -> None:
             asked_mps = fastest_mps + scenario.agent.flocking.params.largest_correction_mps
             driven_mps = model.top_speed_mps + math.hypot(*scenario.environment.current_ned_mps)
             bounded_mps = min(asked_mps, driven_mps)
-            if math.isfinite(bounded_mps):  # else the law's error alone decides, and only the path is known
+            if math.isfinite(bounded_mps):  # else the law's error sets the speed, and only the path is known
                 fastest_mps = bounded_mps
         if fastest_mps > most_mps:
             raise ValueError(
@@ -132,7 +133,10 @@ def _check_report_velocities(scenario: Scenario) -> None:
 
 
 def _check_report_centres(scenario: Scenario) -> None:
-    """Reports carry the way from each vehicle to the flocking centre, which is among the vehicles."""
+    """
+    Check that reports can carry the vector from each vehicle to the flocking centre, which is among the
+    vehicles.
+    """
     if scenario.agent.flocking is None:
         return
     most_m = _bounds(scenario).centre_distance_m
@@ -144,12 +148,12 @@ def _check_report_centres(scenario: Scenario) -> None:
             raise ValueError(
                 f"vehicles: start {spread_m:.6g} m apart ({_AXES[axis]}), which is not allowed; allowed: "
                 f"at most {most_m:.6g} m, since a report of the kind {scenario.agent.report.kind} carries "
-                "the flocking centre no farther from its vehicle"
+                "the flocking centre at most this far from its vehicle"
             )
 
 
 def _check_hearing(scenario: Scenario) -> None:
-    """The modems of a flock reach each other from the starts, at least from vehicle to vehicle."""
+    """Check that the modems of a flock form one connected network at the starts."""
     starts = _starts(scenario)
     if scenario.agent.flocking is None or len(starts) < len(scenario.vehicles):
         return
@@ -165,8 +169,8 @@ def _check_hearing(scenario: Scenario) -> None:
         heard += sorted(reached)
     if deaf:
         raise ValueError(
-            f"vehicles[{min(deaf)}].position_ned_m: out of hearing of vehicles[0] and of all that hear it, "
-            "which is not allowed; allowed: a start within reach of acoustics.modem "
+            f"vehicles[{min(deaf)}].position_ned_m: out of range of vehicles[0] and of every vehicle "
+            "connected to it, which is not allowed; allowed: a start within range of acoustics.modem "
             f"({scenario.acoustics.modem.kind})"
         )
 
@@ -182,7 +186,9 @@ def _is_audible(modem: Any, propagation: Any, source: Vec3, receiver: Vec3) -> b
 
 
 def _places(scenario: Scenario) -> list[tuple[str, Box]]:
-    """Return where vehicles start and where their paths or regions take them, with the key that says so."""
+    """
+    Return where vehicles start and where their paths or regions lead, each with its key in the scenario.
+    """
     places = [
         (f"vehicles[{index}].position_ned_m", Box(vehicle.position_ned_m, vehicle.position_ned_m))
         for index, vehicle in enumerate(scenario.vehicles)
@@ -213,7 +219,7 @@ def _path_key(scenario: Scenario, index: int) -> str:
 
 
 def _formation_radius_m(scenario: Scenario) -> float:
-    """Return how far from its path a formed flock reaches: a ball with room for each vehicle (m)."""
+    """Return the radius of a formed flock around its path: a ball with room for each vehicle (m)."""
     if scenario.agent.flocking is None:
         return 0.0
     spacing_m: float = scenario.agent.flocking.params.formation_spacing_m
@@ -221,14 +227,14 @@ def _formation_radius_m(scenario: Scenario) -> float:
 
 
 def _fastest_mps(path: Any, duration_s: float, current: Sequence[float]) -> float:
-    """Return the largest speed along a path, against water that moves (m/s; NED)."""
+    """Return the largest speed along a path, relative to the moving water (m/s; NED)."""
     span_s = duration_s if path.period_s is None else min(path.period_s, duration_s)
     velocities = (path.at(span_s * k / _PATH_SAMPLES).velocity for k in range(_PATH_SAMPLES + 1))
     return max(math.dist(velocity, current) for velocity in velocities)
 
 
 def _starts(scenario: Scenario) -> list[Vec3]:
-    """Return the starts that are given or drawn already (m; NED)."""
+    """Return the starts that are given or already drawn (m; NED)."""
     return [v.position_ned_m for v in scenario.vehicles if v.position_ned_m is not None]
 
 

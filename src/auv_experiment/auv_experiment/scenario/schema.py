@@ -1,9 +1,9 @@
 """
-Scenarios: what is flown, as data.
+Scenarios: the data that define a run.
 
-One YAML file, `schema: 1`, which `auv_experiment.scenario.loading` reads strictly: an unknown, missing,
-mistyped or impossible value is refused with one line that names its dotted path, the value and what is
-allowed.  The built-in scenarios are the files of ``auv_experiment/scenario``; a new file there is a new
+A scenario is one YAML file, `schema: 1`. `auv_experiment.scenario.loading` reads it strictly: an unknown,
+missing, mistyped or impossible value is refused with one line that names its dotted path, the value and what
+is allowed. The built-in scenarios are the files of ``auv_experiment/scenario``; a new file there adds a
 scenario.
 """
 
@@ -40,23 +40,23 @@ MAX_M = 1e5
 
 @dataclass(frozen=True, kw_only=True)
 class Obstacle:
-    """A point to keep away from."""
+    """An obstacle: a point to avoid."""
 
     position_ned_m: Vec3 = param("position (m; NED)", minimum=-MAX_M, maximum=MAX_M)
     safety_distance_m: float = param(
-        "distance at which vehicles begin to give way (m)", default=2.0, above=0.0
+        "distance at which vehicles begin to avoid it (m)", default=2.0, above=0.0
     )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Environment:
-    """The water and what is in it."""
+    """The water and its obstacles."""
 
     current_ned_mps: Vec3 = param(
         "velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0), minimum=-5.0, maximum=5.0
     )
-    obstacles: tuple[Obstacle, ...] = param("points to keep away from, known to every vehicle", default=())
-    navigation: Section = param("how well vehicles know their own motion", default=EXACT, plugins=NAVIGATION)
+    obstacles: tuple[Obstacle, ...] = param("points to avoid, known to every vehicle", default=())
+    navigation: Section = param("errors of the vehicles' own navigation", default=EXACT, plugins=NAVIGATION)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +66,7 @@ class VehicleEntry:
     id: str = param("name, also the ROS namespace: a lower-case letter, then letters, digits, underscores")
     model: Section = param("equations of motion and numbers", plugins=MODELS)
     position_ned_m: Vec3 | None = param(
-        "start (m; NED); left out, it is drawn from random_starts",
+        "start (m; NED); if missing, drawn from random_starts",
         default=None,
         minimum=-MAX_M,
         maximum=MAX_M,
@@ -75,16 +75,16 @@ class VehicleEntry:
         "start heading (rad, from north towards east)", default=0.0, minimum=-7.0, maximum=7.0
     )
     reference: Section | None = param(
-        "path of this vehicle alone; left out, it is the scenario's", default=None, plugins=REFERENCES
+        "path of this vehicle; if missing, the path of the scenario", default=None, plugins=REFERENCES
     )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Reading:
-    """One component of the first vehicle's path error at one instant, a metric of its own."""
+    """One component of the first vehicle's path error at one instant, as a separate metric."""
 
     axis: str = param("NED axis", choices=("x", "y", "z"))
-    time_s: float = param("scenario time, to a tenth of a second (s)", minimum=0.0, maximum=1e6)
+    time_s: float = param("scenario time, a multiple of 0.1 s (s)", minimum=0.0, maximum=1e6)
 
     @property
     def key(self) -> str:
@@ -94,44 +94,46 @@ class Reading:
 
 @dataclass(frozen=True, kw_only=True)
 class RandomStarts:
-    """Starts drawn by the seed, uniform in a ball, apart from each other and below the surface."""
+    """Random starts drawn with the seed: uniform in a ball, apart from each other and below the surface."""
 
     centre_ned_m: Vec3 = param("centre of the ball (m; NED)", minimum=-MAX_M, maximum=MAX_M)
     radius_m: float = param("radius of the ball (m)", above=0.0, maximum=MAX_M)
-    separation_m: float = param("smallest distance of two starts (m)", above=0.0)
+    separation_m: float = param("smallest distance between two starts (m)", above=0.0)
     depth_min_m: float = param("smallest depth (m)", default=1.0, minimum=0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Acoustics:
-    """The medium between the vehicles."""
+    """The acoustic medium."""
 
-    preset: str = param("file of presets/ that filled in the sections left out", default="")
+    preset: str = param("file of presets/ that fills in the missing sections", default="")
     propagation: Section = param("travel time", plugins=PROPAGATION)
-    modem: Section = param("airtime and reach", plugins=MODEM)
+    modem: Section = param("duration and range of packets", plugins=MODEM)
     mac: Section = param("medium access", plugins=MAC)
-    outage: Section = param("losses by no other cause", plugins=OUTAGE)
+    outage: Section = param("further random losses", plugins=OUTAGE)
     sonar: Section = param(
-        "what vehicles see of each other", default=Section("none", no_sonar.Params()), plugins=SONAR
+        "how vehicles detect each other by sonar", default=Section("none", no_sonar.Params()), plugins=SONAR
     )
 
 
 @dataclass(frozen=True, kw_only=True)
 class AgentSettings:
     """
-    What every vehicle's computer runs: a controller that follows a velocity under a flocking law with
-    separation and consensus, or a controller that follows a path or a region by itself.
+    The software of every vehicle: either a controller that follows the velocity command of a flocking law
+    with separation and consensus, or a controller that follows a path or a region itself.
     """
 
-    controller: Section = param("from velocity, path or region to command", plugins=CONTROLLERS)
+    controller: Section = param("control law from velocity, path or region to command", plugins=CONTROLLERS)
     flocking: Section | None = param("flocking law", default=None, plugins=FLOCKING)
     separation: Section | None = param("separation law", default=None, plugins=SEPARATION)
     consensus: Section | None = param(
         "consensus filter of the flocking centre", default=None, plugins=CONSENSUS
     )
-    report: Section = param("bytes of a report", default=COMPACT, plugins=REPORTS)
+    report: Section = param("format of a report", default=COMPACT, plugins=REPORTS)
     neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
-    inputs: InputLimits = param("what is too old or impossible to be used", default=InputLimits())
+    inputs: InputLimits = param(
+        "limits beyond which inputs are ignored as too old or impossible", default=InputLimits()
+    )
     hold_s: float = param(
         "longest time to hold station while waiting for a first packet from every neighbour (s)",
         default=0.0,
@@ -141,54 +143,60 @@ class AgentSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
-    """Everything that fixes a run; with the same seed it fixes every number of it."""
+    """Everything that determines a run; with the same seed it determines every number."""
 
     schema: int = param("version of this format", minimum=1, maximum=1)
-    name: str = param("word that names results and bags")
-    title: str = param("one line for people")
+    name: str = param("name, also of results and bags")
+    title: str = param("description in one line")
     duration_s: float = param(
         "length of the run (s), a whole number of control periods", above=0.0, maximum=1e6
     )
     vehicles: tuple[VehicleEntry, ...] = param(
-        "the vehicles, or {count: N} with what all N have in common; their order gives the acoustic "
+        "the vehicles, or {count: N} with their common properties; their order gives the acoustic "
         "addresses 1, 2, ..."
     )
     leaders: tuple[str, ...] = param(
-        "ids of the vehicles of a flock that know the path, or `all`", default=()
+        "ids of the vehicles that know the path of a flock, or `all`", default=()
     )
     reference: Section | None = param("path to follow", default=None, plugins=REFERENCES)
-    agent: AgentSettings = param("what every vehicle's computer runs")
-    acoustics: Acoustics = param("the medium between the vehicles")
-    readings: tuple[Reading, ...] = param("path errors to report at instants of the run", default=())
+    agent: AgentSettings = param("the software of every vehicle")
+    acoustics: Acoustics = param("the acoustic medium")
+    readings: tuple[Reading, ...] = param("path errors to report at given instants", default=())
     environment: Environment = param("the water and its obstacles", default=Environment())
-    random_starts: RandomStarts | None = param("starts for vehicles without one", default=None)
+    random_starts: RandomStarts | None = param("random starts for vehicles without a start", default=None)
     seed: int = param("seed of every random number", default=1, minimum=0, maximum=2**31 - 1)
     dt_s: float = param("physics step (s)", default=0.02, minimum=1e-5, maximum=10.0)
     period_s: float = param(
         "control period (s), a whole number of physics steps", default=0.1, minimum=1e-5, maximum=10.0
     )
     sampling: str = param(
-        "laws held over the control period, or evaluated in every integration stage",
+        "whether commands are held over the control period (sampled) or evaluated in every integration "
+        "stage (continuous)",
         default="sampled",
         choices=("sampled", "continuous"),
     )
-    on_vehicle_loss: str = param("when a vehicle is lost", default="stop", choices=("stop", "continue"))
+    on_vehicle_loss: str = param(
+        "what to do if a vehicle is lost", default="stop", choices=("stop", "continue")
+    )
     command_max_age_s: float = param(
-        "age of a command after which a vehicle's actuators rest (s); never less than two control periods",
+        "age of a command above which the actuators stop (s); at least two control periods",
         default=0.5,
         above=0.0,
     )
     state_max_age_s: float = param(
-        "age of a vehicle's state after which its modem is silent (s); never less than two control periods",
+        "age of a vehicle's state above which its modem is silent (s); at least two control periods",
         default=0.5,
         above=0.0,
     )
     answer_timeout_s: float = param(
-        "wall time without an answer after which a node is lost (s)", default=3.0, minimum=0.5, maximum=600.0
+        "wall time without an answer after which a node counts as lost (s)",
+        default=3.0,
+        minimum=0.5,
+        maximum=600.0,
     )
 
     def __post_init__(self) -> None:
-        """Check what no single value shows; messages begin with the field."""
+        """Check values against each other; messages begin with the field."""
         if not ID.match(self.name):
             raise ValueError(f"name: {shown(self.name)} is not allowed; allowed: {ID_WORDS}")
         if not self.title.isprintable():
@@ -244,5 +252,5 @@ class Scenario:
 
     @property
     def follows(self) -> str:
-        """What the vehicles' controllers follow: velocity (of a flocking law), path or region."""
+        """What the controllers follow: velocity (of a flocking law), path or region."""
         return str(find_plugin(CONTROLLERS, self.agent.controller.kind).Controller.follows)

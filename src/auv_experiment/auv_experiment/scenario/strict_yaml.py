@@ -1,8 +1,8 @@
 """
-YAML as scenarios and studies need it: strict, with decimal numbers, and bounded in size and time.
+The YAML of scenarios and studies: strict, with decimal numbers, and bounded in size and time.
 
-A number is what a person reads: ``010`` is ten, ``-.5`` is minus a half.  Other notations of YAML 1.1, such
-as ``10:00`` in base 60, ``0x1f``, ``1_000`` and dates, are words: the schema refuses them as numbers.
+Numbers are decimal: ``010`` is ten, ``-.5`` is minus a half. Other notations of YAML 1.1, such as ``10:00``
+in base 60, ``0x1f``, ``1_000`` and dates, are read as text, and the schema refuses them as numbers.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ from auv_core.params import ConfigError
 
 MOST_BYTES = 1_000_000
 MOST_VALUES = 50_000
-"""Longest text, and most values in it, each counted as often as aliases (``*name``) repeat it."""
+"""
+Largest size of a text and largest number of values; a value counts as often as aliases (``*name``) repeat it.
+"""
 
 _INT_TAG, _FLOAT_TAG, _DATE_TAG = (f"tag:yaml.org,2002:{name}" for name in ("int", "float", "timestamp"))
 _INT = re.compile(r"[-+]?[0-9]+\Z")
@@ -36,7 +38,7 @@ _MISFIT = (ValueError, TypeError, LookupError, AttributeError, OverflowError)
 
 
 class _TooManyValuesError(Exception):
-    """More values than `MOST_VALUES`."""
+    """Raised for more than `MOST_VALUES` values."""
 
 
 _UNICODE_BREAKS = "\x85\u2028\u2029"
@@ -65,7 +67,7 @@ class _Loader(yaml.SafeLoader):
                 continue
             if key.value in seen:
                 raise yaml.constructor.ConstructorError(
-                    None, None, f"the key {key.value!r} stands twice", node.start_mark
+                    None, None, f"the key {key.value!r} is given twice", node.start_mark
                 )
             seen.add(key.value)
         return super().construct_mapping(node, deep)
@@ -86,10 +88,12 @@ class _Loader(yaml.SafeLoader):
 
 
 class _Dumper(yaml.SafeDumper):
-    """Quotes the words that `_Loader`, or another reader of YAML, would take for numbers, and line breaks."""
+    """Quotes words that `_Loader`, or another reader of YAML, would read as numbers, and line breaks."""
 
     def represent_str(self, data: str) -> yaml.ScalarNode:
-        """Return a text; only in double quotes are line breaks of Unicode escaped, and not read as spaces."""
+        """
+        Return a text in double quotes if it has Unicode line breaks; otherwise they would be read as spaces.
+        """
         style = '"' if any(each in data for each in _UNICODE_BREAKS) else None
         return self.represent_scalar("tag:yaml.org,2002:str", data, style)
 
@@ -107,7 +111,7 @@ for _yaml in (_Loader, _Dumper):
 
 
 def to_yaml(plain: Any) -> str:
-    """Return plain data as YAML that `parse_yaml` reads back as it was."""
+    """Return plain data as YAML that `parse_yaml` reads back unchanged."""
     text: str = yaml.dump(
         plain, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None, width=120
     )
@@ -121,7 +125,7 @@ def read_text(path: Path, what: str) -> str:
     Raises
     ------
     ConfigError
-        For a file that cannot be read, is longer than `MOST_BYTES`, or is not UTF-8; `what` begins the line.
+        If the file cannot be read, is longer than `MOST_BYTES`, or is not UTF-8; `what` begins the line.
 
     """
     try:
@@ -146,15 +150,16 @@ def read_text(path: Path, what: str) -> str:
 
 def parse_yaml(text: str, where: str) -> Any:
     """
-    Return what a text says, as plain data of the caller's own.
+    Return the content of a text as plain data; the caller may change it.
 
     Raises
     ------
     ConfigError
-        For what is not YAML, has a key twice, or has more than `MOST_VALUES` values; `where` begins the line.
+        If the text is not YAML, has a key twice, or has more than `MOST_VALUES` values; `where` begins the
+        line.
 
     """
-    return copy.deepcopy(_parsed(text, where))  # presets and overrides of many runs are the same few texts
+    return copy.deepcopy(_parsed(text, where))  # many runs share the same presets and overrides
 
 
 @lru_cache(maxsize=128)
@@ -176,10 +181,11 @@ def _parsed(text: str, where: str) -> Any:
     except yaml.YAMLError as error:
         raise ConfigError(f"{where}: not YAML: {' '.join(str(error).split())}") from None
     except RecursionError:
-        raise ConfigError(f"{where}: not YAML that can be read: nested too deeply") from None
+        raise ConfigError(f"{where}: nested too deeply; allowed: YAML with fewer levels") from None
     except _TooManyValuesError:
         raise ConfigError(
-            f"{where}: too large; allowed: at most {MOST_VALUES:,} values, those that aliases repeat included"
+            f"{where}: too large; allowed: at most {MOST_VALUES:,} values, including those that aliases "
+            "repeat"
         ) from None
     except _MISFIT:
         raise ConfigError(f"{where}: not YAML: a value that does not fit its type") from None
@@ -187,10 +193,10 @@ def _parsed(text: str, where: str) -> Any:
 
 def _count_values(node: yaml.Node, known: dict[int, int]) -> int:
     """
-    Return how many values a node stands for, aliases written out.
+    Return the number of values in a node, with aliases expanded.
 
-    `known` has the counts of the nodes met so far; a node that is being counted has more than are allowed, so
-    that an alias inside itself is refused, too.
+    `known` has the counts of the nodes so far. A node that is being counted has more than the allowed
+    number, so that an alias inside itself is refused.
     """
     if id(node) in known:
         return known[id(node)]

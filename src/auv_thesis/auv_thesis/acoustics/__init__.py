@@ -1,1 +1,1 @@
-"""The water between the vehicles: medium, medium access, estimation, consensus, safety."""
+"""Acoustic communication: medium, medium access, estimation, consensus, safety."""

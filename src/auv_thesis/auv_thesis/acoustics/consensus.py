@@ -1,8 +1,9 @@
 """
-Consensus filters of the flocking centre on a lossy modem: the thesis's, PI, push-sum, and none.
+Consensus filters of the flocking centre on a lossy modem: the thesis's filter, PI, push-sum, and no filter.
 
-The thesis (Eq. (5.11)) assumes a constant undirected graph without delays.  Here reports take turns in slots,
-are late, and are lost: the graph is directed and changes.  Numbers are the worst of three seeds.
+The thesis (Eq. (5.11)) assumes a constant undirected graph without delays. Here vehicles report in turn, in
+slots. Reports arrive late or are lost, so the graph is directed and changes. Each number is the worst of
+three seeds.
 """
 
 from __future__ import annotations
@@ -76,9 +77,10 @@ def _m(length_m: float) -> str:
 
 def thesis_disagreement_m(run: Run) -> float:
     """
-    Return how far the thesis's estimates settle from their mean: the largest |eta_i - mean| / (n + 1) (m).
+    Return the steady-state distance of the thesis's estimates from their mean: the largest |eta_i - mean| /
+    (n + 1) (m).
 
-    Closed form for vehicles at rest that all hear each other.
+    This closed form holds for vehicles at rest that all hear each other.
     """
     positions = run.recording.position_ned_m[-1]
     away_m = np.linalg.norm(positions - positions.mean(axis=0), axis=-1).max()
@@ -177,8 +179,8 @@ def _judge_thesis(runs: list[Run]) -> Verdict:
     count = len(runs) // 2
     carried, held = _by_loss(runs[:count]), _by_loss(runs[count:])
     evidence = (
-        f"rms error of the last minute: {_largest(carried)} of packets lost; where estimates are not carried "
-        f"on by their rate, {_largest(held)}"
+        f"rms error of the last minute: {_largest(carried)} of packets lost; without extrapolation by the "
+        f"rate, {_largest(held)}"
     )
     if max(item.error_rms_m for item in carried.values()) < _LOST_M:
         return Verdict(HOLDS, evidence)
@@ -209,11 +211,12 @@ def _judge_velocity(runs: list[Run]) -> Verdict:
 FIGURES = (
     Figure(
         "A.21",
-        "Estimates of the flocking centre by packets that are lost: four vehicles at rest",
+        "Estimates of the flocking centre against packet loss: four vehicles at rest",
         _SHOWN,
         _draw,
-        "No counterpart in the thesis. Reports of 32 bytes and more in slots of 2 s, one seed. The thesis's "
-        "filter keeps its bias at best; estimates carried on by their rate over a cycle of 8 s feed back.",
+        "No counterpart in the thesis. Reports of 32 bytes and more in slots of 2 s, one seed. The "
+        "thesis's filter keeps its bias at best. Estimates that are extrapolated with their rate over a "
+        "cycle of 8 s feed back into each other.",
     ),
 )
 
@@ -225,16 +228,16 @@ TABLES = (
         _static_rows,
         "theory",
     ),
-    Table("A.22", "The same at 60 % loss, one thing changed", tuple(VARIED.values()), _varied_rows),
+    Table("A.22", "The same at 60 % loss with one change each", tuple(VARIED.values()), _varied_rows),
     Table(
         "A.23", "The same at 30 % loss in a flock that moves at 0.1 m/s", tuple(MOVING.values()), _moving_rows
     ),
     Table(
-        "A.24", "What velocity consensus takes from the lag of a blind flock", tuple(LAG.values()), _lag_rows
+        "A.24", "How much velocity consensus reduces the lag of a blind flock", tuple(LAG.values()), _lag_rows
     ),
     Table(
         "A.25",
-        "Flocks that fly by each filter, slots of 2 s, 60 % loss",
+        "Flocks that use each filter, slots of 2 s, 60 % loss",
         tuple(FLYING.values()),
         _flying_rows,
     ),
@@ -261,7 +264,7 @@ CLAIMS = (
     ),
     Claim(
         "A.24",
-        "The mean of what is believed of the neighbours needs no consensus where all hear each other (ours).",
+        "If all vehicles hear each other, the mean of the neighbour estimates needs no consensus (ours).",
         (*_of(MEAN), LONG[MEAN]),
         _judge_exact,
     ),

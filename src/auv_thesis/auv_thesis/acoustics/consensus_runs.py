@@ -1,9 +1,9 @@
 """
-Runs of the consensus filters alone: four vehicles that do not steer, and hear each other through a modem.
+Runs of the consensus filters alone: four vehicles hear each other through a modem and do not steer.
 
-The vehicles, agents, packets, neighbour filters and the medium are those of every other run; the flocking law
-has no gains, so that the vehicles stay where they start, or all move with the flock's velocity.  What the
-filters make of the flocking centre is then theirs alone.
+Vehicles, agents, packets, neighbour filters and medium are those of every other run. The gains of the
+flocking law are zero, so that the vehicles stay where they start, or all move with the flock's velocity. The
+estimates of the flocking centre then depend on the filters only.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ SEEDS = (301, 302, 303)
 
 THESIS, HELD, PI, PUSH_SUM, MEAN = (
     "thesis",
-    "thesis, not carried on by its rate",
+    "thesis, without extrapolation by its rate",
     "PI",
     "push-sum",
     "mean of neighbours",
@@ -70,7 +70,7 @@ def at_rest(
     extra: tuple[str, ...] = (),
     duration_s: float = DURATION_S,
 ) -> RunSpec:
-    """Return four vehicles that stay where they start."""
+    """Return a run of four vehicles that stay where they start."""
     changes = (f"agent.consensus={consensus}", _water(slot_s, loss_prob), f"seed={seed}")
     return RunSpec(
         "ch5_one_leader_blind", (*_AT_REST, "reference.params.rate_radps=0.0", *changes, *extra), duration_s
@@ -78,7 +78,9 @@ def at_rest(
 
 
 def moving(consensus: str, loss_prob: float, seed: int) -> RunSpec:
-    """Return four vehicles that all move with what they believe of the flock's velocity: 0.1 m/s, turning."""
+    """
+    Return a run of four vehicles that all move with their estimate of the flock's velocity: 0.1 m/s, turning.
+    """
     changes = (f"agent.consensus={consensus}", _water(2.0, loss_prob), f"seed={seed}")
     return RunSpec(
         "ch5_one_leader_blind", (*_AT_REST, "agent.flocking.params.feedforward=flock", *changes), DURATION_S
@@ -135,13 +137,13 @@ FLYING = {
 @dataclass(frozen=True)
 class Numbers:
     """
-    What one run of a filter amounts to, over its last minute.
+    Summary of one run of a filter, over its last minute.
 
     bias_m: largest |mean of the estimates - mean of the positions|; disagreement_m: largest distance of an
     estimate from the mean of the estimates; error_rms_m: root mean square of |estimate - mean of the
-    positions|; settled_s: first time after which every error stays within 5 % of the largest one at the
-    start, None if that is never; rate_ps: rate of an exponential that comes as near to where the estimates
-    settle, right or wrong, in the same time, None if they do not.
+    positions|; settled_s: first time after which every error stays within 5 % of the largest initial error,
+    None if there is no such time; rate_ps: rate of the exponential that comes as near to the final estimates
+    in the same time, whether these are right or wrong, None if the estimates do not settle.
     """
 
     bias_m: float
@@ -174,7 +176,10 @@ def numbers(run: Run) -> Numbers:
 
 
 def _settled_s(t_s: FloatArray, away_m: FloatArray) -> float | None:
-    """Return from when on all distances (K, N, 3) stay within 5 % of the largest at first (s), or None."""
+    """
+    Return the time after which all distances (K, N, 3) stay within 5 % of the largest initial one (s), or
+    None.
+    """
     sizes_m = np.linalg.norm(away_m, axis=-1).max(axis=1)
     outside = np.flatnonzero(sizes_m > SETTLED_SHARE * sizes_m[0])
     if not outside.size:
@@ -183,7 +188,7 @@ def _settled_s(t_s: FloatArray, away_m: FloatArray) -> float | None:
 
 
 def worst(runs: list[Run]) -> Numbers:
-    """Return the worst of every number over runs."""
+    """Return the worst value of each number over the runs."""
     found = [numbers(run) for run in runs]
     times_s, rates_ps = [item.settled_s for item in found], [item.rate_ps for item in found]
     return Numbers(
@@ -196,7 +201,7 @@ def worst(runs: list[Run]) -> Numbers:
 
 
 def payload(run: Run) -> tuple[int, float]:
-    """Return the bytes of a report, and the bytes that all modems together put on the air per second."""
+    """Return the size of a report (bytes), and the bytes per second that all modems together transmit."""
     events = run.recording.events
     sent = events[events[:, 1] == int(Outcome.SENT)]
     return int(sent[:, 5].max()), float(sent[:, 5].sum() / run.recording.t_s[-1])

@@ -1,9 +1,11 @@
 """
-Whether a neighbour filter's errors are as large as it says: NEES and NIS over many runs.
+Consistency of a neighbour filter, that is whether its errors match its covariance: NEES and NIS over many
+runs.
 
-The normalised estimation error squared is e' P^-1 e, with e the error and P its covariance; of a consistent
-filter it is chi-square distributed with as many degrees of freedom as e has numbers. The normalised
-innovation squared is the same of measurement minus prediction.  Over M runs their sum has M times as many.
+The normalised estimation error squared (NEES) is e' P^-1 e, with the error e and its covariance P. For a
+consistent filter it has a chi-square distribution with as many degrees of freedom as e has elements. The
+normalised innovation squared (NIS) is the same for measurement minus prediction. The sum over M runs has M
+times as many degrees of freedom.
 
 Source: Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), section
 5.4.
@@ -30,10 +32,10 @@ _EVERY_TICKS = 10
 @dataclass(frozen=True)
 class Squares:
     """
-    Normalised squares of many runs.
+    NEES and NIS of many runs.
 
-    `t_s` (K,): instants (s); `nees` (runs, K): of position and velocity; `packets`, `contacts` (runs, M): of
-    the M-th innovation of a run. NaN where a run has none.
+    `t_s` (K,): instants (s); `nees` (runs, K): NEES of position and velocity; `packets`, `contacts` (runs,
+    M): NIS of the M-th innovation of a run, NaN if a run has fewer.
     """
 
     t_s: FloatArray
@@ -43,7 +45,7 @@ class Squares:
 
 
 def band(size: int, runs: int) -> tuple[float, float]:
-    """Return the 95 % interval of the mean over so many runs of a square with so many numbers."""
+    """Return the 95 % interval of the mean, over `n_runs` runs, of a normalised square of `size` elements."""
     from scipy.stats import chi2
 
     low, high = chi2.interval(0.95, size * runs)
@@ -60,7 +62,7 @@ def squares(
     """
     Fly one run per seed and normalise the errors.
 
-    The truth follows the filter's own model, unless `truth` gives it other numbers.
+    The truth follows the filter's own model, unless `truth` gives other parameters.
     """
     nees, packets, contacts, t_s = [], [], [], []
     for seed in seeds:
@@ -73,7 +75,7 @@ def squares(
 
 
 def share_inside(values: FloatArray, size: int) -> float:
-    """Return in which share of the columns the mean over the runs lies in its 95 % interval."""
+    """Return the share of the columns in which the mean over the runs lies within its 95 % interval."""
     inside = []
     for column in values.T:
         known = column[np.isfinite(column)]
@@ -84,7 +86,7 @@ def share_inside(values: FloatArray, size: int) -> float:
 
 
 class _Run:
-    """One vehicle that hears and sees the only neighbour."""
+    """One vehicle that hears its only neighbour and sees it with sonar."""
 
     def __init__(self, table: NeighbourTable) -> None:
         self._table = table

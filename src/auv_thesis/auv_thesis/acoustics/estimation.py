@@ -1,8 +1,8 @@
 """
-What a vehicle knows of its neighbours: the extended Kalman filter beside simpler ways, and with sonar.
+Neighbour estimates: the extended Kalman filter compared with simpler estimators, and with sonar.
 
-The thesis (Eqs. (5.29)-(5.35)) has a filter for every neighbour and gives no numbers for it.  Here it flies
-in the flock, on packets that are late, rare and lost, with navigations that drift.
+The thesis (Eqs. (5.29)-(5.35)) has a filter for every neighbour and gives no numbers for it. Here the filter
+runs in the flock. Packets are late, rare or lost, and navigations drift.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _MODELS = {
     "the same, velocities within 3 cm/s": NeighbourConfig(
         acceleration_memory_s=60.0, velocity_std_mps=0.03, timeout_s=300.0
     ),
-    "the same, velocity back to the flock's in 15 s (as flown)": None,
+    "the same, velocity returns to the flock's in 15 s (as flown)": None,
 }
 _TUNED_ON = tuple(GRID[cell] for cell in ((0.5, 0.3), (2.0, 0.3)))
 _SHOWN = ("drift", "drift, fixes every 60 s", "drift, sonar", "exact navigation")
@@ -84,7 +84,7 @@ def _model_rows(runs: list[Run]) -> list[Row]:
             for phase, from_s, to_s in (("gathering", 0.0, FORMED_S), ("formed", FORMED_S, DURATION_S)):
                 part = errors.between(from_s, to_s)
                 parts.append(
-                    f"{phase}: error {rms_m(part.ekf_m):.3f} m, said {part.said_m:.3f} m, "
+                    f"{phase}: error {rms_m(part.ekf_m):.3f} m, stated {part.said_m:.3f} m, "
                     f"NEES {part.nees:.2f}"
                 )
             rows.append(
@@ -105,7 +105,7 @@ def _drift_rows(runs: list[Run]) -> list[Row]:
                 name,
                 "not given",
                 f"rms {rms_m(errors_m):.3f} m, 95 % under {np.quantile(lengths_m, 0.95):.3f} m, "
-                f"said {said_m:.3f} m, NEES of position {(errors_m * solved).sum(axis=1).mean():.2f}",
+                f"stated {said_m:.3f} m, NEES of position {(errors_m * solved).sum(axis=1).mean():.2f}",
                 NO_NUMBER,
             )
         )
@@ -178,20 +178,20 @@ def _judge_sonar(runs: list[Run]) -> Verdict:
 FIGURES = (
     Figure(
         "A.31",
-        "What is known of a neighbour, against slot length and loss",
+        "Error of neighbour estimates against slot length and loss",
         tuple(GRID.values()),
         _draw_grid,
-        "No counterpart in the thesis. Four hulls in the flock, one slot each. Dead reckoning flies on "
-        "through silence as the neighbour flew while gathering; the filter lets it come back to the flock's "
-        "velocity.",
+        "No counterpart in the thesis. Four hulls in the flock, one slot each. During silence, dead "
+        "reckoning extrapolates the velocity that the neighbour had while gathering; the filter lets the "
+        "velocity return to the flock's velocity.",
     ),
     Figure(
         "A.33",
         "Relative positions with navigations that drift",
         tuple(DRIFTING[name] for name in _SHOWN),
         _draw_drift,
-        "No counterpart in the thesis. Packets alone carry both navigations' drift; the sonar, at 2 Hz and "
-        "without names, takes it away.",
+        "No counterpart in the thesis. Estimates from packets alone contain the drift of both navigations. "
+        "The sonar (2 Hz, contacts without names) removes it.",
     ),
 )
 
@@ -211,7 +211,8 @@ TABLES = (
 CLAIMS = (
     Claim(
         "A.31",
-        "With 2 s slots and 30 % loss the filter's error is at most half that of holding (ours).",
+        "With 2 s slots and 30 % loss the filter's error is at most half that of holding the last packet "
+        "(ours).",
         BAR,
         _judge_half,
     ),

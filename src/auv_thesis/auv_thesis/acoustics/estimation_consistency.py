@@ -1,9 +1,9 @@
 """
-Whether the neighbour filter's errors are as large as it says, on truth that follows its own model.
+Consistency of the neighbour filter when the truth follows the filter's own model.
 
-100 runs of 40 s per setting: white acceleration, packets every second that are up to 1.5 s late and overtake
-each other, sonar at 2 Hz, navigations that drift at constant rates, with and without fixes; and the same
-truth at several slots and losses, for errors beside simpler ways.
+100 runs of 40 s per setting: white acceleration, a packet every second that is up to 1.5 s late and may
+overtake others, sonar at 2 Hz, navigations that drift at constant rates, with and without fixes. The same
+truth at several slot lengths and losses compares the errors with those of simpler estimators.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def _squares(name: str) -> Squares:
 
 
 def _shares(name: str) -> dict[str, tuple[float, float]]:
-    """Return mean and share inside the band of NEES and NIS, by what they are of."""
+    """Return the mean of NEES and NIS and the share inside the interval, by kind."""
     found = _squares(name)
     every = {
         "NEES": (found.nees, STATES),
@@ -79,7 +79,7 @@ def _shares(name: str) -> dict[str, tuple[float, float]]:
 
 
 def _means(name: str) -> list[tuple[float, int]]:
-    """Return the mean of NEES and NIS of packets and contacts, and what it should be."""
+    """Return the mean of NEES and of NIS for packets and for contacts, each with its expected value."""
     found = _squares(name)
     every = ((found.nees, STATES), (found.packets, PACKET), (found.contacts, CONTACT))
     return [(float(np.nanmean(values)), size) for values, size in every if np.isfinite(values).any()]
@@ -100,7 +100,8 @@ def synthetic_errors_m(slot_s: float, loss_prob: float) -> tuple[float, float, f
     """
     Return the rms position errors (m) of filter, last packet held and dead reckoning on the filter's model.
 
-    A slot each for four vehicles, so a packet every four slots, exact navigation, six runs of 200 s.
+    Four vehicles have one slot each, so a packet arrives every four slots; exact navigation, six runs of 200
+    s.
     """
     setting = Setting(packets_every_s=_VEHICLES * slot_s, loss_prob=loss_prob)
     squares_m2 = []
@@ -169,7 +170,7 @@ def _judge(_runs: list[Run]) -> Verdict:
         f"{_RUNS} runs, interval of the mean NEES [{low:.2f}, {high:.2f}]: NEES and NIS of {len(_OWN_MODEL)} "
         f"settings inside their intervals at {100.0 * np.mean(shares):.0f} % of the instants, "
         f"{100.0 * min(shares):.0f} % in the worst; means over all instants "
-        f"between {min(means):.3f} and {max(means):.3f} of what they should be"
+        f"between {min(means):.3f} and {max(means):.3f} of the expected value"
     )
     is_close = max(abs(mean - 1.0) for mean in means) < 0.05
     return Verdict(
@@ -184,7 +185,7 @@ FIGURES = (
         "Consistency of the neighbour filter: NEES and NIS of 100 runs",
         (),
         _draw,
-        "No counterpart in the thesis. Grey: 95 % interval of a consistent filter. Truth follows the "
+        "No counterpart in the thesis. Grey: 95 % interval of a consistent filter. The truth follows the "
         "filter's own model; navigations drift at a constant random rate.",
     ),
 )
@@ -197,8 +198,8 @@ TABLES = (
 CLAIMS = (
     Claim(
         "A.34",
-        "The filter's errors are as large as it says: NEES and NIS lie in their 95 % intervals at nine "
-        "instants in ten (ours).",
+        "The filter is consistent: NEES and NIS lie within their 95 % intervals at nine of ten instants "
+        "(ours).",
         (),
         _judge,
     ),

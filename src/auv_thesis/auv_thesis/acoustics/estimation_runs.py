@@ -1,9 +1,9 @@
 """
-Runs that show what the neighbour filters know, and the two simplest ways to know of a neighbour beside them.
+Runs that compare the neighbour filters with the two simplest estimators.
 
-Hold: a neighbour is where its last packet said.  Dead reckoning: it has gone on from there with the velocity
-that the packet said.  Both are made from the packets of the recording; what the filters believed was recorded
-in flight.
+Hold: the neighbour is at the position in its last packet. Dead reckoning: it has moved on from there with
+the velocity in that packet. Both are computed from the packets of the recording. The filters' estimates were
+recorded in flight.
 """
 
 from __future__ import annotations
@@ -71,8 +71,8 @@ class Errors:
     """
     Errors of many neighbours at many instants, one row each.
 
-    `t_s` (M,), `age_s` (M,): instant and age of the newest packet (s); `ekf_m`, `hold_m`, `reckoned_m` (M, 3)
-    (m; NED); `covariance` (M, 3, 3): what the filter says of `ekf_m` (m^2).
+    `t_s` (M,), `age_s` (M,): instant and age of the newest packet (s); `ekf_m`, `hold_m`, `reckoned_m` (M,
+    3) (m; NED); `covariance` (M, 3, 3): the filter's covariance of `ekf_m` (m^2).
     """
 
     t_s: FloatArray
@@ -83,7 +83,7 @@ class Errors:
     covariance: FloatArray
 
     def between(self, from_s: float, to_s: float) -> Errors:
-        """Return the rows from one time to another (s)."""
+        """Return the rows between two times (s)."""
         rows = (self.t_s >= from_s) & (self.t_s < to_s)
         return Errors(
             self.t_s[rows],
@@ -96,12 +96,12 @@ class Errors:
 
     @property
     def said_m(self) -> float:
-        """Root mean square position error that the filter says it has (m)."""
+        """Root mean square position error according to the filter's covariance (m)."""
         return float(np.sqrt(np.trace(self.covariance, axis1=1, axis2=2).mean()))
 
     @property
     def nees(self) -> float:
-        """Mean normalised position error squared; 3 of a consistent filter."""
+        """Mean normalised position error squared; 3 for a consistent filter."""
         solved = np.linalg.solve(self.covariance, self.ekf_m[..., None])[..., 0]
         return float((self.ekf_m * solved).sum(axis=1).mean())
 
@@ -113,10 +113,10 @@ def rms_m(errors_m: FloatArray) -> float:
 
 def packets_of(recording: Recording) -> dict[int, list[tuple[int, Report]]]:
     """
-    Return the packets that arrived, by tick of arrival: index of the receiver, and position and velocity.
+    Return the packets that arrived, by tick of arrival: index of the receiver, position and velocity.
 
-    They are those of the compact format, rounded as there, with the position by the sender's navigation. The
-    velocity is the true one, so they are the packets only where the navigation is exact.
+    They are rounded as in the compact format, and the position is that of the sender's navigation. The
+    velocity is the true one, so they equal the packets only if the navigation is exact.
     """
     handed_over = {(source, sequence): tick for tick, source, sequence in recording.sent.tolist()}
     arrived: dict[int, list[tuple[int, Report]]] = {}
@@ -148,7 +148,7 @@ def errors_of(run: Run, config: NeighbourConfig | None = None) -> Errors:
     """
     Return the errors of all neighbours of all vehicles, every half second, from the first packet on.
 
-    With `config` the filters are run again with these settings, else they are those of the flight.
+    With `config` the filters run again with these settings; without it the estimates of the flight are used.
     """
     recording = run.recording
     n = len(recording.vehicle_ids)
@@ -206,10 +206,10 @@ def _row(
 @dataclass(frozen=True)
 class Relative:
     """
-    Errors of where neighbours are seen from the own vehicle: (estimate - own navigation) - (true difference).
+    Errors of relative positions: (estimate - own navigation) - (true difference).
 
-    `t_s` (K,) (s); `errors_m` (K, N, N, 3) and `covariance` (K, N, N, 3, 3) (m, m^2; NED), NaN where nothing
-    is believed.
+    `t_s` (K,) (s); `errors_m` (K, N, N, 3) and `covariance` (K, N, N, 3, 3) (m, m^2; NED), NaN if there is
+    no estimate.
     """
 
     t_s: FloatArray

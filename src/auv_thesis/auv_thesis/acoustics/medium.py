@@ -1,8 +1,9 @@
 """
-How far each modem of the presets carries: measured deliveries beside the packet error probability.
+Range of each preset modem: measured deliveries compared with the packet error probability.
 
-Two modems at rest, one talks; nothing overlaps, so what is lost is lost to range, noise or outage.  The
-analytic value is worked out here from the formulas and the preset's numbers, not asked of the medium.
+Two modems are at rest and one transmits. Packets never overlap, so that losses are due to range, noise or
+outage. The analytic value is computed here from the formulas and the preset's numbers, not by the medium's
+own code.
 """
 
 from __future__ import annotations
@@ -50,7 +51,10 @@ FIRST_SEED = 1000
 
 @dataclass(frozen=True)
 class Cell:
-    """One preset at one range: how many of the packets that ended were delivered, and what formulas say."""
+    """
+    One preset at one range: how many of the completed packets were delivered, and the analytic delivery
+    ratio.
+    """
 
     preset: str
     range_m: float
@@ -67,25 +71,25 @@ class Cell:
 
     @property
     def is_inside(self) -> bool:
-        """Whether the analytic value lies in the band, but for rounding at its ends."""
+        """Whether the analytic value lies within the interval, with a tolerance for rounding at its ends."""
         low, high = self.band
         return low - 1e-9 <= self.expected <= high + 1e-9
 
 
 def preset_sections(name: str) -> dict[str, Any]:
-    """Return the sections of a preset of the water, as its file has them."""
+    """Return the sections of an acoustic preset, as in its file."""
     path = Path(str(auv_sim.acoustics.__file__)).parent / "presets" / f"{name}.yaml"
     sections: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
     return sections
 
 
 def medium_config(preset: str, **changes: Any) -> MediumConfig:
-    """Return the configuration of a medium: a preset with changes."""
+    """Return the configuration of a medium from a preset and changes."""
     return load(MediumConfig, {**preset_sections(preset), **changes}, "acoustics")
 
 
 def expected_delivery(config: MediumConfig, range_m: float) -> float:
-    """Return the probability that a packet that meets no other is delivered over a range."""
+    """Return the probability that a packet is delivered over a range if no other packet interferes."""
     modem, outage = config.modem.params, config.outage.params
     luck = 1.0 - getattr(outage, "loss_prob", 0.0)
     if config.modem.kind != "noise_limited":
@@ -105,8 +109,8 @@ def expected_delivery(config: MediumConfig, range_m: float) -> float:
 
 
 def measured(preset: str, range_m: float, seed: int) -> Cell:
-    """Return what comes of packets from one modem to another over a range."""
-    # Turns as far apart as a packet needs over the longest range, and one tick per turn.
+    """Count the packets delivered from one modem to another over a range."""
+    # One packet per tick; a tick is as long as a packet takes over the longest range.
     turn_s = 10.0
     mac = {"kind": "tdma", "params": {"slot_s": turn_s}}
     config = medium_config(preset, fleet_size=2, seed=seed, period_s=turn_s, mac=mac)
@@ -117,14 +121,14 @@ def measured(preset: str, range_m: float, seed: int) -> Cell:
     )
     link = medium.links[1, 2]
     expected = expected_delivery(config, range_m)
-    # The last packet is still in the water.
+    # The last packet is still on its way.
     ended = link.delivered + link.lost
     return Cell(preset, range_m, ended, link.delivered, expected, len(half_duplex_violations(events)))
 
 
 @cache
 def sweep() -> tuple[Cell, ...]:
-    """Return every preset at every range, each with a luck of its own."""
+    """Return every preset at every range, each with its own random numbers."""
     cells = [(preset, range_m) for preset in PRESETS for range_m in RANGES_M]
     return tuple(measured(*cell, FIRST_SEED + index) for index, cell in enumerate(cells))
 
@@ -172,7 +176,7 @@ def _rows(runs: list[Run]) -> list[Row]:
             Row(
                 f"{cell.preset}, {cell.range_m:g} m: delivery ratio",
                 f"{cell.expected:.4f} (analytic)",
-                f"{cell.delivered / cell.sent:.4f}, 95 % within [{low:.4f}, {high:.4f}]",
+                f"{cell.delivered / cell.sent:.4f}, 95 % interval [{low:.4f}, {high:.4f}]",
                 AGREES if cell.is_inside else DIFFERS,
                 f"{cell.delivered} of {cell.sent} packets of {PAYLOAD_BYTES} bytes",
             )
@@ -194,12 +198,16 @@ def _flown_rows(runs: list[Run]) -> list[Row]:
                         expected_delivery(config, range_m), 0)  # fmt: skip
             low, high = cell.band
             chance = binomtest(delivered, len(own), cell.expected).pvalue
-            luck = "" if cell.is_inside else f"; so far out in {100.0 * chance:.1f} % of such runs"
+            luck = (
+                ""
+                if cell.is_inside
+                else f"; a deviation this large occurs in {100.0 * chance:.1f} % of such runs"
+            )
             rows.append(
                 Row(
                     f"{cell.preset}, {range_m:.0f} m, both ways: delivery ratio",
                     f"{cell.expected:.4f} (analytic)",
-                    f"{delivered / cell.sent:.4f}, 95 % within [{low:.4f}, {high:.4f}]",
+                    f"{delivered / cell.sent:.4f}, 95 % interval [{low:.4f}, {high:.4f}]",
                     AGREES if cell.is_inside else DIFFERS,
                     f"{delivered} of {cell.sent} packets in a TDMA cycle of {config.fleet_size} modems{luck}",
                 )
@@ -211,14 +219,13 @@ def _judge_bands(runs: list[Run]) -> Verdict:
     del runs
     cells = sweep()
     outside = [cell for cell in cells if not cell.is_inside]
-    # Certain cells cannot leave their band by luck; of the others one in twenty may.
+    # Cells with certain outcome cannot leave their interval by chance; one in twenty of the others may.
     open_cells = [cell for cell in cells if 1e-6 < cell.expected < 1.0 - 1e-6]
     allowed = int(binom.ppf(0.99, len(open_cells), 1.0 - CONFIDENCE))
     words = "; ".join(f"{cell.preset} at {cell.range_m:g} m" for cell in outside) or "none"
     evidence = (
-        f"{len(cells)} cells of {min(cell.sent for cell in cells)} packets, {len(open_cells)} of them "
-        f"neither certain to arrive nor to be lost; outside their 95 % band: {words} "
-        f"(up to {allowed} by luck, at 99 %)"
+        f"{len(cells)} cells of {min(cell.sent for cell in cells)} packets; in {len(open_cells)} of them the "
+        f"outcome is uncertain; outside their 95 % interval: {words} (up to {allowed} by chance, at 99 %)"
     )
     return Verdict(HOLDS if len(outside) <= allowed else DOES_NOT_HOLD, evidence)
 
@@ -238,7 +245,7 @@ def _judge_reach(runs: list[Run]) -> Verdict:
     words = ", ".join(f"{preset} {range_m:g} m" for preset, range_m in reach.items())
     evidence = (
         f"farthest range with more than half of the packets: {words}; "
-        f"{'nothing' if ends else 'something'} arrives over 100 km and more"
+        f"{'nothing' if ends else 'something'} arrives at 100 km and beyond"
     )
     return Verdict(
         HOLDS if ends and all(0.0 < r < 5000.0 for r in reach.values()) else DOES_NOT_HOLD, evidence
@@ -252,8 +259,8 @@ FIGURES = (
         (),
         _draw,
         "Two modems at rest, packets of 32 bytes, 5 m/s of wind where noise is modelled. Grey: analytic. "
-        "With no fading the edge is a cliff, as in every model of this kind; losses nearer by are what "
-        "`outage` is for.",
+        "Without fading the edge is a cliff, as in every model of this kind; losses at shorter range are "
+        "what `outage` is for.",
     ),
 )
 
@@ -265,11 +272,15 @@ FLOWN = (
 TABLES = (
     Table("A.11", "Delivery ratio against range: analytic and measured", (), _rows, "formula"),
     Table(
-        "A.14", "The sweep flown as a scenario: six vehicles that keep station", FLOWN, _flown_rows, "formula"
+        "A.14",
+        "The range sweep flown as a scenario: six vehicles that keep station",
+        FLOWN,
+        _flown_rows,
+        "formula",
     ),
 )
 
 CLAIMS = (
-    Claim("A.11", "The medium loses what the formulas say that it loses.", (), _judge_bands),
-    Claim("A.12", "Every modem with levels has an end to its reach.", (), _judge_reach),
+    Claim("A.11", "The medium loses as many packets as the formulas predict.", (), _judge_bands),
+    Claim("A.12", "Every modem with a source level has a finite range.", (), _judge_reach),
 )

@@ -1,12 +1,12 @@
 """
-Medium access compared: one modem, 2 to 16 vehicles at rest within half a kilometre, four ways to take turns.
+Medium access compared: one modem, 2 to 16 vehicles at rest within half a kilometre, four access schemes.
 
-Modems alone, many fleets; and eight vehicles with agents, as a scenario.
+First modems alone in many fleets, then eight vehicles with agents, as a scenario.
 
 The modem is the preset `evologics_s2c` (32 bytes: 0.164 s on the air); slots of 0.5 s guard 504 m, the
-vehicles lie within 433 m of each other.  Everybody always has a fresh report; the schemes differ in when
-they ask for it.  Slotted ALOHA transmits with probability 1/N per slot, ALOHA offers half a packet per
-airtime (where its throughput is greatest), carrier sense one.
+vehicles lie within 433 m of each other. Every vehicle always has a fresh report; the schemes differ in when
+they request it. Slotted ALOHA transmits with probability 1/N per slot, ALOHA offers half a packet per airtime
+(where its throughput is greatest), carrier sense one.
 """
 
 from __future__ import annotations
@@ -65,10 +65,10 @@ class Cell:
     """
     One scheme and fleet size, over all seeds.
 
-    `throughput_bps` is what an average vehicle hears; `shares` are of all ends of packets, by outcome; delays
-    count from the making of a report to the end of its reception; the age of information is that of the
-    newest report of a neighbour, averaged over time and pairs; `fairness` is Jain's index of what the sources
-    get through, 1 for equal shares.
+    `throughput_bps` is what an average vehicle receives. `shares` are the shares of all receptions, by
+    outcome. A delay lasts from the creation of a report to the end of its reception. The age of information
+    is that of the newest report of a neighbour, averaged over time and pairs. `fairness` is Jain's index of
+    the sources' throughput, 1 for equal shares.
     """
 
     scheme: str
@@ -83,7 +83,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Log:
-    """The acoustic log of a run; when each packet was made (s), by (source, sequence)."""
+    """The acoustic log of a run, and the time at which each packet was made (s), by (source, sequence)."""
 
     events: Sequence[AcousticEvent]
     made_s: Mapping[tuple[int, int], float]
@@ -92,7 +92,7 @@ class Log:
 
 
 def scheme_section(scheme: str, fleet: int) -> dict[str, Any]:
-    """Return the medium access of a scheme for a fleet."""
+    """Return the medium access section of a scheme for a fleet."""
     params: dict[str, float] = {
         "tdma": {"slot_s": SLOT_S},
         "slotted_aloha": {"slot_s": SLOT_S, "transmit_prob": 1.0 / fleet},
@@ -103,13 +103,16 @@ def scheme_section(scheme: str, fleet: int) -> dict[str, Any]:
 
 
 def places(fleet: int, seed: int) -> list[tuple[float, float, float]]:
-    """Return where the vehicles are (m; NED), uniform in the box."""
+    """Return the positions of the vehicles (m; NED), uniform in the box."""
     drawn = np.random.default_rng(np.random.SeedSequence((seed, fleet))).uniform(0.0, BOX_M, (fleet, 3))
     return [(x, y, z) for x, y, z in drawn.tolist()]
 
 
 def mean_age_s(log: Log) -> float:
-    """Return the age of the newest report of a neighbour (s), averaged over pairs and time from its first."""
+    """
+    Return the age of a neighbour's newest report (s), averaged over pairs and over the time since its first
+    report.
+    """
     heard: defaultdict[tuple[int, int], list[tuple[float, float]]] = defaultdict(list)
     for event in log.events:
         if event.outcome is Outcome.DELIVERED:
@@ -128,7 +131,7 @@ def mean_age_s(log: Log) -> float:
 
 
 def cell_of(scheme: str, logs: Sequence[Log]) -> Cell:
-    """Return what a scheme did in runs of one fleet size."""
+    """Return the results of a scheme over runs of one fleet size."""
     fleet = logs[0].fleet
     ends = Counter(event.outcome for log in logs for event in log.events)
     total = sum(count for outcome, count in ends.items() if outcome is not Outcome.SENT)
@@ -153,7 +156,7 @@ def cell_of(scheme: str, logs: Sequence[Log]) -> Cell:
 
 
 def measured(scheme: str, fleet: int) -> Cell:
-    """Return what a scheme does for modems at rest."""
+    """Return the results of a scheme with modems at rest."""
     return cell_of(scheme, [_at_rest(scheme, fleet, seed) for seed in SEEDS])
 
 
@@ -169,7 +172,7 @@ def _at_rest(scheme: str, fleet: int, seed: int) -> Log:
 
 
 def flown(scheme: str, run: Run) -> Cell:
-    """Return what a scheme did in a run of a scenario."""
+    """Return the results of a scheme in a run of a scenario."""
     scenario, recording = run.scenario, run.recording
     made_s = {
         (source, sequence): tick * scenario.period_s for tick, source, sequence in recording.sent.tolist()
@@ -180,7 +183,7 @@ def flown(scheme: str, run: Run) -> Cell:
 
 @cache
 def cells() -> tuple[Cell, ...]:
-    """Return every scheme at every fleet size."""
+    """Return the results of every scheme at every fleet size."""
     return tuple(measured(scheme, fleet) for scheme in SCHEMES for fleet in FLEETS)
 
 
@@ -201,7 +204,7 @@ def textbook(sources: int, load: float) -> tuple[float, float]:
 def _draw(canvas: Canvas, runs: list[Run]) -> None:
     del runs
     panels: tuple[tuple[str, Any], ...] = (
-        ("heard by a vehicle (bit/s)", lambda cell: cell.throughput_bps),
+        ("received by a vehicle (bit/s)", lambda cell: cell.throughput_bps),
         ("delivery ratio", lambda cell: cell.shares[Outcome.DELIVERED]),
         ("mean delay (s)", lambda cell: cell.delay_s),
         ("mean age of information (s)", lambda cell: cell.age_s),
@@ -332,12 +335,12 @@ FLOWN = tuple(
 TABLES = (
     Table("A.12", "Medium access compared: throughput, losses by cause, delay, age, fairness", (), _rows),
     Table("A.15", "Medium access flown as a scenario: eight vehicles that keep station", FLOWN, _flown_rows),
-    Table("A.13", "Slotted ALOHA beside the textbook", (), _textbook_rows, "formula"),
+    Table("A.13", "Slotted ALOHA compared with the textbook", (), _textbook_rows, "formula"),
 )
 
 CLAIMS = (
     Claim("A.13", "TDMA never collides while its guard covers the longest travel time.", (), _judge_tdma),
     Claim("A.14", "Slotted ALOHA carries G (1 - G/N)^(N - 1) packets per slot.", (), _judge_textbook),
     Claim("A.15", "No modem hears while it transmits.", (), _judge_half_duplex),
-    Claim("A.16", "Of four schemes TDMA keeps reports freshest.", (), _judge_age),
+    Claim("A.16", "TDMA keeps reports freshest of the four schemes.", (), _judge_age),
 )

@@ -1,10 +1,10 @@
 """
-Is a flock on a modem safe?  Distances and path error over slot lengths, losses, navigations and fleets.
+Safety of a flock on a modem: distances and path error over slot lengths, losses, navigations and fleets.
 
-Four numbers describe many runs of one thing: the smallest distance of any pair at any time, the smallest for
-t > 150 s, when the flock has gathered, the largest for t > 200 s, each over all runs, and the 95th percentile
-of the runs' rms path errors for t > 200 s.  docs/explanation/safe_flocking.md
-explains the law and has the whole study.
+Four numbers summarise the runs of one case: the smallest distance of any pair at any time; the smallest for
+t > 150 s, when the flock has gathered; the largest for t > 200 s, each over all runs; and the 95th percentile
+of the runs' rms path errors for t > 200 s. docs/explanation/safe_flocking.md explains the law and has the
+whole study.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ _FULL = (*OURS[USUAL][:20], *OURS[WORST][:20])
 
 
 def _row(quantity: str, runs: Sequence[Run], bars: Bars | None = None) -> Row:
-    """Return a row; bars that are kept by fewer than all seeds are kept in part."""
+    """Return a row; limits that some but not all seeds keep are kept in part."""
     if not runs:
         return Row(quantity, "not given", "not flown", NO_NUMBER, "more seeds are needed")
     summary = summary_of(runs)
@@ -88,7 +88,7 @@ def _row(quantity: str, runs: Sequence[Run], bars: Bars | None = None) -> Row:
 
 
 def _rows_of(study: Study, bars: dict[Cell, Bars], navigation: str = "") -> Callable[[list[Run]], list[Row]]:
-    """Return the function that makes a row of every cell of a study."""
+    """Return the function that makes one row per cell of a study."""
     prefix = navigation and f"{navigation}, "
 
     def rows(runs: list[Run]) -> list[Row]:
@@ -178,7 +178,7 @@ def _judge(study: Study, bars: dict[Cell, Bars]) -> Callable[[list[Run]], Verdic
         is_whole = all(summaries[cell].n == len(study[cell]) for cell in CELLS)
         holds = DOES_NOT_HOLD if len(kept) < len(CELLS) else HOLDS if is_whole else HOLDS_IN_PART
         return Verdict(
-            holds, f"{_words(list(summaries.values()))}; bars kept in {len(kept)} of {len(CELLS)} cells"
+            holds, f"{_words(list(summaries.values()))}; limits kept in {len(kept)} of {len(CELLS)} cells"
         )
 
     return judge
@@ -187,7 +187,7 @@ def _judge(study: Study, bars: dict[Cell, Bars]) -> Callable[[list[Run]], Verdic
 FIGURES = (
     Figure(
         "A.41",
-        "Distances of pairs, slots of 2 s, 30 % lost: thesis's law and ours, one start",
+        "Distances of pairs, slots of 2 s, 30 % lost: the thesis's law and ours, from one start",
         _SHOWN_SLOW,
         _draw_distances,
         "No counterpart in the thesis. Black: nearest pair; grey: up to the farthest; red: hulls touch.",
@@ -204,7 +204,7 @@ FIGURES = (
 _FORM = "smallest distance, for t > 150 s, largest for t > 200 s, path error (95th percentile)"
 _FOUR = "the same four numbers"
 TABLES = (
-    Table("A.41", f"Safety of the law for a modem: {_FORM}", _ALL_OURS, _rows_of(OURS, BARS), "asked for"),
+    Table("A.41", f"Safety of the law for a modem: {_FORM}", _ALL_OURS, _rows_of(OURS, BARS), "limits"),
     Table(
         "A.42",
         f"The thesis's law with blind followers in the same runs: {_FOUR}",
@@ -221,7 +221,7 @@ TABLES = (
     ),
     Table(
         "A.44",
-        f"What each part of the law is worth: {_FOUR}",
+        f"Effect of each part of the law: {_FOUR}",
         (*_FULL, *_all(list(ABLATED.values()))),
         _part_rows,
     ),
@@ -231,25 +231,25 @@ TABLES = (
 CLAIMS = (
     Claim(
         "A.41",
-        "The thesis's law keeps vehicles apart with the report rates and losses of a modem.",
+        "The thesis's law keeps vehicles apart at the report rates and losses of a modem.",
         _ALL_THESIS,
         _judge(THESIS, BARS),
     ),
     Claim(
         "A.42",
-        "A law no faster than its information does, and stays with its path (ours).",
+        "A law that is no faster than its information keeps them apart, and near the path (ours).",
         _ALL_OURS,
         _judge(OURS, BARS),
     ),
     Claim(
         "A.43",
-        "Where navigations drift, sonar keeps the distances that exact navigation does (ours).",
+        "If navigations drift, sonar keeps the distances that exact navigation keeps (ours).",
         _ALL_SONAR,
         _judge(WITH_SONAR, SONAR_BARS),
     ),
     Claim(
         "A.44",
-        "Where navigations drift, a fix a minute keeps vehicles apart, and the flock near its path (ours).",
+        "If navigations drift, one fix per minute keeps vehicles apart and the flock near its path (ours).",
         _ALL_FIXES,
         _judge(WITH_FIXES, FIXES_BARS),
     ),

@@ -1,9 +1,9 @@
 """
 Runs of the safety study: the scenario `flock_modem` over slots, losses, navigations, laws and fleets.
 
-Seeds are 3001, 3002, ..., and 4001, 4002, ... where navigations drift (runs with 3001-3100 said that what
-navigations state must count more); nothing in the law was chosen by a run with a seed of its own study.
-Where a cell has bars all seeds are flown that `--seeds` asks for, elsewhere the first fifth, tenth or
+Seeds are 3001, 3002, ..., and 4001, 4002, ... if navigations drift: runs with 3001-3100 showed that the
+stated navigation error must count more. No part of the law was chosen from a run with a seed of its own
+study. Cells with limits fly all seeds that `--seeds` asks for; the others fly the first fifth, tenth or
 twenty-fifth of them.
 """
 
@@ -28,7 +28,7 @@ GENTLE, USUAL, WORST = CELLS[0], CELLS[1], CELLS[-1]
 
 THESIS_LAW = (
     "agent.flocking={kind: potential, params: {followers: blind}}",
-    "agent.consensus={kind: thesis, params: {carried_by: flock}}",  # by its rate, it runs away on a modem
+    "agent.consensus={kind: thesis, params: {carried_by: flock}}",  # extrapolated by rate, it diverges
 )
 _DRIFT = "environment.navigation={kind: dead_reckoning}"
 _FIXES = "environment.navigation={kind: dead_reckoning, params: {fix: lbl, fix_period_s: 60.0}}"
@@ -48,7 +48,7 @@ PARTS = {
     "without both of these": (f"{_LAW}.lag_budget_rad=1.0e+9", f"{_LAW}.barrier=false"),
     "without widening by uncertainty": (f"{_LAW}.spacing_sigmas=0.0", f"{_LAW}.barrier_sigmas=0.0"),
     "without the velocity in that uncertainty": (f"{_LAW}.closing_ratio=0.0",),
-    "without memory of the age": (f"{_LAW}.age_memory_s=0.2",),
+    "without a memory of the age": (f"{_LAW}.age_memory_s=0.2",),
     "without the bound on a correction's reach": (f"{_LAW}.reach_m=1.0e+9",),
     "mean flock velocity instead of the newest": (f"{_LAW}.relay=mean",),
     "without waiting for every neighbour": ("agent.hold_s=0.0",),
@@ -57,7 +57,9 @@ PARTS = {
 
 @dataclass(frozen=True)
 class Bars:
-    """What a cell must keep: distances ever, once formed, and late (m), and the path error (m) if any."""
+    """
+    Limits of a cell: distances at any time, once formed, and late (m), and the path error (m) if it has one.
+    """
 
     ever_m: float
     formed_m: float
@@ -65,7 +67,7 @@ class Bars:
     share_near: float = 1.0
 
     def __str__(self) -> str:
-        """Return the bars as a table shows them."""
+        """Return the limits as text for a table."""
         late = f"at most {FAR_M:g} m" + (
             "" if self.share_near == 1.0 else f" in {100.0 * self.share_near:.0f} %"
         )
@@ -88,14 +90,14 @@ FIXES_BARS = {
 
 
 def name_of(cell: Cell) -> str:
-    """Return a cell in words."""
+    """Return a cell as text."""
     return f"slots of {cell[0]:g} s, {100.0 * cell[1]:.0f} % lost"
 
 
 def study(
     cell: Cell, changes: Sequence[str] = (), *, every: int = 1, first_seed: int = FIRST_SEED
 ) -> tuple[RunSpec, ...]:
-    """Return the runs of one cell, one for every `every`-th of the seeds that are asked for."""
+    """Return the runs of one cell, for every `every`-th of the requested seeds."""
     slot_s, loss_prob = cell
     return tuple(
         RunSpec(
@@ -114,7 +116,7 @@ def study(
 
 
 def fleet(n_vehicles: int) -> tuple[str, ...]:
-    """Return the overrides for another number of vehicles, as many to a cubic metre at the start."""
+    """Return the overrides for another number of vehicles at the same initial density."""
     vehicles = ", ".join(f"{{id: auv_{k}, model: {{preset: odin}}}}" for k in range(1, n_vehicles + 1))
     radius_m = round(10.0 * (n_vehicles / 4) ** (1 / 3), 1)
     return (f"vehicles=[{vehicles}]", f"random_starts.radius_m={radius_m}")
@@ -143,7 +145,7 @@ FLEETS = {
 
 @dataclass(frozen=True)
 class Summary:
-    """What many runs of one thing amount to: distances of pairs and path error, over all of them."""
+    """Summary of the runs of one case: distances of pairs and path error over all runs."""
 
     n: int
     ever_m: float
@@ -155,14 +157,14 @@ class Summary:
     n_far: int
 
     def __str__(self) -> str:
-        """Return it as a table shows it, in the order of `Bars`."""
+        """Return it as text for a table, in the order of `Bars`."""
         return (
             f"{self.ever_m:.2f} m, {self.formed_m:.2f} m, {self.late_m:.1f} m, path {self.path_p95_m:.2f} m"
         )
 
     @property
     def remark(self) -> str:
-        """Return how many runs there are, and how many of them went badly."""
+        """Return the number of runs, and how many of them went badly."""
         words = [f"{self.n} run{'s' if self.n != 1 else ''}"]
         if self.n_touching:
             words.append(f"hulls touch in {self.n_touching}")
@@ -171,14 +173,14 @@ class Summary:
         return ", ".join(words)
 
     def keeps(self, bars: Bars) -> bool:
-        """Tell whether the runs keep the bars."""
+        """Return whether the runs keep the limits."""
         near = self.n_far <= (1.0 - bars.share_near) * self.n + 1e-9
         on_path = bars.path_m is None or self.path_p95_m <= bars.path_m
         return self.ever_m >= bars.ever_m and self.formed_m >= bars.formed_m and near and on_path
 
 
 def summary_of(runs: Sequence[Run]) -> Summary:
-    """Return what the runs amount to; there must be one."""
+    """Return the summary of the runs, of which there must be at least one."""
     ever_m, formed_m, late_m, path_m = (
         np.array([run.metrics[key] for run in runs], dtype=np.float64)
         for key in (
@@ -201,6 +203,6 @@ def summary_of(runs: Sequence[Run]) -> Summary:
 
 
 def chosen(runs: Sequence[Run], specs: Sequence[RunSpec]) -> list[Run]:
-    """Return those of the runs that belong to a study."""
+    """Return the runs that belong to a study."""
     wanted = set(specs)
     return [run for run in runs if run.spec in wanted]

@@ -1,4 +1,4 @@
-"""What chapter 2 claims, judged from runs."""
+"""The claims of chapter 2, judged from runs."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ PRINTED_GAINS = (40.0, 50.0)
 
 
 def _late_error_m(run: Run) -> float:
-    """Return the largest distance to the path once the start is long over (m)."""
+    """Return the largest distance to the path long after the start (m)."""
     c = curves(run)
     return float(np.hypot(*c.pose_error[c.t_s >= LATE_S, :2].T).max())
 
@@ -62,7 +62,7 @@ def _drag_over_gain(run: Run) -> str:
         for linear, quadratic in zip(params.linear_damping[:2], params.quadratic_damping[:2], strict=True)
     ]
     return (
-        f". What is left is drag over gain: {drags_n[0]:.0f} N / {gains[0]:g} N/m = "
+        f". The remaining error is drag over gain: {drags_n[0]:.0f} N / {gains[0]:g} N/m = "
         f"{drags_n[0] / gains[0]:.3f} m along, "
         f"{drags_n[1]:.0f} N / {gains[1]:g} N/m = {drags_n[1] / gains[1]:.3f} m across"
     )
@@ -88,9 +88,9 @@ def _clear_obstacles(runs: list[Run]) -> Verdict:
     evidence = (
         f"closest of {len(with_law)} runs: {nearest_m:.3f} m from an obstacle's centre, with a hull of "
         f"{radius_m:g} m; "
-        "without obstacles the same track passes those places at "
+        "without obstacles the same track passes these points at "
         + " and ".join(f"{distance_m:.3f} m" for distance_m in otherwise_m)
-        + f". The obstacles are points: one wider than {nearest_m - radius_m:.2f} m would have been touched"
+        + f". The obstacles are points; a radius above {nearest_m - radius_m:.2f} m would have been hit"
     )
     return Verdict(HOLDS if nearest_m > radius_m else DOES_NOT_HOLD, evidence)
 
@@ -141,7 +141,7 @@ def _compare_laws(runs: list[Run]) -> Verdict:
             f"({_change(a[keys[1]], b[keys[1]])}), rms after 30 s {a[keys[2]]:.5f} → {b[keys[2]]:.5f} m"
         )
     evidence = (
-        "; ".join(words) + ". The whole rms changes little because the 10 m of the start are most of it"
+        "; ".join(words) + ". The rms of the whole run changes little: the initial error of 10 m dominates"
     )
     return Verdict(HOLDS if all(better) else DOES_NOT_HOLD, evidence)
 
@@ -158,7 +158,7 @@ def _falls(runs: list[Run]) -> Verdict:
 
 
 def _course(run: Run, name: str) -> str:
-    """Return in words whether a Lyapunov candidate falls along a run."""
+    """Return as text whether a Lyapunov candidate decreases along a run."""
     m, prefix = run.metrics, f"lyapunov_{name}"
     if m[f"{prefix}_falls"]:
         return "falls throughout"
@@ -176,7 +176,7 @@ def _steer(runs: list[Run]) -> Verdict:
             f"{run.scenario.name} {low:.2f} to {high:.2f} rad"
             for run, (low, high) in zip(runs, late_rad, strict=True)
         )
-        + f"; largest yaw moment asked for: {moments_nm:g} N m"
+        + f"; largest commanded yaw moment: {moments_nm:g} N m"
     )
     return Verdict(HOLDS if least_rad < 0.05 and moments_nm > 0.0 else DOES_NOT_HOLD, evidence)
 
@@ -187,7 +187,7 @@ def _late_heading_rad(c: Curves) -> tuple[float, float]:
 
 
 def _find_gains(runs: list[Run]) -> Verdict:
-    """Judge the printed K_v = [40 50 0] by which of nine sets gives the PD row of Table 2.2."""
+    """Judge the printed K_v = [40 50 0]: which of nine sets of gains gives the PD row of Table 2.2?"""
     matching = [gains for gains, run in zip(GAIN_SETS, runs, strict=True) if _gives_pd_row(run)]
     printed = runs[GAIN_SETS.index(PRINTED_GAINS)].metrics
     found = ", ".join(f"{printed[key]:.{len(text.partition('.')[2])}f}" for key, text in PD_READINGS)
@@ -195,8 +195,8 @@ def _find_gains(runs: list[Run]) -> Verdict:
     sets = ", ".join(f"[{k_u:g} {k_v:g} 0]" for k_u, k_v in matching) or "none"
     evidence = (
         f"the thesis reads {wanted} m; K_v = [40 50 0] gives {found} m. Of {len(runs)} sets with gains of "
-        f"40, 50 and 60, those that give all three to every digit: {sets}. This is a fit to three readings, "
-        "with J = I, the start at the origin and the drag as printed taken for granted"
+        f"40, 50 and 60, those that give all three to every digit: {sets}. This is a fit to three readings; "
+        "it assumes J = I, a start at the origin and the drag as printed"
     )
     return Verdict(HOLDS if matching == [PRINTED_GAINS] else DOES_NOT_HOLD, evidence)
 
@@ -207,14 +207,14 @@ def _gives_pd_row(run: Run) -> bool:
 
 def _use_printed_frames(runs: list[Run]) -> Verdict:
     settled_s = runs[0].metrics["position_settling_0p1m_s"]
-    evidence = "rms after 30 s, the heading free and 60 degrees at the start: " + "; ".join(
+    evidence = "rms after 30 s, heading not controlled, initially 60 degrees: " + "; ".join(
         f"{name} {run.metrics['position_rms_after_30s_m']:.4f} m, "
         f"{_since(run.metrics['position_settling_0p1m_s'], '0.1 m')}"
         for name, run in zip(
             (
                 "PD with NED errors as body forces",
-                "PD turned into the body",
-                "augmented PD turned into the body",
+                "PD rotated into the body frame",
+                "augmented PD rotated into the body frame",
             ),
             runs,
             strict=True,
@@ -224,20 +224,20 @@ def _use_printed_frames(runs: list[Run]) -> Verdict:
 
 
 def _brake(runs: list[Run]) -> Verdict:
-    """Judge (2.10) as printed: a drag must never do positive work."""
+    """Judge (2.10) as printed: drag must never do positive work."""
     printed, real = (_drag_power_w(run) for run in runs)
     speeds = [float(curves(run).velocity[:, 1].min()) for run in runs]
     evidence = (
         f"from y = {curves(runs[0]).pose[0, 1]:g} m, with the drag as printed the vehicle reaches "
-        f"{speeds[0]:.2f} m/s across and its drag drives it with up to {printed:.0f} W; with |v| v it "
-        f"reaches {speeds[1]:.2f} m/s and the drag gives {real + 0.0:.0f} W at most. A little farther "
-        "out the printed equations have no finite solution (test_path_following.py)"
+        f"{speeds[0]:.2f} m/s across, and its drag drives it with up to {printed:.0f} W; with |v| v it "
+        f"reaches {speeds[1]:.2f} m/s and the drag gives at most {real + 0.0:.0f} W. From a start a little "
+        "farther out the printed equations have no finite solution (test_path_following.py)"
     )
     return Verdict(HOLDS if printed <= 0.0 else DOES_NOT_HOLD, evidence)
 
 
 def _drag_power_w(run: Run) -> float:
-    """Return the largest power that the sway drag gives to the vehicle (W)."""
+    """Return the largest power that the sway drag adds to the vehicle (W)."""
     params = run.scenario.vehicles[0].model.params
     v = curves(run).velocity[:, 1]
     square = v * v if params.drag == "thesis" else np.abs(v) * v
@@ -246,7 +246,7 @@ def _drag_power_w(run: Run) -> float:
 
 
 def _since(time_s: float | None, band: str) -> str:
-    return f"never within {band} for good" if time_s is None else f"within {band} from {time_s:.1f} s on"
+    return f"never permanently within {band}" if time_s is None else f"within {band} after {time_s:.1f} s"
 
 
 def _change(before: float, after: float) -> str:
@@ -285,13 +285,13 @@ CLAIMS = (
     Claim("2.6.3", "Augmented PD performs better than PD.", (PD, APD, PD_BODY, APD_BODY), _compare_laws),
     Claim(
         "2.5.1.3",
-        "The closed loop with PD is Lyapunov stable: V of (2.28) falls.",
+        "The closed loop with PD is Lyapunov stable: V of (2.28) decreases.",
         (PD, PD_BODY, PD_OBSTACLES),
         _falls,
     ),
     Claim(
         "2.5.2.3",
-        "The closed loop with augmented PD is Lyapunov stable: V of (2.42) falls, obstacles included.",
+        "The closed loop with augmented PD is Lyapunov stable: V of (2.42) decreases, with obstacles too.",
         (APD, APD_BODY, APD_OBSTACLES, APD_BODY_OBSTACLES),
         _falls,
     ),
@@ -304,7 +304,7 @@ CLAIMS = (
     Claim("2.6", "The runs have K_v = [40 50 0].", GAIN_RUNS, _find_gains),
     Claim(
         "2.5.1.1",
-        "Errors in earth-fixed axes, (2.13)-(2.16), are what the body-fixed forces of (2.17) need.",
+        "The body-fixed forces of (2.17) can use the errors in earth-fixed axes, (2.13)-(2.16).",
         (MIXED, PD_60, APD_60),
         _use_printed_frames,
     ),

@@ -1,4 +1,4 @@
-"""Figures 2.6-2.18: the runs of chapter 2 as the thesis ran them, on the thesis's axes."""
+"""Figures 2.6-2.18: the runs of chapter 2 with the thesis's settings, on the thesis's axes."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _RATE_LABEL = "u, v (m/s), r (rad/s)"
 
 @dataclass(frozen=True)
 class _Window:
-    """One window of a figure of curves: limits of time (s) and of values."""
+    """Axis limits of one window of a figure: time (s) and values."""
 
     t_s: Limits
     values: Limits
@@ -43,7 +43,7 @@ class _Window:
 
 @dataclass(frozen=True)
 class _Inset(_Window):
-    """A window within another one; `bottom` and `height` are shares of the other's height."""
+    """A window within another one; `bottom` and `height` are fractions of the outer window's height."""
 
     bottom: float = 0.3
     height: float = 0.5
@@ -122,7 +122,7 @@ def _errors(
     main: _Window,
     inset: _Inset | None,
 ) -> Panel:
-    """Return a panel of errors, with the thesis's inset where it has one."""
+    """Return a panel of errors, with an inset if the thesis has one."""
 
     def draw(axes: Any, run: Run) -> None:
         c = curves(run)
@@ -160,7 +160,7 @@ def _plot_lines(
 
 
 def _limit(axes: Any, window: _Window, lines: dict[str, FloatArray], t_s: FloatArray) -> None:
-    """Set the thesis's limits, and say below the axes which lines leave them and how far they go."""
+    """Set the thesis's limits, and name below the axes the lines that exceed them, and by how much."""
     axes.set_xlim(*window.t_s)
     axes.set_ylim(*window.values)
     low, high = window.values
@@ -172,12 +172,12 @@ def _limit(axes: Any, window: _Window, lines: dict[str, FloatArray], t_s: FloatA
         leaving = [extreme for extreme in (least, most) if not low - slack <= extreme <= high + slack]
         beyond += [f"{name} to {extreme:.2f}" for extreme in leaving]
     if beyond:
-        text = "leaves the thesis's axes: " + ", ".join(beyond)
+        text = "beyond the thesis's axes: " + ", ".join(beyond)
         axes.set_title(text, fontsize=7, color="0.3", loc="right", pad=3)
 
 
 def _figure(*panels: Panel) -> Callable[[Canvas, list[Run]], None]:
-    """Return the drawing function of a figure: one panel, two beside each other, or one beside two."""
+    """Return the drawing function of a figure: one panel, two side by side, or one beside two."""
 
     def draw(canvas: Canvas, runs: list[Run]) -> None:
         canvas.set_layout_engine("constrained")
@@ -240,17 +240,17 @@ FIGURES = (
         "PD on a circle: track and position",
         (PD,),
         _figure(_plan((-15.0, 15.0), (-15.0, 15.0)), _pose((-15.0, 15.0))),
-        "Thesis: the vehicle comes from the origin and then lies on the circle. Ours: the same track. The "
-        "heading is not held by anything; it drifts to where the coupling of surge and sway leaves it.",
+        "Thesis: the vehicle comes from the origin and then lies on the circle. Ours: the same track. No "
+        "term controls the heading, so the coupling of surge and sway makes it drift.",
     ),
     Figure(
         "2.7",
         "PD on a circle: position errors",
         (PD,),
         _figure(_pose_errors(_Window(_WHOLE, (-2.0, 10.0)), _Inset((0.0, 150.0), (-1.5, 1.5), 0.38, 0.48))),
-        "Thesis: the errors go to zero after about 10 s. Ours: x and y come near zero in that time and then "
-        "swing with the circle by the drag over the gain; the heading error stays large. Inset as in the "
-        "thesis.",
+        "Thesis: the errors go to zero after about 10 s. Ours: x and y come near zero in that time and "
+        "then oscillate, once per round, with an amplitude of drag over gain; the heading error stays "
+        "large. Inset as in the thesis.",
     ),
     Figure(
         "2.8",
@@ -264,32 +264,33 @@ FIGURES = (
         "PD past one obstacle: track and position",
         (PD_ONE_OBSTACLE,),
         _figure(_plan((-15.0, 15.0), (-15.0, 15.0)), _pose((-15.0, 15.0))),
-        "Thesis: the vehicle gives way to one obstacle and returns to the path. Ours: the same, by a few "
-        "decimetres. Which obstacle the thesis took is not said; this is its first, at (8, 5).",
+        "Thesis: the vehicle avoids one obstacle and returns to the path. Ours: the same, by a few "
+        "decimetres. The thesis does not say which obstacle it used; this is its first one, at (8, 5).",
     ),
     Figure(
         "2.10",
         "PD past two obstacles: track, position, velocity",
         (PD_OBSTACLES,),
         _figure(_plan((-10.0, 15.0), (-10.0, 15.0)), _pose((-10.0, 15.0)), _rates((-1.0, 1.5))),
-        "Thesis: both obstacles are passed, positions and velocities match. Ours: the same after the start; "
-        "the start itself is faster across than the thesis's axes for this figure allow.",
+        "Thesis: both obstacles are passed, positions and velocities match. Ours: the same after the "
+        "start, where the sway velocity exceeds the axes of this figure.",
     ),
     Figure(
         "2.11",
         "PD past two obstacles: position and velocity errors",
         (PD_OBSTACLES,),
         _figure(_pose_errors(_Window(_WHOLE, (-2.0, 2.0))), _rate_errors(_Window(_WHOLE, (-1.0, 0.6)))),
-        "Thesis: zero in about 23 s and 25 s but for the obstacles. Ours: so after the start, which begins "
-        "10 m off the path and leaves the thesis's axes; the thesis's own Fig. 2.18 has the 10 m as well.",
+        "Thesis: zero in about 23 s and 25 s except at the obstacles. Ours: the same after the start, "
+        "which is 10 m off the path and beyond the thesis's axes; the thesis's own Fig. 2.18 shows the 10 "
+        "m as well.",
     ),
     Figure(
         "2.12",
         "Augmented PD on a circle: track, position, velocity",
         (APD,),
         _figure(_plan((-10.0, 10.0), (-10.0, 15.0)), _pose((-10.0, 15.0)), _rates((-0.2, 1.6))),
-        "Thesis: track, position and velocity lie on their references after about 10 s. Ours: the same. The "
-        "thesis's axis for the velocity ends below the peak of ours.",
+        "Thesis: track, position and velocity match their references after about 10 s. Ours: the same. Our "
+        "velocity peak exceeds the thesis's axis.",
     ),
     Figure(
         "2.13",
@@ -297,23 +298,22 @@ FIGURES = (
         (APD,),
         _figure(_pose_errors(_Window(_WHOLE, (-0.5, 2.0)), _Inset((0.0, 150.0), (-0.5, 1.0), 0.3, 0.34))),
         "Thesis: zero after about 10 s, on an axis that ends at 2 m. Ours: x and y go to zero and stay "
-        "there; y begins at 10 m, as the thesis's own Figs 2.17 and 2.18 do.",
+        "there; y starts at 10 m, as in the thesis's own Figs 2.17 and 2.18.",
     ),
     Figure(
         "2.14",
         "Augmented PD on a circle: velocity errors",
         (APD,),
         _figure(_rate_errors(_Window(_WHOLE, (-1.6, 0.2)), _Inset((0.0, 100.0), (-0.5, 0.1), 0.28, 0.48))),
-        "Thesis: zero in about 22 s, on an axis that ends at -1.6 m/s. Ours: zero in that time; the peak "
-        "across is larger, which hints that the thesis ran this figure with softer gains than those it "
-        "prints, or from another start.",
+        "Thesis: zero in about 22 s, on an axis that ends at -1.6 m/s. Ours: zero in that time; the sway "
+        "peak is larger, which suggests that the thesis used lower gains than it prints, or another start.",
     ),
     Figure(
         "2.15",
         "Augmented PD past one obstacle: track, position, velocity",
         (APD_ONE_OBSTACLE,),
         _figure(_plan((-10.0, 15.0), (-10.0, 10.0)), _pose((-10.0, 15.0)), _rates((-0.4, 1.6))),
-        "Thesis: the vehicle gives way to one obstacle and returns to the path. Ours: the same.",
+        "Thesis: the vehicle avoids one obstacle and returns to the path. Ours: the same.",
     ),
     Figure(
         "2.16",
@@ -327,15 +327,15 @@ FIGURES = (
         "Augmented PD past two obstacles: position and velocity errors",
         (APD_OBSTACLES,),
         _figure(_pose_errors(_Window(_WHOLE, (-2.0, 10.0))), _rate_errors(_Window(_WHOLE, (-1.5, 0.5)))),
-        "Thesis: zero in about 23 s and 25 s, with visible errors at the obstacles. Ours: sooner, with the "
-        "same two disturbances; the heading error does not go to zero.",
+        "Thesis: zero in about 23 s and 25 s, with visible errors at the obstacles. Ours: earlier, with "
+        "the same two disturbances; the heading error does not go to zero.",
     ),
     Figure(
         "2.18",
         "Position errors of both laws",
         (PD, APD),
         _draw_comparison,
-        "The thesis reads its Table 2.2 at the marked instants (circles: PD, squares: augmented PD). The "
-        "three readings of PD are ours to every digit; those of the augmented law are not.",
+        "Table 2.2 of the thesis has the values at the marked instants (circles: PD, squares: augmented "
+        "PD). Our runs give the three readings of PD to every digit, but not those of the augmented law.",
     ),
 )

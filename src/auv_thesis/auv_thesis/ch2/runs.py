@@ -1,4 +1,4 @@
-"""Runs of chapter 2, and their curves as the thesis plots them: errors are reference minus actual."""
+"""Runs of chapter 2, and their curves as in the thesis: errors are reference minus actual."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ APD_ONE_OBSTACLE = RunSpec("ch2_pfapd_obstacles", (FIRST_OBSTACLE_ONLY,))
 
 LAW = "agent.controller.params"
 COARSE = "dt_s=0.1"
-"""A step that leaves four digits as they are, for runs of which no curve is shown."""
+"""A step that keeps four digits unchanged, for runs whose curves are not shown."""
 FROM_60_DEGREES = f"vehicles.0.heading_rad={math.pi / 3.0:.6f}"
 PLANT_DRAG = "vehicles.0.model.params.drag=abs"
 PD_ABS = RunSpec("ch2_pfpd", (PLANT_DRAG, COARSE))

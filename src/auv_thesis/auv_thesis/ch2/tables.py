@@ -1,4 +1,4 @@
-"""Chapter 2 in numbers: Table 2.2, and tables of ours on what it leaves open."""
+"""Chapter 2 in numbers: Table 2.2, and our own tables on open questions."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _reading(quantity: str, thesis: str, value_m: float, note: str = "", table: 
     """
     Compare a cursor reading: agrees to every printed digit, in part within 10 %.
 
-    `thesis` is the figure's reading, `table` what the table has where that is something else.
+    `thesis` is the figure's reading; `table` is the table's value if it differs.
     """
     digits = len(thesis.partition(".")[2])
     rounded = f"{value_m:.{digits}f}"
@@ -43,7 +43,10 @@ def _reading(quantity: str, thesis: str, value_m: float, note: str = "", table: 
 
 
 def _time(quantity: str, thesis_s: float, found_s: float | None, note: str) -> Row:
-    """Compare a settling time (the thesis has no band): agrees within 10 %, in part within a factor of 3."""
+    """
+    Compare a settling time, for which the thesis gives no band: agrees within 10 %, in part within a factor
+    of 3.
+    """
     thesis = f"about {thesis_s:g} s"
     if found_s is None:
         return Row(quantity, thesis, "never", DIFFERS, note)
@@ -60,8 +63,8 @@ def _peak(quantity: str, low_mps: float, high_mps: float, found_mps: float, note
 def _rows_2_2(runs: list[Run]) -> list[Row]:
     pd, apd = (run.metrics for run in runs)
     starts_m = [float(curves(run).pose_error[0, 1]) for run in runs]
-    sample = "one reading, not a value at rest"
-    axis = "from the limits of the axis"
+    sample = "one reading, not a steady value"
+    axis = "from the axis limits"
     return [
         _reading("PD: x_e, first overshoot (at 5.4 s)", "0.3161", pd["x_err_5p4_m"], sample, "0.03161"),
         _reading("PD: y_e, first overshoot (at 0 s)", "10.00", starts_m[0], "the error at the start"),
@@ -90,8 +93,8 @@ def _rows_2_2(runs: list[Run]) -> list[Row]:
 
 
 _CASES = (
-    ("as the thesis ran it", PD, APD),
-    ("the same with |a| a drag", PD_ABS, APD_ABS),
+    ("as in the thesis", PD, APD),
+    ("the same with drag |a| a", PD_ABS, APD_ABS),
     ("body frame, |a| a drag", PD_BODY, APD_BODY),
     ("body frame from 60 degrees", PD_60, APD_60),
 )
@@ -118,7 +121,7 @@ def _rows_against(runs: list[Run]) -> list[Row]:
 
 
 def _with_thesis(row: Row, runs: list[Run]) -> Row:
-    """Put the thesis's overshoots beside ours: in part when both fall, but by another share."""
+    """Compare the overshoots with the thesis's: in part if both decrease, but by another percentage."""
     before, after = _THESIS_OVERSHOOTS_M
     fall, ours = (1.0 - b / a for a, b in ((before, after), tuple(_overshoots_m(runs))))
     verdict = AGREES if abs(fall - ours) <= 0.02 else AGREES_IN_PART if fall * ours > 0.0 else DIFFERS
@@ -130,8 +133,8 @@ def _overshoots_m(runs: list[Run]) -> list[float]:
 
 
 _PASSED = (
-    ("as the thesis ran it", PD_OBSTACLES, APD_OBSTACLES),
-    ("the same with |a| a drag", PD_ABS_OBSTACLES, APD_ABS_OBSTACLES),
+    ("as in the thesis", PD_OBSTACLES, APD_OBSTACLES),
+    ("the same with drag |a| a", PD_ABS_OBSTACLES, APD_ABS_OBSTACLES),
     ("body frame, |a| a drag", PD_BODY_OBSTACLES, APD_BODY_OBSTACLES),
 )
 
@@ -213,7 +216,7 @@ TABLES = (
     ),
     Table(
         "2.C",
-        "Frames mixed as printed, and a law that knows its damping badly",
+        "Frames mixed as printed, and a law with wrong damping",
         (MIXED, MIXED_NORTH, *SCALED),
         _rows_frames,
     ),

@@ -1,4 +1,4 @@
-"""What chapter 3 claims, judged by our runs."""
+"""The claims of chapter 3, judged from our runs."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from auv_thesis.ch3.runs import (
 from auv_thesis.items import DOES_NOT_HOLD, HOLDS, HOLDS_IN_PART, Claim, Run, Verdict
 
 _ZERO_ON_PAPER = 0.01
-"""Share of an axis below which a curve cannot be told from zero in print."""
+"""Fraction of an axis below which a printed curve cannot be distinguished from zero."""
 
 
 def _errors_vanish(runs: list[Run]) -> Verdict:
     late_mm = [1e3 * x for x in late_errors_m(runs[0], 100.0)]
     worst_mm = max(late_mm[:3])
-    words = f"after 100 s at most {worst_mm:.2f} mm, first estimates exact"
+    words = f"after 100 s at most {worst_mm:.2f} mm with exact initial estimates"
     low_mm = 1e3 * late_rms_m(runs[1], PRINTED_LATE_S)
-    words += f"; from 0.7 of the true values AUV3 keeps {low_mm:.1f} mm rms"
+    words += f"; with initial estimates of 0.7 of the true values AUV3 keeps an error of {low_mm:.1f} mm rms"
     if max(worst_mm, low_mm) < 1e-3:
         return Verdict(HOLDS, words)
     return Verdict(HOLDS_IN_PART if worst_mm < 1e3 * _ZERO_ON_PAPER * 12.0 else DOES_NOT_HOLD, words)
@@ -41,7 +41,7 @@ def _rates_vanish(runs: list[Run]) -> Verdict:
     late = np.abs(rate_errors(runs[0].recording, runs[0].scenario))[runs[0].recording.t_s >= 100.0]
     worst_mmps = 1e3 * float(late.max())
     frame = runs[0].scenario.vehicles[0].model.params.frame
-    words = f"after 100 s at most {worst_mmps:.3f} mm/s; plotted are rates in NED (frame {frame}), J being I"
+    words = f"after 100 s at most {worst_mmps:.3f} mm/s; plotted are rates in NED (frame {frame}), J = I"
     return Verdict(HOLDS_IN_PART if worst_mmps < 1e3 * _ZERO_ON_PAPER * 9.0 else DOES_NOT_HOLD, words)
 
 
@@ -70,7 +70,7 @@ def _difference_vanishes(runs: list[Run]) -> Verdict:
         late_m = run.metrics["d12_minus_d23_late_m"]
         worst_m = max(worst_m, late_m)
         words.append(f"{name}: {1e3 * late_m:.1f} mm at most after 100 s")
-    words.append("zero on the thesis's axes, not zero")
+    words.append("zero at the resolution of the thesis's axes, but not zero")
     return Verdict(HOLDS_IN_PART if worst_m < 0.05 else DOES_NOT_HOLD, "; ".join(words))
 
 
@@ -79,12 +79,12 @@ def _collisions_avoided(runs: list[Run]) -> Verdict:
     closest_m = run.metrics["pair_distance_min_m"]
     if not run.metrics["collision"]:
         return Verdict(
-            HOLDS_IN_PART, f"hulls come no nearer than {closest_m:.2f} m; nothing in the law cares"
+            HOLDS_IN_PART, f"hulls stay at least {closest_m:.2f} m apart; the law has no term for this"
         )
     return Verdict(
         DOES_NOT_HOLD,
         f"two vehicles that start on each other's side collide after {run.metrics['collision_at_s']:.2f} s "
-        f"(centres {closest_m:.2f} m apart): no vehicle knows of the others",
+        f"(centres {closest_m:.2f} m apart): no vehicle knows the others' positions",
     )
 
 
@@ -106,13 +106,13 @@ def _stable_by_lyapunov(runs: list[Run]) -> Verdict:
         words += "never rises"
     else:
         words += (
-            f"rises in {100 * printed['lyapunov_thesis_rise_ratio']:.0f} % of the records, first at "
+            f"increases in {100 * printed['lyapunov_thesis_rise_ratio']:.0f} % of the records, first at "
             f"{printed['lyapunov_thesis_first_rise_s']:.1f} s: {printed['lyapunov_proof_gap']}"
         )
     words += (
         "; of the corrected law V "
-        + ("falls in every record" if falls else "rises somewhere")
-        + f", and (3.21) rises in {100 * corrected['lyapunov_thesis_rise_ratio']:.0f} %"
+        + ("decreases in every record" if falls else "increases in some records")
+        + f", and (3.21) increases in {100 * corrected['lyapunov_thesis_rise_ratio']:.0f} %"
     )
     if printed["lyapunov_thesis_falls"] and falls:
         return Verdict(HOLDS, words)
@@ -131,8 +131,8 @@ def _adaptation_compensates(runs: list[Run]) -> Verdict:
     fixed, adaptive = (1e3 * late_rms_m(run, PRINTED_LATE_S) for run in runs[:2])
     body_fixed, body_adaptive = (1e3 * late_rms_m(run, CORRECTED_LATE_S) for run in runs[2:])
     words = (
-        f"circle of 30 m from 0.7 of the true values: {fixed:.1f} mm without, {adaptive:.1f} mm with it; "
-        f"corrected law at 0.05 rad/s: {body_fixed:.0f} and {body_adaptive:.1f} mm"
+        f"circle of 30 m, initial estimates 0.7 of the true values: {fixed:.1f} mm without adaptation, "
+        f"{adaptive:.1f} mm with it; corrected law at 0.05 rad/s: {body_fixed:.0f} and {body_adaptive:.1f} mm"
     )
     if adaptive < fixed / 5.0:
         return Verdict(HOLDS, words)
@@ -141,7 +141,7 @@ def _adaptation_compensates(runs: list[Run]) -> Verdict:
 
 def _estimates_mean_something(runs: list[Run]) -> Verdict:
     mass_kg = estimate(runs[0], "m22", 20.0)
-    words = f"m22 of AUV3, from 0.7 of its 108.5 kg, is {mass_kg:.1f} kg after 20 s"
+    words = f"m22 of AUV3 starts at 0.7 of its 108.5 kg and is {mass_kg:.1f} kg after 20 s"
     return Verdict(HOLDS if abs(mass_kg / 108.5 - 1.0) < 0.3 else DOES_NOT_HOLD, words)
 
 
@@ -166,14 +166,14 @@ CLAIMS = (
     Claim("Fig. 3.13", "AUV1 and AUV2, AUV2 and AUV3 stay 10 m apart, spiral.", (SPIRAL,), _distances_hold),
     Claim(
         "Eq. (3.36)",
-        "The law is stable, since V of (3.21) falls.",
+        "The law is stable, since V of (3.21) decreases.",
         (CIRCLE, CIRCLE_CORRECTED),
         _stable_by_lyapunov,
     ),
     Claim("Eq. (3.12)", "Γ is positive definite.", (CIRCLE,), _gamma_definite),
     Claim(
         "Section 3.4.2",
-        "Adaptation makes up for unknown hydrodynamics.",
+        "Adaptation compensates for unknown hydrodynamics.",
         (_LOW_PRINTED[0], _LOW_PRINTED[1], _LOW_CORRECTED[1], _LOW_CORRECTED[2]),
         _adaptation_compensates,
     ),

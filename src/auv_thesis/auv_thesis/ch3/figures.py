@@ -1,4 +1,4 @@
-"""Figures 3.4-3.14: the formations of chapter 3 as the thesis ran them, on the thesis's axes."""
+"""Figures 3.4-3.14: the formations of chapter 3 with the thesis's settings, on the thesis's axes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Draw = Callable[[Canvas, list[Run]], None]
 
 @dataclass(frozen=True)
 class _View:
-    """Limits of an axis of time (s) and of values, and a stretch of time (s) that an inset shows larger."""
+    """Limits of the time axis (s) and of the value axis, and the time interval (s) that an inset enlarges."""
 
     span_s: Limits
     values: Limits
@@ -31,7 +31,7 @@ class _View:
 
 
 def _lines(axes: Any, t_s: FloatArray, columns: FloatArray, names: Sequence[str], view: _View) -> None:
-    """Plot one line per column, with an inset where the view has one."""
+    """Plot one line per column, with an inset if the view has one."""
     _plot(axes, t_s, columns, names, view.span_s)
     axes.set_ylim(*view.values)
     axes.set_xlabel("t (s)")
@@ -160,47 +160,47 @@ FIGURES = (
         "Three vehicles on three circles",
         (CIRCLE,),
         _plan_and_space(),
-        "The thesis shows three vehicles that come to circles of 10, 20 and 30 m at 10 m of depth, and so do "
-        "ours. Where its vehicles start is not printed; our starts fit the axes of Figs 3.4-3.9.",
+        "In the thesis three vehicles converge to circles of 10, 20 and 30 m at a depth of 10 m; so do "
+        "ours. The thesis does not print the starts; ours fit the axes of Figs 3.4-3.9.",
     ),
     Figure(
         "3.5",
         "Position errors of AUV1, circle",
         (CIRCLE,),
         _position_errors(_View((0.0, 100.0), (-2.0, 10.0), (0.0, 20.0))),
-        "Path minus vehicle. All four axes are lightly damped (damping ratios of 0.05 to 0.08); drag, which "
-        "grows with the square of the speed, ends the first swing.",
+        "Path minus vehicle. All four axes are lightly damped (damping ratios of 0.05 to 0.08); drag, "
+        "which grows with the square of the speed, damps the first oscillation.",
     ),
     Figure(
         "3.6",
         "Velocity errors of AUV1, circle",
         (CIRCLE,),
         _velocity_errors(_View((0.0, 100.0), (-7.0, 2.0), (0.0, 20.0), (0.3, 0.1, 0.5, 0.5))),
-        "The thesis labels them u, v, w and r of the body. Ours are rates in NED, the same where J = I. "
-        "The dive from 0 to 10 m passes 6 m/s.",
+        "The thesis labels them u, v, w and r of the body. Ours are rates in NED, which are the same if J "
+        "= I. The dive from 0 to 10 m exceeds 6 m/s.",
     ),
     Figure(
         "3.7",
         "Forces and moment of AUV1, circle",
         (CIRCLE,),
         _forces(_View((0.0, 200.0), (-2000.0, 10000.0), (50.0, 200.0))),
-        "The peak is K_D Λ e(0) = 50 x 20 x 10 m = 10 kN on z, on a vehicle of 126.5 kg. What remains later "
-        "is too small for this axis, and not zero (inset).",
+        "The peak is K_D Λ e(0) = 50 x 20 x 10 m = 10 kN on z, on a vehicle of 126.5 kg. The later forces "
+        "are too small for this axis, but not zero (inset).",
     ),
     Figure(
         "3.8",
         "Distances on the circle",
         (CIRCLE,),
         _distances(((0.0, 200.0), (0.0, 300.0)), ((-4.0, 12.0), (-2.0, 12.0))),
-        "The thesis's distances go negative, so they are differences of radii. Those between hull centres, "
-        "beside them, are the same once the vehicles stand on one ray.",
+        "The thesis's distances become negative, so they are differences of radii. The distances between "
+        "hull centres are drawn beside them; they are the same once the vehicles lie on one ray.",
     ),
     Figure(
         "3.9",
         "Difference of the distances, circle",
         (CIRCLE,),
         _difference(_View((0.0, 300.0), (-3.5, 1.5), (0.0, 30.0), (0.3, 0.1, 0.6, 0.45))),
-        "Zero on this axis in the thesis and here, from 20 s on; millimetres remain.",
+        "Zero at the resolution of this axis after 20 s, in the thesis and here; millimetres remain.",
     ),
     Figure(
         "3.10",
@@ -214,7 +214,8 @@ FIGURES = (
         "Position errors of AUV1, spiral",
         (SPIRAL,),
         _position_errors(_View((0.0, 200.0), (-2.0, 10.0), (0.0, 20.0))),
-        "As in the thesis, but for 10 mm of depth that stay: the eight parameters have no linear drag.",
+        "As in the thesis, except for a steady depth error of 10 mm: the eight parameters have no linear "
+        "drag.",
     ),
     Figure(
         "3.12",
@@ -222,8 +223,8 @@ FIGURES = (
         (SPIRAL,),
         _forces(_View((0.0, 200.0), (-5000.0, 40000.0), (0.0, 20.0))),
         "The thesis's force reaches at least 35 kN, ours does not: errors in x and y are below 10 m, and z "
-        "starts on its path. A path differentiated numerically, whose rate in z jumps from 0 to 1 m/s within "
-        "one step of 3.4 ms, would give such a spike; that is a guess, and not built in.",
+        "starts on its path. A numerically differentiated path whose rate in z jumps from 0 to 1 m/s "
+        "within one step of 3.4 ms would give such a spike. This is a guess and is not modelled.",
     ),
     Figure(
         "3.13",
@@ -237,7 +238,7 @@ FIGURES = (
         "Difference of the distances, spiral",
         (SPIRAL,),
         _difference(_View((0.0, 2000.0), (-0.2, 1.2), (0.0, 30.0), (0.3, 0.4, 0.6, 0.5))),
-        "The start fills the axis (inset), the rest is almost zero on it. Starts that fit are rare: a "
-        "search on a grid of half a metre found none, one of 0.1 m did.",
+        "The start fills the axis (inset); the rest is almost zero. Starts that fit are rare: a search on "
+        "a grid of 0.5 m found none, a search on a grid of 0.1 m did.",
     ),
 )

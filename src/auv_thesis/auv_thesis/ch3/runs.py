@@ -19,7 +19,7 @@ FIXED = (
 GROUPED = "agent.controller.preset=adaptive_thesis_grouped_gamma"
 FINE = ("dt_s=0.01", "period_s=0.01")
 COARSE = ("dt_s=0.05", "period_s=0.5")
-"""Steps that leave the settled motion of the printed law as it is, with few records of it."""
+"""Larger steps that keep the settled motion of the printed law unchanged, with few records."""
 CORRECTED_STEP = ("dt_s=0.1", "period_s=0.5")
 """The same for the corrected law, whose gains are lower."""
 
@@ -32,7 +32,7 @@ def alone(
     model: str = FLAT,
     heading: str = "fixed",
 ) -> str:
-    """Return the override that leaves one vehicle of Table 3.1, from rest at the origin, on its path."""
+    """Return the override that keeps one vehicle of Table 3.1 only, which starts at rest at the origin."""
     more = f", depth_m: 10.0, heading: {heading}" if path == "circle" else ""
     return (
         f"vehicles=[{{id: auv_1, model: {{preset: table_3_1, params: {{{model}}}}}, "
@@ -42,7 +42,7 @@ def alone(
 
 
 def law(words: str) -> str:
-    """Return the override of parameters of the law, over those of its preset."""
+    """Return the override that replaces parameters of the law's preset."""
     return f"agent.controller.params={{{words}}}"
 
 
@@ -60,20 +60,20 @@ CROSSING = RunSpec(
     ),
     30.0,
 )
-"""The first two vehicles start on each other's side of their paths, and each goes straight to its own."""
+"""The first two vehicles start at each other's path, and each moves straight to its own."""
 
 READINGS = {
     "as printed: J = I, forces and motion in NED": RunSpec("ch3_circle", (alone(), *FINE), 200.0),
-    "first estimates zero": RunSpec("ch3_circle", (alone(), law("initial_ratio: 0.0"), *FINE), 200.0),
+    "initial estimates zero": RunSpec("ch3_circle", (alone(), law("initial_ratio: 0.0"), *FINE), 200.0),
     "GAM read masses first": RunSpec("ch3_circle", (alone(), GROUPED, *FINE), 200.0),
-    "body frame with C(nu), forces turned by J^T": RunSpec(
+    "body frame with C(nu), forces rotated by J^T": RunSpec(
         "ch3_circle", (alone(model=BODY), law("frame: body"), *FINE), 200.0
     ),
-    "body frame with C(nu), forces not turned": RunSpec(
+    "body frame with C(nu), forces not rotated": RunSpec(
         "ch3_circle", (alone(model=BODY), law("frame: mixed"), *FINE), 200.0
     ),
 }
-"""Ways to read the printed law, each with the first vehicle alone."""
+"""Interpretations of the printed law, each with the first vehicle alone."""
 
 RATIOS = (1.0, 0.7, 1.3, 0.0)
 PRINTED_S, PRINTED_LATE_S = 1000.0, 650.0
@@ -81,7 +81,7 @@ CORRECTED_S, CORRECTED_LATE_S = 600.0, 300.0
 
 
 def printed_runs(ratio: float) -> tuple[RunSpec, ...]:
-    """Return circle fixed and adaptive, spiral fixed, adaptive and with the other order of GAM; R = 30 m."""
+    """Return the circle (fixed, adaptive) and the spiral (fixed, adaptive, other order of GAM); R = 30 m."""
     start = f"initial_ratio: {ratio}"
 
     def run(path: str, words: str, *more: str) -> RunSpec:
@@ -106,7 +106,7 @@ CORRECTED_PATHS = {
 
 
 def corrected_runs(path: str, radius_m: float, rate_radps: float, heading: str) -> tuple[RunSpec, ...]:
-    """Return PD, 0.7 fixed and adaptive, 1.3 fixed and adaptive, adaptive from zero; without the box."""
+    """Return PD, 0.7 fixed and adaptive, 1.3 fixed and adaptive, and adaptive from zero; without the box."""
     vehicle = alone(path, radius_m, rate_radps, model=BODY, heading=heading)
 
     def run(ratio: float, words: str = "box: false") -> RunSpec:
@@ -138,23 +138,23 @@ DRIFT_RUNS = tuple(
     )
     for words in DRIFT.values()
 )
-"""The corrected law on noisy measurements, sampled at 0.05 s, R = 10 m, 0.01 rad/s."""
+"""The corrected law with noisy measurements, sampled at 0.05 s, R = 10 m, 0.01 rad/s."""
 
 
 def late_rms_m(run: Run, after_s: float) -> float:
-    """Return the rms of the first vehicle's |path - position| from `after_s` on (m)."""
+    """Return the rms of the first vehicle's |path - position| after `after_s` (m)."""
     late = errors(run.recording, run.scenario)[run.recording.t_s >= after_s][:, :3]
     return math.sqrt(float(np.mean((late**2).sum(axis=1))))
 
 
 def late_errors_m(run: Run, after_s: float) -> list[float]:
-    """Return the largest |error| of the first vehicle from `after_s` on: x, y, z (m), yaw (rad)."""
+    """Return the largest |error| of the first vehicle after `after_s`: x, y, z (m), yaw (rad)."""
     late = np.abs(errors(run.recording, run.scenario)[run.recording.t_s >= after_s])
     return [float(x) for x in late.max(axis=0)]
 
 
 def estimate(run: Run, name: str, t_s: float, vehicle: int = 0) -> float:
-    """Return an estimate of the law by its name at an instant (kg, N s/m, ...)."""
+    """Return a parameter estimate of the law, by name, at an instant (kg, N s/m, ...)."""
     tick = min(round(t_s / run.scenario.period_s), run.recording.n_ticks - 1)
     names = run.scenario.agent.controller.params.names
     return float(run.recording.law_state[tick, vehicle, names.index(name)])

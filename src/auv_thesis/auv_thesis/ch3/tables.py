@@ -33,7 +33,7 @@ Bounds = tuple[float, float, float]
 
 
 def fits(values: Sequence[float], bounds: Bounds) -> tuple[bool, bool]:
-    """Return whether an automatic axis would end at the lower and at the upper limit for these values."""
+    """Return whether an automatically scaled axis would have these lower and upper limits."""
     bottom, top, tick = bounds
     return bottom <= min(values) < bottom + tick, top - tick < max(values) <= top
 
@@ -58,13 +58,13 @@ def _axis_row(name: str, unit: str, values: Sequence[float], bounds: Bounds, not
 
 _PRINTED = {
     "inertia": ((99.0, 108.5, 126.5, 29.1), "m11, m22, m33 (kg), m44"),
-    "linear_damping": ((10.0, 0.0, 10.0, 1.603), "constant part of d11, d22, d33, d44"),
-    "quadratic_damping": ((227.18, 405.42, 227.18, 12.937), "part of d11, d22, d33, d44 by the speed"),
+    "linear_damping": ((10.0, 0.0, 10.0, 1.603), "constant term of d11, d22, d33, d44"),
+    "quadratic_damping": ((227.18, 405.42, 227.18, 12.937), "speed-dependent term of d11, d22, d33, d44"),
 }
 _UNITS = {
     "inertia": "Printed in kg throughout; m44 is kg m^2.",
-    "linear_damping": "Printed in kg/s throughout; of d44 kg m^2/s. Sway has none.",
-    "quadratic_damping": "kg/m, of d44 kg m^2. (3.14)-(3.16) multiply by the speed once more; ours do not.",
+    "linear_damping": "Printed in kg/s throughout; d44 is kg m^2/s. Sway has none.",
+    "quadratic_damping": "kg/m; d44 is kg m^2. (3.14)-(3.16) multiply by the speed once more; ours do not.",
 }
 
 
@@ -82,7 +82,7 @@ def _parameters(runs: list[Run]) -> list[Row]:
             "Γ in the order of (3.20)",
             (200.0, 10.0, 20.0, 0.0, 0.0, 0.0, 10.0, 10.0),
             [x for pair in zip(law.inertia_adaptation, law.quadratic_adaptation, strict=True) for x in pair],
-            "(3.12) wants it positive definite. A zero freezes its parameter. Order: see Table 3.C.",
+            "(3.12) requires it to be positive definite. A zero freezes its parameter. Order: see Table 3.C.",
         ),
     )
     rows += [_numbers_row(words, printed, ours, note) for words, printed, ours, note in gains]
@@ -152,23 +152,35 @@ def _numbers(runs: list[Run]) -> list[Row]:
             ", ".join(f"{t_s:.2f}" for t_s in settled) + " s",
             AGREES if max(settled) < 100.0 else DIFFERS,
         ),
-        Row("overshoot y, z, ψ", "< 2", _overshoots(m), AGREES_IN_PART, "An upper bound is all it shows."),
+        Row(
+            "overshoot y, z, ψ",
+            "< 2",
+            _overshoots(m),
+            AGREES_IN_PART,
+            "The thesis shows an upper bound only.",
+        ),
         Row(
             "largest position error of AUV1 after 100 s",
             "0",
             f"{1e3 * max(late[:3]):.2f} mm",
             AGREES_IN_PART,
-            "Zero on the thesis's axis.",
+            "Zero at the resolution of the thesis's axis.",
         ),
         Row(
             "largest X, Y after 100 s",
             "0 (text under Fig. 3.7)",
             f"{m['x_force_late_n']:.2f}, {m['y_force_late_n']:.2f} N",
             DIFFERS,
-            "What turns a mass on a circle, and its drag.",
+            "Centripetal force and drag.",
         ),
-        Row("d12, d23 stay within 0.05 m of 10 m from", "no time", _times(m), NO_NUMBER),
-        Row("|d - 10 m| after 100 s, at most", "0", _gap_mm(m), AGREES_IN_PART, "Zero on the thesis's axis."),
+        Row("d12, d23 stay within 0.05 m of 10 m after", "no time", _times(m), NO_NUMBER),
+        Row(
+            "|d - 10 m| after 100 s, at most",
+            "0",
+            _gap_mm(m),
+            AGREES_IN_PART,
+            "Zero at the resolution of the thesis's axis.",
+        ),
         Row("|d12 - d23| at 300 s", "0", f"{1e3 * abs(m['d12_minus_d23_final_m']):.2f} mm", AGREES_IN_PART),
         Row("smallest distance between hulls", NOTHING, f"{min(true):.2f} m", NO_NUMBER),
         Row(
@@ -199,7 +211,8 @@ def _gap_mm(m: dict[str, Any]) -> str:
     return f"{1e3 * m['d12_err_late_m']:.2f}, {1e3 * m['d23_err_late_m']:.2f} mm"
 
 
-# --- Table 3.C: which reading fits -----------------------------------------------------------------------
+# --- Table 3.C: which interpretation fits
+# -----------------------------------------------------------------------
 
 _AUV1_AXES: tuple[tuple[str, Bounds], ...] = (
     ("position_err_range_m", (-2.0, 10.0, 2.0)),
@@ -214,7 +227,7 @@ def _readings(runs: list[Run]) -> list[Row]:
         hits = sum(sum(fits(run.metrics[key], bounds)) for key, bounds in _AUV1_AXES)
         x_s = run.metrics["x_settling_0p05_s"]
         late = late_errors_m(run, 150.0)[0]
-        arrives = f"x within 0.05 m from {x_s:.1f} s" if x_s is not None else f"x still {late:.2f} m off"
+        arrives = f"x within 0.05 m after {x_s:.1f} s" if x_s is not None else f"x still {late:.2f} m off"
         speed = abs(run.metrics["velocity_err_range_mps"][0])
         rows.append(
             Row(
@@ -237,12 +250,12 @@ def _printed_adaptation(runs: list[Run]) -> list[Row]:
         name = "zero (fixed: plain PD)" if ratio == 0.0 else f"{ratio:g} of the true values"
         rows.append(
             Row(
-                f"first estimates {name}",
+                f"initial estimates {name}",
                 NOTHING,
                 f"circle {group[0]:.1f} -> {group[1]:.1f} mm; spiral {group[2]:.1f} -> {group[3]:.1f} mm; "
                 f"spiral, other order {group[4]:.1f} mm",
                 NO_NUMBER,
-                f"adaptation takes away {100 * (1 - group[1] / group[0]):.1f} and "
+                f"adaptation removes {100 * (1 - group[1] / group[0]):.1f} and "
                 f"{100 * (1 - group[3] / group[2]):.1f} %",
             )
         )
@@ -280,14 +293,14 @@ def _estimates(runs: list[Run]) -> list[Row]:
             NOTHING,
             ", ".join(f"{mass:.1f}" for mass in masses) + " kg",
             NO_NUMBER,
-            "108.5 kg is right, and was the first estimate.",
+            "108.5 kg is correct and was the initial estimate.",
         ),
         Row(
-            "the same, AUV3 from the origin; from 1.0 and from 0.7 of the true values",
+            "the same, AUV3 from the origin, initially 1.0 and 0.7 of the true values",
             NOTHING,
             f"{estimate(nominal, 'm22', 20.0):.1f}, {estimate(low, 'm22', 20.0):.1f} kg",
             NO_NUMBER,
-            "The errors of the start wind it up; nothing brings it back.",
+            "The initial errors wind it up, and no term brings it back.",
         ),
     ]
     for name, run in zip(DRIFT, drift, strict=True):
@@ -299,7 +312,7 @@ def _estimates(runs: list[Run]) -> list[Row]:
                 ", ".join(f"{mass:.0f}" for mass in steps)
                 + f" kg; rms {1e3 * late_rms_m(run, DRIFT_S / 2.0):.1f} mm",
                 NO_NUMBER,
-                "99 kg is right; noise of 5 cm and 5 cm/s, anew every 0.05 s.",
+                "99 kg is correct; noise of 5 cm and 5 cm/s, drawn every 0.05 s.",
             )
         )
     return rows
@@ -307,9 +320,14 @@ def _estimates(runs: list[Run]) -> list[Row]:
 
 TABLES = (
     Table("3.1", "Parameters of the vehicle and of the law", (CIRCLE, CIRCLE_CORRECTED), _parameters),
-    Table("3.A", "What the axes of Figs 3.4-3.14 say of the data in them", (CIRCLE, SPIRAL), _axes),
+    Table("3.A", "What the axes of Figs 3.4-3.14 reveal about their data", (CIRCLE, SPIRAL), _axes),
     Table("3.B", "Numbers of the law as printed", (CIRCLE, SPIRAL, SPIRAL_ALONE), _numbers),
-    Table("3.C", "Which reading of the printed law fits Figs 3.5-3.7", tuple(READINGS.values()), _readings),
+    Table(
+        "3.C",
+        "Which interpretation of the printed law fits Figs 3.5-3.7",
+        tuple(READINGS.values()),
+        _readings,
+    ),
     Table(
         "3.D",
         "Adaptation as printed, R = 30 m: rms error without -> with it",
@@ -322,5 +340,5 @@ TABLES = (
         tuple(spec for path in CORRECTED_PATHS.values() for spec in corrected_runs(*path)),
         _corrected_adaptation,
     ),
-    Table("3.F", "Where the estimates go", (CIRCLE, *WIND_UP, *DRIFT_RUNS), _estimates),
+    Table("3.F", "Parameter estimates over time", (CIRCLE, *WIND_UP, *DRIFT_RUNS), _estimates),
 )

@@ -1,8 +1,8 @@
 """
 Chapter 4: three spheres steer to a ring between two cylinders, thesis Figs 4.5-4.6 and Table 4.1.
 
-The thesis gives neither the starts nor the gains of the layers around a vehicle, and no number to compare
-with; what it claims is judged from a default case of ours, from ablations and from random starts.
+The thesis gives neither the starts nor the gains of the layers around a vehicle, nor a number to compare
+with. Its claims are judged from our own default case, from ablations and from random starts.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ STARTS = 30
 """Random starts per set of layer gains."""
 STARTS_SEED = 0
 APPROACH_S = 12.0
-"""Vehicles from the corners meet within this time (s), or not at all."""
+"""Vehicles from the corners meet within this time (s) or never."""
 _COARSE = ("dt_s=0.02", "period_s=0.02")
 _PRINTED = "agent.controller.params.layer_gains_pm3=[0.1,0.1]"
 _NO_G = "agent.controller.params.gravity_compensation=false"
@@ -82,7 +82,7 @@ def _draw_tracks(canvas: Canvas, runs: list[Run], elevation_deg: float) -> None:
     run = runs[0]
     ring = metrics_region.ring_of(run.scenario)
     if ring is None:
-        raise ValueError("the run steers to no ring")
+        raise ValueError("the run has no ring to steer to")
     canvas.set_layout_engine("none")
     canvas.set_size_inches(6.5, 5.2)
     axes: Any = canvas.add_axes((0.02, 0.12, 0.92, 0.86), projection="3d")
@@ -114,13 +114,13 @@ def _table_4_1(runs: list[Run]) -> list[Row]:
     displaced_kg = hull.buoyancy_n / gravity_mps2
     heavy = (
         f"the sphere displaces {displaced_kg:.1f} kg, so it is {hull.weight_n - hull.buoyancy_n:.1f} N "
-        "heavy; the law carries that"
+        "heavy; the law compensates for that"
     )
     gains = ", ".join(f"{gain:g}" for gain in law.layer_gains_pm3)
     return [
         _parameter("mass of ODIN", "125 kg", 125.0, hull.mass_kg, "kg"),
         _parameter("radius of ODIN", "0.3 m", 0.3, hull.hull_radius_m, "m", heavy),
-        _parameter("distance of CM from CG", "0.05 m", 0.05, hull.cog_z_m, "m", "read as CM from CB"),
+        _parameter("distance of CM from CG", "0.05 m", 0.05, hull.cog_z_m, "m", "interpreted as CM from CB"),
         _parameter("density of water", "1000 kg/m^3", 1000.0, density_kgpm3, "kg/m^3"),
         _parameter("gravity", "9.81 m/s^2", 9.81, gravity_mps2, "m/s^2"),
         _parameter("ring: inner radius", "0.3 m", 0.3, law.inner_radius_m, "m"),
@@ -170,7 +170,7 @@ def _case_rows(runs: list[Run]) -> list[Row]:
         )
         rows.append(
             Row(
-                f"{name}: most asked of a vehicle",
+                f"{name}: largest demand on a vehicle",
                 "not given",
                 f"{numbers['force_max_n']:.0f} N, {numbers['speed_max_mps']:.1f} m/s",
                 NO_NUMBER,
@@ -194,7 +194,7 @@ def _closest_row(name: str, run: Run) -> Row:
 
 def _reached_words(reached_s: list[float | None]) -> str:
     if None in reached_s:
-        return "not within the run"
+        return "never in this run"
     return " / ".join(f"{value:.2f}" for value in reached_s if value is not None) + " s"
 
 
@@ -204,7 +204,7 @@ def _judge_arrival(runs: list[Run]) -> Verdict:
         reached_s = run.metrics["ring_reached_s"]
         arrived += None not in reached_s
         most = f"{run.metrics['force_max_n'] / 1e3:.1f} kN and {run.metrics['speed_max_mps']:.1f} m/s at most"
-        parts.append(f"{name}: all in the ring for good after {_reached_words(reached_s)}, {most}")
+        parts.append(f"{name}: all permanently in the ring after {_reached_words(reached_s)}, {most}")
     return Verdict((DOES_NOT_HOLD, HOLDS_IN_PART, HOLDS)[arrived], "; ".join(parts))
 
 
@@ -245,7 +245,7 @@ def _judge_gravity(runs: list[Run]) -> Verdict:
     depths_m = np.array(without.metrics["position_final_ned_m"])[:, 2]
     centre_m = without.scenario.agent.controller.params.centre_ned_m[2]
     evidence = (
-        f"without it all hang {np.mean(depths_m) - centre_m:.2f} m below the ring's centre "
+        f"without it all settle {np.mean(depths_m) - centre_m:.2f} m below the ring's centre "
         f"and {min(without.metrics['ring_distance_final_m']):.2f} m out of the ring; with it the last is "
         f"{max(with_g.metrics['ring_distance_final_m']):.2f} m out"
     )
@@ -264,14 +264,15 @@ def _judge_energy(runs: list[Run]) -> Verdict:
 
 def _energy_words(run: Run) -> str:
     if run.metrics["lyapunov_energy_falls"]:
-        return "falls in every record"
-    return f"first rises at {run.metrics['lyapunov_energy_first_rise_s']:.2f} s"
+        return "decreases in every record"
+    return f"first increases at {run.metrics['lyapunov_energy_first_rise_s']:.2f} s"
 
 
 _SHOWS = (
-    "The thesis shows three vehicles that come from three sides of a box of 15 m by 20 m by 20 m and end "
-    "near (10, 10, 10). Ours start on faces and edges of that box, since its starts are not given. The ring "
-    "is drawn to scale, z grows upwards as there. Ours overshoot the ring before they come back to stay."
+    "In the thesis three vehicles start at three sides of a box of 15 m by 20 m by 20 m and end near (10, "
+    "10, 10). The starts are not given, so ours are on faces and edges of that box. The ring is drawn to "
+    "scale, and z points upwards as in the thesis. Our vehicles overshoot the ring before they return to "
+    "stay."
 )
 
 FIGURES = (
@@ -299,19 +300,19 @@ CLAIMS = (
     ),
     Claim(
         "4.5",
-        "Where the outer layer cannot avoid a collision, the inner one with its larger gain takes over.",
+        "If the outer layer cannot avoid a collision, the inner one with its larger gain takes over.",
         (DEFAULT, *RANDOM),
         _judge_layers,
     ),
     Claim(
         "4.5",
-        "The law has to carry weight minus buoyancy.",
+        "The law has to compensate for weight minus buoyancy.",
         (PRINTED, NO_COMPENSATION),
         _judge_gravity,
     ),
     Claim(
         "4.5",
-        "The group is stable: kinetic and potential energy together fall (not printed; our candidate).",
+        "The group is stable: kinetic and potential energy together decrease (not printed; our candidate).",
         (DEFAULT, LIMITED, NO_COMPENSATION),
         _judge_energy,
     ),

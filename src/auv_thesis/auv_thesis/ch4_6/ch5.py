@@ -1,5 +1,5 @@
 """
-Chapter 5: flocking with mathematical potentials, thesis Figs 5.5-5.12, without and with a modem between.
+Chapter 5: flocking with mathematical potentials, thesis Figs 5.5-5.12, without and with modems.
 
 Runs without communication limits are continuous in time, as the thesis integrates them.
 """
@@ -63,9 +63,9 @@ def _draw_5_12(canvas: Canvas, runs: list[Run]) -> None:
 
 _STARTS = "The thesis prints no starts; ours are (-8, 4, 2), (8, 2, 1), (-4, -8, 0) and (6, 12, 4) m."
 _CHANNEL = (
-    "The thesis prints neither rate, delay nor loss of its channel. Ours gives each vehicle two and a half "
-    "reports a second, loses three in ten and lets sound travel; neighbours are estimated by one extended "
-    "Kalman filter each. Followers feel the path, as printed. "
+    "The thesis does not print the rate, delay or loss of its channel. In ours each vehicle sends 2.5 "
+    "reports per second, 30 % are lost, and sound takes time to travel. One extended Kalman filter "
+    "estimates each neighbour. Followers are attracted to the path, as printed. "
 )
 
 FIGURES = (
@@ -74,15 +74,16 @@ FIGURES = (
         "Four leaders flock round the circle, (a) in space, (b) in the plane",
         (FOUR_LEADERS,),
         _draw_5_5,
-        f"Both show four vehicles that gather from their starts and go round together. {_STARTS}",
+        f"In both, four vehicles gather from their starts and go round together. {_STARTS}",
     ),
     Figure(
         "5.6",
         "Distances among four leaders, (a) whole run, (b) enlarged with its first 3 s, (c) one pair",
         (FOUR_LEADERS,),
         _draw_5_6,
-        "The thesis's distances run between 1.575 and 1.616 m about 1.595 m; ours stand at 1.595 m. The "
-        "inset begins near the end state, ours comes from metres away and enters the window later.",
+        "The thesis's distances vary between 1.575 and 1.616 m about 1.595 m; ours settle at 1.595 m. The "
+        "thesis's inset begins near the final state; our flock starts metres away and enters the window "
+        "later.",
     ),
     Figure(
         "5.7",
@@ -96,15 +97,15 @@ FIGURES = (
         "Distances among one leader and three followers, (a) enlarged, (b) the first 3 s",
         (ONE_LEADER,),
         _draw_5_8,
-        "The thesis's run between 1.584 and 1.611 m, ours in a band of nearly that width, swinging with the "
-        "round because only the leader gets the path's velocity.",
+        "The thesis's distances vary between 1.584 and 1.611 m, ours in a band of nearly that width. Ours "
+        "oscillate once per round because only the leader receives the path's velocity.",
     ),
     Figure(
         "5.9",
         "One leader, three followers, two obstacles, (a) in space, (b) in the plane",
         (OBSTACLES,),
         _draw_5_9,
-        "Both give way to two obstacles beside the circle; ours are at (8, 5, 10) and (-9, -5, 10) m.",
+        "Both flocks avoid two obstacles beside the circle; ours are at (8, 5, 10) and (-9, -5, 10) m.",
     ),
     Figure(
         "5.10",
@@ -118,13 +119,14 @@ FIGURES = (
         "One obstacle and an acoustic channel, (a) in space, (b) in the plane",
         (ON_A_MODEM,),
         _draw_5_11,
-        f"{_CHANNEL}Both pass the obstacle.",
+        f"{_CHANNEL}Both flocks pass the obstacle.",
     ),
     Figure(
         "5.12",
         "Two obstacles and an acoustic channel, (a) in space, (b) in the plane",
         (ON_A_MODEM_OBSTACLES,),
         _draw_5_12,
-        f"{_CHANNEL}Both pass both obstacles. At the rates of real modems the same law collides: Table 5.B.",
+        f"{_CHANNEL}Both flocks pass both obstacles. At the rates of real modems the same law causes "
+        "collisions: Table 5.B.",
     ),
 )

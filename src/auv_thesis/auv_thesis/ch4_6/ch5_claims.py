@@ -1,4 +1,4 @@
-"""What chapter 5 claims of its flocks, judged from runs."""
+"""The claims of chapter 5 about its flocks, judged from runs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from auv_thesis.ch4_6.flock_runs import (
 from auv_thesis.items import DOES_NOT_HOLD, HOLDS, HOLDS_IN_PART, Claim, Run, Verdict
 
 FOLLOWS_WITHIN_M = 0.2
-"""A flock follows the path when its mean stays this near, twice the lag of estimates that do not know it."""
+"""A flock follows the path if its mean stays this near: twice the lag of estimates that do not know it."""
 
 
 def _judge_flocking(runs: list[Run]) -> Verdict:
@@ -40,8 +40,8 @@ def _judge_knowledge(runs: list[Run]) -> Verdict:
     printed_m, blind_m = (run.metrics["centroid_path_rms_m"] for run in runs)
     evidence = (
         f"(5.25) and (5.43) give followers the path's attraction. With it the flock is {printed_m:.3f} m "
-        f"from the path (rms); without, as the text says, {blind_m:.3f} m: it trails, since nothing tells "
-        "followers the flock's velocity"
+        f"from the path (rms); without it, as the text says, {blind_m:.3f} m: it lags, since followers do "
+        "not learn the flock's velocity"
     )
     return Verdict(HOLDS if blind_m < FOLLOWS_WITHIN_M else DOES_NOT_HOLD, evidence)
 
@@ -51,7 +51,7 @@ def _judge_spacing(runs: list[Run]) -> Verdict:
     lows = [settled_m(run)[0] for run in runs]
     evidence = (
         f"d = {spacing_m:g} m; smallest distance after 100 s {lows[0]:.3f} m (four leaders), {lows[1]:.3f} m "
-        "(one leader). Repulsion ends at d and attraction does not, so the balance lies inside d"
+        "(one leader). Repulsion ends at d and attraction does not, so the equilibrium distance is below d"
     )
     return Verdict(HOLDS if min(lows) >= spacing_m else DOES_NOT_HOLD, evidence)
 
@@ -60,7 +60,8 @@ def _judge_approach(runs: list[Run]) -> Verdict:
     times_s = [run.metrics["approach_time_2pct_s"] for run in runs]
     evidence = (
         f"to 2 % of the final distances {seconds(times_s[0])} (four leaders) and {seconds(times_s[1])} (one "
-        "leader) from starts 11 to 23 m apart; the thesis's starts, unprinted, are near the end state"
+        "leader) from starts 11 to 23 m apart; the thesis does not print its starts, which are near the "
+        "final state"
     )
     quick = [time_s is not None and time_s < 5.0 for time_s in times_s]
     return Verdict(HOLDS_IN_PART if all(quick) else DOES_NOT_HOLD, evidence)
@@ -70,9 +71,8 @@ def _judge_obstacles(runs: list[Run]) -> Verdict:
     run = runs[0]
     clear_m, touch_m = run.metrics["obstacle_clearance_min_m"], run.scenario.hull_radius_m
     evidence = (
-        f"no centre nearer than {clear_m:.3f} m to an obstacle's centre; hulls have a radius of "
-        f"{touch_m:g} m, obstacles no size; no two centres nearer than "
-        f"{run.metrics['pair_distance_min_m']:.3f} m"
+        f"no centre nearer than {clear_m:.3f} m to an obstacle's centre; hulls have a radius of {touch_m:g} "
+        f"m, obstacles are points; no two centres nearer than {run.metrics['pair_distance_min_m']:.3f} m"
     )
     return Verdict(HOLDS if clear_m > touch_m and not run.metrics["collision"] else DOES_NOT_HOLD, evidence)
 
@@ -100,8 +100,8 @@ def _judge_estimates(runs: list[Run]) -> Verdict:
     inside = [run.metrics["neighbour_within_2sigma_ratio"] for run in runs]
     evidence = (
         f"rms error of the estimated neighbours {1e3 * errors_m[0]:.0f} and {1e3 * errors_m[1]:.0f} mm with "
-        f"information {ages_s[0]:.2f} s old on average; {100 * min(inside):.0f} % of the components within "
-        "two of the filters' own standard deviations"
+        f"information {ages_s[0]:.2f} s old on average; {100 * min(inside):.0f} % of the components are "
+        "within two of the filters' own standard deviations"
     )
     return Verdict(HOLDS if max(errors_m) < 0.1 else DOES_NOT_HOLD, evidence)
 
@@ -131,7 +131,10 @@ def _judge_range(runs: list[Run]) -> Verdict:
 
 
 def judge_potential(runs: list[Run]) -> Verdict:
-    """Judge whether the flock's potential falls until it rests, from moving and resting paths."""
+    """
+    Judge whether the flock's potential decreases until the flock rests, with a moving path and a path at
+    rest.
+    """
     words, printed = [], []
     for run in runs:
         numbers = flock_metrics(run.recording, run.scenario)
@@ -140,7 +143,9 @@ def judge_potential(runs: list[Run]) -> Verdict:
         parts = []
         for name in ("thesis", "corrected"):
             first_s = numbers[f"flock_lyapunov_{name}_first_rise_s"]
-            parts.append(f"{name} " + ("always falls" if first_s is None else f"rises from {first_s:.1f} s"))
+            parts.append(
+                f"{name} " + ("always decreases" if first_s is None else f"increases from {first_s:.1f} s")
+            )
         printed.append(bool(numbers["flock_lyapunov_thesis_falls"]))
         words.append(f"{run.scenario.name}{rest}: {', '.join(parts)}")
     verdict = HOLDS if all(printed) else HOLDS_IN_PART if any(printed) else DOES_NOT_HOLD
@@ -193,13 +198,13 @@ CLAIMS = (
     ),
     Claim(
         "5.7",
-        "An extended Kalman filter makes up for lost and late reports.",
+        "An extended Kalman filter compensates for lost and late reports.",
         (ON_A_MODEM, ON_A_MODEM_OBSTACLES),
         _judge_estimates,
     ),
     Claim(
         "5.6",
-        "The potential of the closed loop falls (promised there, argued in 6.5).",
+        "The potential of the closed loop decreases (promised there, argued in 6.5).",
         (FOUR_LEADERS, BLIND, RESTING, RESTING_BLIND),
         judge_potential,
     ),

@@ -1,4 +1,6 @@
-"""Tables of chapter 5, all ours: what its figures mark, its flocks in numbers, its law on real channels."""
+"""
+Our tables for chapter 5: distances marked in its figures, its flocks in numbers, its law on real channels.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,7 @@ def settled_m(run: Run) -> tuple[float, float]:
 
 
 def marker_row(quantity: str, printed_m: float, run: Run) -> Row:
-    """Return the row of a distance that a figure of the thesis marks."""
+    """Return the row of a distance that is marked in a figure of the thesis."""
     ours_m = mean_distance_m(run)
     near = abs(ours_m - printed_m) <= NEAR_RATIO * printed_m
     note = f"{1e3 * (ours_m - printed_m):+.1f} mm; with k_c = k_d = 1, not the 10 of the text"
@@ -41,7 +43,7 @@ def marker_row(quantity: str, printed_m: float, run: Run) -> Row:
 
 
 def seconds(value: float | None) -> str:
-    """Return a time in words."""
+    """Return a time as text."""
     return "never" if value is None else f"{value:.2f} s"
 
 
@@ -57,7 +59,7 @@ def _rows_5_a(runs: list[Run]) -> list[Row]:
 
 
 def flock_rows(name: str, run: Run) -> list[Row]:
-    """Return what a flock of ours amounts to, which the thesis gives no number for."""
+    """Return numbers of our flocks for which the thesis has no counterpart."""
     numbers, (low_m, high_m) = run.metrics, settled_m(run)
     ours = {
         "distances after 100 s": f"{low_m:.4f} to {high_m:.4f} m",

@@ -1,4 +1,4 @@
-"""Chapter 6: flocking with fuzzy potentials, thesis Figs 6.3-6.9, Table 6.1 and what it concludes."""
+"""Chapter 6: flocking with fuzzy potentials, thesis Figs 6.3-6.9, Table 6.1 and its conclusions."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def _draw_6_3(canvas: Canvas, runs: list[Run]) -> None:
 
 
 def _draw_sets(axes: Any, peaks: Peaks) -> None:
-    """Draw the five triangles between neighbouring peaks."""
+    """Draw the five triangular sets between neighbouring peaks."""
     for index, name in enumerate(SETS):
         heights = np.eye(len(SETS))[index]
         axes.plot(peaks, heights, label=name, **vehicle_style(index))
@@ -141,7 +141,7 @@ def _rows_6_a(runs: list[Run]) -> list[Row]:
         *flock_rows("one leader, printed followers", one),
         *flock_rows("obstacles that only repel", obstacles),
         Row(
-            "obstacles that attract from afar, as printed: centroid to path, rms after 100 s",
+            "obstacles that attract at long range, as printed: centroid to path, rms after 100 s",
             "not given",
             f"{printed.metrics['centroid_path_rms_m']:.2f} m in {printed.scenario.duration_s:g} s",
             NO_NUMBER,
@@ -164,9 +164,9 @@ def _judge_nearer(runs: list[Run]) -> Verdict:
 def _judge_faster(runs: list[Run]) -> Verdict:
     times_s = [run.metrics["approach_time_2pct_s"] for run in runs]
     evidence = (
-        f"from equal starts: four leaders {seconds(times_s[0])} mathematical, {seconds(times_s[2])} fuzzy; "
-        f"one leader {seconds(times_s[1])} and {seconds(times_s[3])}. The thesis's own curves do not start "
-        "alike: the fuzzy ones begin between 1.9 and 2 m"
+        f"from the same starts: four leaders {seconds(times_s[0])} mathematical, {seconds(times_s[2])} "
+        f"fuzzy; one leader {seconds(times_s[1])} and {seconds(times_s[3])}. The thesis's own curves start "
+        "differently: the fuzzy ones begin between 1.9 and 2 m"
     )
     if None in times_s:
         return Verdict(DOES_NOT_HOLD, evidence)
@@ -180,7 +180,7 @@ def _judge_limit(runs: list[Run]) -> Verdict:
     near = all(abs(distance_m - 2.0) < 0.1 for run in runs for distance_m in settled_m(run))
     return Verdict(
         HOLDS if exact else HOLDS_IN_PART if near else DOES_NOT_HOLD,
-        f"after 100 s {evidence}; at d the fuzzy law does not push, and attraction does",
+        f"after 100 s {evidence}; at d the fuzzy law does not repel, but attraction still acts",
     )
 
 
@@ -190,8 +190,8 @@ def _judge_obstacles(runs: list[Run]) -> Verdict:
     evidence = (
         f"repelling only: no centre nearer than {clear_m:.3f} m to an obstacle (mathematical law: "
         f"{mathematical.metrics['obstacle_clearance_min_m']:.3f} m), no two nearer than "
-        f"{fuzzy.metrics['pair_distance_min_m']:.3f} m; its push is bounded, and the flock leans on it. As "
-        "printed obstacles attract from afar: the flock is "
+        f"{fuzzy.metrics['pair_distance_min_m']:.3f} m; its repulsion is bounded, and the attraction of the "
+        "flock pushes against it. As printed, obstacles attract at long range: the flock is "
         f"{printed.metrics['centroid_path_rms_m']:.2f} m off its path (rms)"
     )
     safe = clear_m > fuzzy.scenario.hull_radius_m and not fuzzy.metrics["collision"]
@@ -215,53 +215,53 @@ FIGURES = (
         "Fuzzy sets, (a) of the input, (b) of the output",
         (FUZZY_FOUR_LEADERS,),
         _draw_6_3,
-        "The thesis shows five triangles each on [-5, 5] and [-2, 2] and prints no peaks; it tuned them by "
-        "trial. Ours have the input peaks that give its distances: the set of zero is 4.5 cm wide on each "
-        "side, and is drawn again enlarged.",
+        "The thesis shows five triangles each on [-5, 5] and [-2, 2], tuned by trial, and prints no peaks. "
+        "Our input peaks give its distances: the set of zero is 4.5 cm wide on each side and is also drawn "
+        "enlarged.",
     ),
     Figure(
         "6.4",
         "Four leaders with the fuzzy law, (a) in space, (b) in the plane",
         (FUZZY_FOUR_LEADERS,),
         _draw_tracks,
-        "Both gather and go round together, as with the mathematical law.",
+        "Both flocks gather and go round together, as with the mathematical law.",
     ),
     Figure(
         "6.5",
         "Distances among four leaders with the fuzzy law, whole run and the first 2 s",
         (FUZZY_FOUR_LEADERS,),
         _draw_distances,
-        "The thesis's distances run between 1.938 and 1.981 m, ours stand at 1.959 m. Its inset starts "
-        "inside this window; from our starts the flock comes into it later.",
+        "The thesis's distances vary between 1.938 and 1.981 m; ours settle at 1.959 m. The thesis's inset "
+        "starts inside this window; from our starts the flock enters it later.",
     ),
     Figure(
         "6.6",
         "One leader and three followers with the fuzzy law, (a) in space, (b) in the plane",
         (FUZZY_ONE_LEADER,),
         _draw_tracks,
-        "Both gather and go round together. Followers feel the path, as printed.",
+        "Both flocks gather and go round together. Followers are attracted to the path, as printed.",
     ),
     Figure(
         "6.7",
         "Distances among one leader and three followers with the fuzzy law, whole run and the first 2 s",
         (FUZZY_ONE_LEADER,),
         _draw_distances,
-        "The thesis's distances run between 1.939 and 1.978 m, ours within 3 mm of 1.9595 m.",
+        "The thesis's distances vary between 1.939 and 1.978 m; ours stay within 3 mm of 1.9595 m.",
     ),
     Figure(
         "6.8",
         "One leader, three followers, two obstacles, fuzzy law, (a) in space, (b) in the plane",
         (FUZZY_OBSTACLES,),
         _draw_6_8,
-        "Both pass two obstacles. Ours are at (8, 5, 10) and (-9, -5, 10) m and only repel; as printed they "
-        "would attract from afar.",
+        "Both flocks pass two obstacles. Ours are at (8, 5, 10) and (-9, -5, 10) m and only repel; as "
+        "printed they would attract at long range.",
     ),
     Figure(
         "6.9",
         "Distances while the flock passes obstacles with the fuzzy law",
         (FUZZY_OBSTACLES,),
         _draw_6_9,
-        "Both keep their distances but for two disturbances at the obstacles.",
+        "Both flocks keep their distances except for two disturbances at the obstacles.",
     ),
 )
 
@@ -278,7 +278,7 @@ TABLES = (
 CLAIMS = (
     Claim("6.7", "The fuzzy law keeps distances nearer to d.", _ALL, _judge_nearer),
     Claim("6.7", "The fuzzy flock forms faster.", _ALL, _judge_faster),
-    Claim("6.3", "Distances go to d.", (FUZZY_FOUR_LEADERS, FUZZY_ONE_LEADER), _judge_limit),
+    Claim("6.3", "Distances converge to d.", (FUZZY_FOUR_LEADERS, FUZZY_ONE_LEADER), _judge_limit),
     Claim(
         "6.6",
         "With the fuzzy law the vehicles flock along the path without collision.",

@@ -1,7 +1,7 @@
 """
 Drawings of chapters 5 and 6 in the thesis's axes: tracks in space and in the plane, distances over time.
 
-The thesis draws x to the right, y upwards and z (a depth) as a number that grows upwards; so do these.
+As in the thesis, x points to the right, y upwards, and z (a depth) increases upwards.
 """
 
 from __future__ import annotations
@@ -84,13 +84,13 @@ def draw_distances(
 
 
 def distance_panels(canvas: Canvas, count: int) -> list[Any]:
-    """Return so many axes beside each other."""
+    """Return `count` axes side by side."""
     canvas.set_size_inches(*_SIZE_IN)
     return [canvas.add_subplot(1, count, column + 1) for column in range(count)]
 
 
 def legend_of(canvas: Canvas, axes: Any) -> None:
-    """Put the legend of some axes below the figure."""
+    """Place the legend of the axes below the figure."""
     handles, labels = axes.get_legend_handles_labels()
     legend_below(canvas, handles, labels)
 

@@ -1,11 +1,11 @@
-"""The runs of chapters 5 and 6, named once for figures, tables and claims."""
+"""The runs of chapters 5 and 6, defined once for figures, tables and claims."""
 
 from __future__ import annotations
 
 from auv_thesis.items import RunSpec
 
 COARSE = ("dt_s=0.02", "period_s=0.1")
-"""The same numbers as with steps of 0.01 s to four digits, recorded ten times a second."""
+"""Gives the same numbers to four digits as steps of 0.01 s; recorded ten times per second."""
 
 FOUR_LEADERS = RunSpec("ch5_four_leaders", COARSE)
 ONE_LEADER = RunSpec("ch5_one_leader", COARSE)
@@ -33,11 +33,11 @@ MATCHED = (
     "agent.consensus.params.rate_ps=0.05",
     "agent.neighbours.timeout_s=300.0",
 )
-"""The feedback and the consensus twenty times slower, and silence of minutes believed."""
+"""Feedback and consensus twenty times slower, and neighbour estimates kept through minutes of silence."""
 
 
 def on_channel(slot_s: float, loss: float, changes: tuple[str, ...] = ()) -> RunSpec:
-    """Return the flock without obstacles on a TDMA channel with these slots and losses."""
+    """Return the flock without obstacles on a TDMA channel with this slot length and loss."""
     return RunSpec(
         "ch5_communication",
         (

@@ -1,1 +1,1 @@
-"""Laws side by side; each file is a chapter of the page."""
+"""Comparisons of laws; each file is a chapter of the page."""

@@ -2,9 +2,9 @@
 Every path-following law on one plant, thesis Section 7.3: the vehicle of Table 2.1, body frame, drag d_Q
 |a| a.
 
-A circle of 10 m at 0.1 m/s past an obstacle 0.57 m beside it, sampled at 10 Hz.  Errors are those after the
-first 50 s, where the path is more than 3 m away from the obstacle, so that giving way does not count as an
-error; effort and distance are those of the whole run.
+A circle of 10 m at 0.1 m/s past an obstacle 0.57 m beside it, sampled at 10 Hz. Errors count after the first
+50 s and where the path is more than 3 m away from the obstacle, so that avoidance does not count as an error.
+Effort and distance are those of the whole run.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ RUNS = tuple(
 
 
 class Outcome(NamedTuple):
-    """Errors (m) after the start and clear of the obstacle, effort given (N^2 s), distance to it (m)."""
+    """Errors (m) after the start and clear of the obstacle, effort (N^2 s), distance to the obstacle (m)."""
 
     rms_m: float
     worst_m: float
@@ -88,7 +88,7 @@ class Outcome(NamedTuple):
 
 
 def outcome(run: Run) -> Outcome:
-    """Return what one run amounts to."""
+    """Return the summary of one run."""
     recording, scenario = run.recording, run.scenario
     errors_m = np.linalg.norm(metrics_path.position_error_ned_m(recording, scenario)[:, 0], axis=-1)
     path_m = metrics_path.path_points_ned(recording, scenario)[0][:, 0]
@@ -183,11 +183,12 @@ def _judge_noise_and_limits(runs: list[Run]) -> Verdict:
 FIGURES = (
     Figure(
         "7.A",
-        "Path-following laws under what they do not know",
+        "Path-following laws under uncertainty and disturbances",
         RUNS,
         _draw,
-        "Not in the thesis. Marks are rms errors, lines go up to the worst one (0.01 mm stands for less); "
-        "below, the effort of the whole run: for the laws of chapter 2 most of it is the approach.",
+        "Not in the thesis. Upper panel: marks are rms errors, lines extend to the worst error (errors "
+        "below 0.01 mm are drawn there). Lower panel: the effort of the whole run, which for the laws of "
+        "chapter 2 is mostly the approach.",
     ),
 )
 
@@ -203,7 +204,7 @@ CLAIMS = (
     ),
     Claim(
         "7.3",
-        "They stand measurement noise and actuator limits, with an rms error below the 5 cm of the noise.",
+        "They tolerate measurement noise and actuator limits, with an rms error below the 5 cm of the noise.",
         RUNS,
         _judge_noise_and_limits,
     ),

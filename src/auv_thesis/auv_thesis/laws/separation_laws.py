@@ -1,16 +1,15 @@
 """
-Every separation law in one flock: the main job's vehicles and modem, under disturbances.
+Every separation law in one flock: vehicles and modem of the main job, under disturbances.
 
-The flocking law is `potential` with gains that suit the modem, so that nothing but the separation law keeps
-distances: the main job's own law would widen them by what it does not know, and bound the approach.
+The flocking law is `potential` with gains that suit the modem, so that only the separation law keeps
+distances: the main job's own law would widen them with its uncertainty and bound the approach. Chapter 6
+compares separation laws on single integrators that see each other. Here they, and the adaptive law of its
+future work, fly on hulls of 125 kg with a modem and one report per second. There are no obstacles, so that
+the distance error is the law's own.
 
-What chapter 6 compares on single integrators that see each other, and the adaptive law of its future work,
-with hulls of 125 kg, a modem and one report a second.  Obstacles are left out, so that what is left of a
-distance error is the law's.
-
-The laws fly with these numbers: mathematical as in the main job; fuzzy with a set of zero of 0.25 m, since
-the 0.045 m that give the thesis's distances are stiffer than a hull of 125 kg and a report a second can
-follow (a row shows it); adaptive with its defaults.
+Parameters: the mathematical law as in the main job; the fuzzy law with a set "zero" of 0.25 m, since the
+0.045 m that give the thesis's distances are too stiff for a hull of 125 kg and one report per second (one row
+shows it); the adaptive law with its defaults.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ _THESIS_SETS = (f"{_KIND}=fuzzy",)
 
 
 def _plant(factor: float) -> tuple[str, ...]:
-    """Return the vehicles with inertia, added mass and drag times a factor; gains stay."""
+    """Return the vehicles with inertia, added mass and drag scaled by a factor; gains stay the same."""
     numbers: dict[str, float | list[float]] = {
         "mass_kg": 125.0,
         "inertia_kgm2": [8.0, 8.0, 8.0],
@@ -81,7 +80,7 @@ def _plant(factor: float) -> tuple[str, ...]:
 
 
 def _limit(force_n: float) -> tuple[str, ...]:
-    """Return thrusters of so much force, known to the controllers."""
+    """Return thrusters with this force limit, which the controllers know."""
     wrench = [force_n] * 3 + [50.0] * 3
     hulls = tuple(f"vehicles.{index}.model.params.max_wrench={wrench}" for index in range(_N_VEHICLES))
     return (*hulls, f"agent.controller.params.max_force_n={force_n}")
@@ -115,7 +114,7 @@ _NOMINAL = tuple(RUNS[law, next(iter(CONDITIONS))] for law in LAWS)
 
 def distance_numbers(run: Run) -> dict[str, float]:
     """
-    Return what a flock's distances amount to.
+    Return a summary of a flock's distances.
 
     Returns
     -------
@@ -195,8 +194,8 @@ FIGURES = (
         "Mean distance of pairs in the main job's flock, three separation laws",
         _NOMINAL,
         _draw,
-        "No counterpart in the thesis. The adaptive law brings the distance to d = 2 m, the others leave it "
-        "where push and pull balance.",
+        "No counterpart in the thesis. The adaptive law brings the distance to d = 2 m; with the others it "
+        "settles where repulsion and attraction balance.",
     ),
 )
 
@@ -209,13 +208,13 @@ TABLES = (
 CLAIMS = (
     Claim(
         "6.7",
-        "The fuzzy law keeps distances nearer to d also with hulls and a modem.",
+        "The fuzzy law keeps distances nearer to d with hulls and a modem, too.",
         (*_NOMINAL, NARROW),
         _judge_fuzzy,
     ),
     Claim(
         "7.3",
-        "An adaptive fuzzy law does better (future work of the thesis; the law is ours).",
+        "An adaptive fuzzy law keeps them nearer still (future work of the thesis; the law is ours).",
         tuple(RUNS.values()),
         _judge_adaptive,
     ),

@@ -1,1 +1,1 @@
-"""The page of the reproduction, and the documents that are written from its items."""
+"""The page of the reproduction, and the documents generated from its items."""

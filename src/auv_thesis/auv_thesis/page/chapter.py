@@ -86,7 +86,7 @@ def _failure(outcome: Outcome) -> str:
 
 
 def _commands(runs: Sequence[RunSpec]) -> str:
-    """Give the runs behind an item, as commands that fly them one by one."""
+    """Return the runs behind an item, as commands that fly them one by one."""
     if not runs:
         return ""
     lines = html.escape("\n".join(f"./scripts/run {spec} --mode inprocess" for spec in dict.fromkeys(runs)))

@@ -1,7 +1,7 @@
 """
 Writes equations.md from equations.yaml, and figures.md from the chapters, all of docs/reference.
 
-Both are checked into the repository; a test fails where they are not what would be written now.
+Both are checked into the repository; a test fails if they are out of date.
 """
 
 from __future__ import annotations
@@ -21,18 +21,17 @@ SHOWN_RUNS = 6
 
 _GENERATED = "<!-- Written by `./scripts/reproduce --docs`; change {source} instead. -->\n"
 _EQUATIONS_WORDS = """\
-Every numbered equation of chapters 2 to 6: the function that is it, the test that holds it, and where ours
-differs from the print. Equations of chapter 1 are definitions of the literature.
+Every numbered equation of chapters 2 to 6: the function that implements it, the test that checks it, and
+any difference from the print. The equations of chapter 1 are definitions from the literature.
 """
 _FIGURES_WORDS = """\
-Which runs each of them is made from, and by which function of
-`src/auv_thesis/auv_thesis`. `./scripts/reproduce` makes them all; a run by itself is
-`./scripts/run`, then the arguments listed here.
+The runs and the function of `src/auv_thesis/auv_thesis` that each item is made from.
+`./scripts/reproduce` makes all of them. To fly one run, use `./scripts/run` with the arguments listed here.
 """
 
 
 def write_documents(chapters: Sequence[Chapter], root: Path | None = None) -> list[Path]:
-    """Write both pages into a checkout, the one this file is in if left out; return their files."""
+    """Write both pages into a checkout, by default the one that contains this file; return their files."""
     root = root or checkout()
     pages = documents(chapters, load_equations(root))
     for name, text in pages.items():
@@ -46,7 +45,7 @@ def documents(chapters: Sequence[Chapter], listed: EquationList) -> dict[str, st
 
 
 def checkout() -> Path:
-    """Return the folder that holds docs/reference/equations.yaml; raise ChapterError where there is none."""
+    """Return the folder that holds docs/reference/equations.yaml; raise ChapterError if there is none."""
     for folder in Path(__file__).resolve().parents:
         if (folder / EQUATIONS_FILE).is_file():
             return folder
@@ -122,7 +121,7 @@ def _function(item: Item) -> str:
 
 
 def _qualified_name(function: Callable[..., Any]) -> str:
-    """Return the name of a function; of one made by another function, the maker's."""
+    """Return the name of a function; for one made by another function, the name of the latter."""
     return function.__qualname__.partition(".<locals>")[0]
 
 

@@ -1,10 +1,9 @@
 """
-The equations of the thesis: which function is which, which test holds it, and where ours differs.
+The equations of the thesis: the function that implements each, its test, and any difference from the print.
 
 `docs/reference/equations.yaml` lists every numbered equation of chapters 2 to 6 exactly once, as implemented
-or with the reason why not. `problems` holds the list against the source: its functions can be imported, its
-tests exist, and an equation that a library's docstring cites is one that the list gives to that library
-module.
+or with the reason why not. `problems` compares the list with the source: its functions can be imported, its
+tests exist, and each equation that a library docstring cites is listed for that library module.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ _CITED = re.compile(r"\((\d+)\.(\d+)\)(?:\s*-\s*\((\d+)\.(\d+)\))?")
 _IMPLEMENTED_KEYS = {"equations", "what", "functions", "tests", "deviation"}
 _LEFT_OUT_KEYS = {"equations", "what", "why"}
 
-# so many characters after the name of the textbook an equation is the textbook's
+# within this many characters after the textbook's name, an equation is the textbook's
 _NEAR = 60
 
 Number = tuple[int, int]
@@ -40,10 +39,10 @@ Number = tuple[int, int]
 @dataclass(frozen=True)
 class Entry:
     """
-    Equations that stand together in the list.
+    An entry of the list: one or more equations.
 
     `equations` is as written ("2.6-2.7, 3.7-3.8"). Either there are functions ("module:name") and tests
-    ("path::name"), with what differs from the print in `deviation`; or `why` says why there are none.
+    ("path::name"), with any difference from the print in `deviation`; or `why` says why there are none.
     """
 
     equations: str
@@ -69,7 +68,7 @@ class EquationList:
 
 
 def load_equations(root: Path) -> EquationList:
-    """Read the list of a checkout; raise ChapterError, with one line, where it cannot be understood."""
+    """Read the list of a checkout; raise ChapterError, with one line, if it is malformed."""
     path = root / EQUATIONS_FILE
     try:
         raw = yaml.safe_load(path.read_text(encoding="utf-8"))
@@ -83,7 +82,7 @@ def load_equations(root: Path) -> EquationList:
 
 
 def numbers_in(text: str) -> tuple[Number, ...]:
-    """Return the numbers that a text like "2.6-2.7, 3.7" names; raise ValueError for anything else."""
+    """Return the numbers in a text like "2.6-2.7, 3.7"; raise ValueError for any other text."""
     found: list[Number] = []
     for part in text.split(","):
         match = _NUMBERS.match(part.strip())
@@ -94,7 +93,7 @@ def numbers_in(text: str) -> tuple[Number, ...]:
 
 
 def problems(listed: EquationList, root: Path) -> list[str]:
-    """Return, one line each, where the list and the source do not fit together."""
+    """Return each mismatch between the list and the source, as one line."""
     return [
         *_wrong_numbers(listed),
         *_missing_functions(listed),
@@ -185,7 +184,7 @@ def _tests_in(path: Path) -> frozenset[str]:
 
 
 def _citations_elsewhere(listed: EquationList, root: Path) -> Iterator[str]:
-    """Find equations that a library module cites, and that the list gives to other modules only."""
+    """Find equations that a library module cites, but that are listed for other modules only."""
     modules: dict[Number, set[str]] = {number: set() for entry in listed.left_out for number in entry.numbers}
     for entry in listed.implemented:
         for number in entry.numbers:

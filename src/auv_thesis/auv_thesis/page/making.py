@@ -1,4 +1,4 @@
-"""How a page was made: the command, the versions, and every run with the time that it took."""
+"""How a page was made: the command, the versions, and every run with its duration."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SHOWN_PACKAGES = ("numpy", "scipy", "numba", "scikit-fuzzy", "matplotlib")
 
 @dataclass(frozen=True)
 class MadeRun:
-    """A run in words: its name on a command line, wall and processor time (s), what else there is to say."""
+    """One line about a run: its name on a command line, wall and processor time (s), and a remark."""
 
     name: str
     wall_s: float | None
@@ -48,7 +48,7 @@ def making_of(command: str, flown: Flown, *, n_workers: int, wall_s: float) -> M
     n_workers : int
         Number of processes.
     wall_s : float
-        Time from the start of the command to here (s).
+        Time since the start of the command (s).
 
     """
     processes = f"{n_workers} process{'es' if n_workers != 1 else ''}"

@@ -1,4 +1,4 @@
-"""From finished runs to what the page shows: figures drawn, tables filled, claims judged."""
+"""Make the content of the page from finished runs: draw figures, fill tables, judge claims."""
 
 from __future__ import annotations
 
@@ -39,18 +39,18 @@ class Outcome:
 
     @property
     def failure(self) -> Failure | None:
-        """Why there is no content, None where there is."""
+        """The reason why there is no content, None if there is content."""
         return self.content if isinstance(self.content, Failure) else None
 
     @property
     def rows(self) -> tuple[Row, ...]:
-        """The rows of a table, none of anything else."""
+        """The rows of a table; empty for other items."""
         return self.content if isinstance(self.content, tuple) else ()
 
 
 @dataclass(frozen=True)
 class ChapterOutcome:
-    """A chapter and what came of everything in it, in its order."""
+    """A chapter and the outcomes of its items, in the chapter's order."""
 
     chapter: Chapter
     figures: tuple[Outcome, ...]
@@ -67,22 +67,22 @@ def evaluate(
     chapters: Sequence[Chapter], flown: Flown, store: Store, *, n_workers: int, tally: Tally
 ) -> tuple[ChapterOutcome, ...]:
     """
-    Draw, fill and judge everything of these chapters.
+    Make all figures, tables and claims of these chapters.
 
-    An item that raises, or one of whose runs failed, becomes a failure and touches no other.
+    An item fails if its function raises or one of its runs failed; the others are not affected.
 
     Parameters
     ----------
     chapters : sequence of Chapter
-        What is to be shown.
+        The chapters to show.
     flown : Flown
-        What came of the runs of these chapters.
+        The results of the runs of these chapters.
     store : Store
         Where the finished runs are.
     n_workers : int
         Number of processes.
     tally : Tally
-        Told of failures.
+        Receives the failures.
 
     """
     items = [item for chapter in chapters for item in chapter.items]
@@ -120,7 +120,7 @@ def evaluate(
 
 
 def _chapter_outcome(chapter: Chapter, made: Iterator[Outcome]) -> ChapterOutcome:
-    """Take what came of a chapter from what came of all, in their order."""
+    """Return the outcome of a chapter from the outcomes of all items, in their order."""
     return ChapterOutcome(
         chapter,
         tuple(next(made) for _ in chapter.figures),
@@ -133,8 +133,8 @@ def _together(items: Sequence[Item], ready: Sequence[int]) -> list[list[int]]:
     """
     Return the items that are ready, by index, in groups for one worker each.
 
-    Items of one file that need no runs make a study of their own, which they share; those come first, since a
-    study takes longer than a drawing.
+    Items of one file that need no runs share a study. These groups come first, since a study takes longer
+    than a drawing.
     """
     studies: dict[str, list[int]] = {}
     for index in ready:
@@ -148,7 +148,7 @@ def _evaluate(calls: Sequence[Call], advance: Advance) -> list[Any]:
 
 
 def name_of(item: Item) -> str:
-    """Return what an item is called: 'figure 2.6'."""
+    """Return the name of an item, such as 'figure 2.6'."""
     kind = "figure" if isinstance(item, Figure) else "table" if isinstance(item, Table) else "claim"
     return f"{kind} {item.number}"
 
@@ -156,7 +156,7 @@ def name_of(item: Item) -> str:
 def evaluate_item(
     item: Item, planned: Sequence[PlannedRun], store: Store, advance: Advance = lambda amount: None
 ) -> Content:
-    """Draw, fill or judge one item from its finished runs."""
+    """Make one item from its finished runs."""
     del advance
     runs: list[Run] = [_KeptRun(run, store) for run in planned]
     if isinstance(item, Figure):
@@ -173,7 +173,7 @@ def evaluate_item(
 
 
 class _KeptRun(Run):
-    """A run from the store; its recording is read when first looked at: many tables need metrics only."""
+    """A run from the store; its recording is read at first use, since many tables need metrics only."""
 
     def __init__(self, planned: PlannedRun, store: Store) -> None:
         for name, value in (
@@ -186,7 +186,7 @@ class _KeptRun(Run):
 
     @cached_property
     def recording(self) -> Recording:
-        """What happened."""
+        """The recording of the run."""
         recording: Recording = self.__dict__["_read"]()
         return recording
 

@@ -1,4 +1,4 @@
-"""The top of the page: how many claims hold, what could not be made, contents, all claims in short."""
+"""The top of the page: numbers of verdicts, failed items, contents, and all claims in short."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from auv_thesis.page.wording import anchor, capital, mark, place_of, text_of
 
 
 def counts(chapters: Sequence[ChapterOutcome]) -> dict[str, dict[str, int]]:
-    """Return how many claims and rows there are of each verdict, how many figures, how many failures."""
+    """Return the numbers of claims and rows by verdict, of figures, and of failures."""
     outcomes = [outcome for chapter in chapters for outcome in chapter.all]
     claims = Counter(outcome.content.holds for outcome in outcomes if isinstance(outcome.content, Verdict))
     rows = Counter(row.verdict for outcome in outcomes for row in outcome.rows)
@@ -25,7 +25,7 @@ def counts(chapters: Sequence[ChapterOutcome]) -> dict[str, dict[str, int]]:
 
 
 def failures(chapters: Sequence[ChapterOutcome]) -> str:
-    """Return the section of what could not be made, nothing where all was."""
+    """Return the section on items that could not be made, empty if there are none."""
     failed = [outcome for chapter in chapters for outcome in chapter.all if outcome.failure is not None]
     if not failed:
         return ""
@@ -35,7 +35,7 @@ def failures(chapters: Sequence[ChapterOutcome]) -> str:
         for outcome in failed
         if outcome.failure is not None
     )
-    return f"<section class='failure'><h2>What could not be made</h2><ul>\n{items}\n</ul></section>"
+    return f"<section class='failure'><h2>Items that could not be made</h2><ul>\n{items}\n</ul></section>"
 
 
 def counts_table(chapters: Sequence[ChapterOutcome]) -> str:

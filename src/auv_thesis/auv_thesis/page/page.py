@@ -1,9 +1,9 @@
 """
-The page of the reproduction: one HTML file that needs nothing else, and its content as JSON.
+The page of the reproduction: one self-contained HTML file, and its content as JSON.
 
-Figures are embedded, styles are inline, there is no script and no address to fetch from. Verdicts are told
-by words and signs as well as by shade, so that it prints in grey. Everything that comes from a chapter, a
-scenario or data is escaped.
+Figures are embedded and styles are inline. There are no scripts, and nothing is fetched from the network.
+Verdicts are shown by words and signs as well as by shade, so that the page prints in grey. All text from
+chapters, scenarios or data is escaped.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def write_page(folder: Path, chapters: Sequence[ChapterOutcome], making: Making)
     folder : Path
         Folder of the page; made if it does not exist.
     chapters : sequence of ChapterOutcome
-        What is shown, in this order.
+        The chapters to show, in this order.
     making : Making
         How it was made: command, versions, runs.
 
@@ -80,7 +80,7 @@ def page_html(chapters: Sequence[ChapterOutcome], making: Making) -> str:
 
 def _write_figures(folder: Path, chapters: Sequence[ChapterOutcome]) -> None:
     folder.mkdir(exist_ok=True)
-    for path in folder.glob("figure_*.png"):  # of an earlier call, perhaps of other chapters
+    for path in folder.glob("figure_*.png"):  # left by an earlier call, perhaps for other chapters
         path.unlink()
     for chapter in chapters:
         for outcome in chapter.figures:

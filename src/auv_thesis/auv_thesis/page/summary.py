@@ -22,7 +22,7 @@ def figure_file(figure: Figure) -> str:
 
 
 def summary_of(chapters: Sequence[ChapterOutcome], making: Making) -> dict[str, Any]:
-    """Return what the page says, without its figures' images."""
+    """Return the content of the page without the images of its figures."""
     return {
         "counts": counts(chapters),
         "chapters": {outcome.chapter.key: _chapter_summary(outcome) for outcome in chapters},

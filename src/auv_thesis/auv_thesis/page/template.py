@@ -16,8 +16,8 @@ $failures
 <section>
 <h2>In short</h2>
 <p>Each claim, table and figure of the simulations in the thesis behind this project (Sahu 2015), made again
-from our own runs. A verdict is computed from the numbers beside it; where ours disappoint, they are shown all
-the same. What the thesis does not have is numbered with a letter.</p>
+from our own runs. Each verdict is computed from the numbers beside it. Unfavourable results are shown, too.
+Items that the thesis does not have are numbered with a letter.</p>
 $counts
 </section>
 <nav aria-label="Contents">
@@ -35,12 +35,12 @@ $chapters
 <section id="how">
 <h2>How it was made</h2>
 <pre>$command</pre>
-<p>Every run behind this page is flown in one process from a scenario of this project, with the changes that
-its line names. A second call flies only what changed.</p>
+<p>Every run behind this page is flown in one process from a scenario of this project, with the changes in
+its line. A second call flies only runs that changed.</p>
 <div class="scroll">
 $versions
 </div>
-<details><summary>All runs, with the time that they took</summary>
+<details><summary>All runs, with their durations</summary>
 <div class="scroll">
 $runs
 </div>

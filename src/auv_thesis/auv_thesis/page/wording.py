@@ -1,4 +1,4 @@
-"""What items and verdicts of the page are called, and their anchors."""
+"""Names of items and verdicts on the page, and their anchors."""
 
 from __future__ import annotations
 
@@ -46,22 +46,22 @@ def capital(text: str) -> str:
 
 
 def place_of(claim: Item) -> str:
-    """Return where in the thesis a claim is; a bare number is a section's."""
+    """Return the place of a claim in the thesis; a bare number is a section."""
     return html.escape(f"Section {claim.number}" if claim.number[:1].isdigit() else claim.number)
 
 
 def text_of(item: Item) -> str:
-    """Return what a claim says, or the title of another item."""
+    """Return the text of a claim, or the title of another item."""
     return item.text if isinstance(item, Claim) else item.title
 
 
 def anchor(item: Item) -> str:
-    """Return the anchor of an item; several claims may have one number, so that their text counts too."""
+    """Return the anchor of an item; claims may share a number, so their text is part of it."""
     if isinstance(item, Claim):
         return f"claim-{slug(item.number)}-{slug(item.text)[:60]}"
     return slug(name_of(item))
 
 
 def slug(text: str) -> str:
-    """Return a text in small letters, digits and hyphens."""
+    """Return a text as lower-case letters, digits and hyphens."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")

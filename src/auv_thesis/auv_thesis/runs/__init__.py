@@ -1,1 +1,1 @@
-"""The runs of the reproduction: flown once, kept, and taken from there the next time."""
+"""The runs of the reproduction: flown once, kept, and reused by later calls."""

@@ -1,4 +1,4 @@
-"""Flies the runs that chapters need, each once, in worker processes, and keeps them for the next time."""
+"""Flies the runs that chapters need, each once, in worker processes, and keeps them for later calls."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from auv_thesis.runs.store import PlannedRun, Store, plan_run
 @dataclass
 class Flown:
     """
-    What came of a set of runs.
+    The results of a set of runs.
 
     Attributes
     ----------
     planned : dict
-        Every run that could be resolved, by its spec. Specs that resolve to one scenario have one key.
+        Every run that could be resolved, by spec. Specs that resolve to the same scenario share a key.
     failed : dict
-        What went wrong with every run that could not be resolved or flown, by its spec.
+        The failure of every run that could not be resolved or flown, by spec.
     times_s : dict
-        Wall and processor time that each run took when it was flown (s), by its key.
+        Wall and processor time of each run when it was flown (s), by key.
     kept : set of str
-        Keys of the runs that were found from an earlier call.
+        Keys of the runs that were kept from an earlier call.
 
     """
 
@@ -47,27 +47,27 @@ def fly_all(
     """
     Fly every run once, the longest first, except those that are kept from an earlier call.
 
-    A run that fails is reported and does not stop the others, unless there is no room to keep it.
+    A failed run is reported and does not stop the others, unless its result cannot be written.
 
     Parameters
     ----------
     specs : iterable of RunSpec
         Runs that are needed; equal ones count once.
     store : Store
-        Where finished runs are looked for and kept.
+        Store of finished runs.
     n_workers : int
         Number of processes.
     tally : Tally
-        Told what happens.
+        Receives progress and failures.
     is_fresh : bool
-        Fly runs that are kept, too.
+        Fly runs again even if they are kept.
 
     Raises
     ------
     WriteError
-        When a run cannot be written, as on a full disk; what is finished is kept.
+        If a run cannot be written, as on a full disk; finished runs are kept.
     WorkersError
-        When no worker process can be started.
+        If no worker process can be started.
 
     """
     flown = Flown()
@@ -103,7 +103,7 @@ def fly_all(
 
 
 def _by_key(flown: Flown) -> dict[str, PlannedRun]:
-    """Return each run once; where two specs name one run, the one that wants its recording."""
+    """Return each run once; of two specs for one run, return the one that keeps its recording."""
     by_key: dict[str, PlannedRun] = {}
     for run in flown.planned.values():
         if run.key not in by_key or run.spec.keep_recording:
@@ -112,7 +112,7 @@ def _by_key(flown: Flown) -> dict[str, PlannedRun]:
 
 
 def _kept(store: Store, runs: Iterable[PlannedRun], tally: Tally) -> set[str]:
-    """Return the keys of the runs that are there; say in one line which do not hold."""
+    """Return the keys of the runs that are kept; report in one line each run that is damaged."""
     kept: set[str] = set()
     broken: list[str] = []
     for run in runs:
@@ -140,7 +140,7 @@ def _longest_first(run: PlannedRun) -> float:
 
 
 def _fly(run: PlannedRun, store: Store, advance: Advance) -> str:
-    """Fly a run and keep it; called in a worker. Return why it cannot be kept, '' if it is."""
+    """Fly a run and keep it; called in a worker. Return why it cannot be kept, '' if it is kept."""
     from auv_experiment.metrics.run import metrics_to_json
 
     reached_s = 0.0

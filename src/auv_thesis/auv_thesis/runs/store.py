@@ -1,8 +1,8 @@
 """
-Runs on disk, each under a name that stands for everything it follows from.
+Runs on disk, each under a key that covers everything that determines it.
 
-``runs/<key>/`` holds scenario.yaml (resolved), recording.npz (where it is wanted), metrics.json and run.json.
-The key is that of `auv_experiment.run_key`: what is found under it is what a new run would give.
+``runs/<key>/`` holds scenario.yaml (resolved), recording.npz (optional), metrics.json and run.json. The key
+is that of `auv_experiment.run_key`: a new run with this key would give the same result.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _SUFFIX = ".unfinished"
 
 @dataclass(frozen=True, eq=False)
 class PlannedRun:
-    """A run resolved: its spec, its scenario, and the name of its folder."""
+    """A resolved run: its spec, its scenario, and the name of its folder."""
 
     spec: RunSpec
     scenario: Scenario
@@ -46,7 +46,7 @@ class PlannedRun:
 
 
 def plan_run(spec: RunSpec) -> PlannedRun:
-    """Resolve a run; raise ConfigError with one line where the scenario or an override is not allowed."""
+    """Resolve a run; raise ConfigError with one line if the scenario or an override is not allowed."""
     scenario = load_scenario(spec.scenario, overrides=spec.overrides, duration_s=spec.duration_s)
     return PlannedRun(spec, scenario, run_key.run_key(scenario))
 
@@ -59,12 +59,12 @@ class Store:
 
     def has(self, run: PlannedRun) -> bool:
         """
-        Tell whether the run is there, complete, with its recording if that is wanted.
+        Return whether the run is kept completely, with its recording if that is needed.
 
         Raises
         ------
         KeptError
-            When it is there, but one of its files is not what `put` wrote.
+            If the run is kept, but one of its files is not what `put` wrote.
 
         """
         folder = self.folder / run.key
@@ -75,19 +75,19 @@ class Store:
         for name, expected in checksums.items():
             path = folder / name
             if not path.is_file() or file_checksum(path) != expected:
-                raise KeptError(f"the checksum of {name} does not hold")
+                raise KeptError(f"the checksum of {name} is wrong")
         return not run.spec.keep_recording or results.RECORDING_FILE in checksums
 
     def put(
         self, run: PlannedRun, recording: Recording, metrics_json: str, *, wall_s: float, cpu_s: float
     ) -> None:
         """
-        Keep what is wanted of a finished run, and the wall and processor time that it took: all or nothing.
+        Keep a finished run and its wall and processor time, completely or not at all.
 
         Raises
         ------
         WriteError
-            When it cannot be written, as on a full disk.
+            If it cannot be written, as on a full disk.
 
         """
         folder = self.folder / run.key
@@ -115,20 +115,20 @@ class Store:
             shutil.rmtree(unfinished, ignore_errors=True)
 
     def recording(self, key: str) -> Recording:
-        """Return the recording of a run that is there; raise RecordingError where it cannot be read."""
+        """Return the recording of a kept run; raise RecordingError if it cannot be read."""
         try:
             return Recording.load(self.folder / key / results.RECORDING_FILE)
         except OSError as error:
             raise RecordingError(f"{self.folder / key}: not a recording ({error})") from None
 
     def metrics(self, key: str) -> dict[str, Any]:
-        """Return the metrics of a run that is there."""
+        """Return the metrics of a kept run."""
         text = (self.folder / key / results.METRICS_FILE).read_text(encoding="utf-8")
         metrics: dict[str, Any] = json.loads(text)
         return metrics
 
     def times_s(self, key: str) -> tuple[float, float] | None:
-        """Return the wall and the processor time that the run took when it was flown (s)."""
+        """Return the wall and processor time of the run when it was flown (s)."""
         try:
             known = read_kept(self.folder / key / _RUN_FILE, key)
             return float(known["wall_s"]), float(known["cpu_s"])
@@ -136,7 +136,7 @@ class Store:
             return None
 
     def forget_old(self) -> int:
-        """Remove runs of another source, and what runs that were interrupted left; return how many."""
+        """Remove runs of another source and remains of interrupted runs; return how many."""
         old = list(self._old())
         for folder in old:
             shutil.rmtree(folder, ignore_errors=True)
@@ -149,7 +149,7 @@ class Store:
 
 
 def _is_abandoned(folder: Path) -> bool:
-    """Tell whether the process that was writing this run is gone."""
+    """Return whether the process that was writing this run has ended."""
     _, _, process = folder.name.removesuffix(_SUFFIX).partition(".")
     return folder.name.endswith(_SUFFIX) and not Path("/proc", process).exists()
 
