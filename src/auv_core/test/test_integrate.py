@@ -4,8 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from auv_core.integrate import rk4_step
+from auv_core.integrate import put_along, put_step, rk4_step
+
+NUMBERS = st.floats(-1e3, 1e3)
 
 
 def _oscillator_error(steps):
@@ -33,3 +37,23 @@ def test_the_given_state_is_not_changed_and_the_length_is_kept():
     state = (1.0, 2.0, 3.0)
     assert len(rk4_step(lambda _t_s, y: tuple(-x for x in y), 0.0, state, 0.1)) == 3
     assert state == (1.0, 2.0, 3.0)
+
+
+@given(st.lists(st.lists(NUMBERS, min_size=3, max_size=3), min_size=1, max_size=4), st.floats(1e-3, 0.5))
+def test_arrays_are_stepped_as_tuples_are_to_the_last_bit(rows, dt_s):
+    x = np.array(rows)
+
+    def rate(values):
+        return [
+            math.sin(value) - 0.3 * other
+            for value, other in zip(values, values[1:] + values[:1], strict=True)
+        ]
+
+    by_tuple = rk4_step(lambda _t_s, y: tuple(rate(list(y))), 0.0, tuple(x.ravel().tolist()), dt_s)
+    k, there = np.zeros((4, *x.shape)), x.copy()
+    for stage, span_s in enumerate((0.0, 0.5 * dt_s, 0.5 * dt_s, dt_s)):
+        if stage:
+            put_along(x, span_s, k, stage - 1, there)
+        k[stage] = np.array(rate(there.ravel().tolist())).reshape(x.shape)
+    put_step(x, dt_s, k)
+    assert tuple(x.ravel().tolist()) == by_tuple

@@ -134,17 +134,15 @@ class Model:
         """Return the rates of nu relative to the water, turning frame included."""
         p = self.params
         m11, m22, m33, m44 = p.inertia
-        u, v, _, r = water
-        dx, dy, dz, dn = (
-            (linear + quadratic * (a if self._is_printed_drag else abs(a))) * a
-            for linear, quadratic, a in zip(p.linear_damping, p.quadratic_damping, water, strict=True)
-        )
+        u, v, w, r = water
+        (lu, lv, lw, lr), (qu, qv, qw, qr) = p.linear_damping, p.quadratic_damping
+        su, sv, sw, sr = water if self._is_printed_drag else (abs(u), abs(v), abs(w), abs(r))
         turn = 1.0 if p.coriolis else 0.0
         return (
-            (tau[0] + turn * m22 * v * r - dx) / m11,
-            (tau[1] - turn * m11 * u * r - dy) / m22,
-            (tau[2] - dz) / m33,
-            (tau[5] + turn * (m11 - m22) * u * v - dn) / m44,
+            (tau[0] + turn * m22 * v * r - (lu + qu * su) * u) / m11,
+            (tau[1] - turn * m11 * u * r - (lv + qv * sv) * v) / m22,
+            (tau[2] - (lw + qw * sw) * w) / m33,
+            (tau[5] + turn * (m11 - m22) * u * v - (lr + qr * sr) * r) / m44,
         )
 
     def normalised(self, state: State) -> State:

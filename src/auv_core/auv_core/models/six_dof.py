@@ -24,10 +24,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from auv_core.compiled import entry, fastest, inlined, inner
+from auv_core.compiled import entry, fastest, inlined
 from auv_core.drag import steady_speed_mps
 from auv_core.geometry import Quat, Vec3, clipped, quaternion_from_heading
-from auv_core.integrate import State
+from auv_core.integrate import State, rk4
 from auv_core.messages import Vec6
 from auv_core.models._hull_forces import Constants as Constants
 from auv_core.models._hull_forces import coriolis_force, damping_force, momentum
@@ -171,7 +171,7 @@ def derivative(state: State, tau: Vec6, current: Vec3, c: Constants) -> State:
     )
 
 
-@inner
+@inlined
 def _along(x: State, h: float, k: State) -> State:
     """Return x + h k."""
     return (
@@ -191,17 +191,11 @@ def normalised(x: State) -> State:
     )  # fmt: skip
 
 
-@inner
-def rk4(x: State, tau: Vec6, current: Vec3, c: Constants, dt_s: float) -> State:
-    """
-    Return a state `dt_s` later, tau held: `auv_core.integrate.rk4_step`, in the words that Numba knows.
-    """
-    k1 = derivative(x, tau, current, c)
-    k2 = derivative(_along(x, 0.5 * dt_s, k1), tau, current, c)
-    k3 = derivative(_along(x, 0.5 * dt_s, k2), tau, current, c)
-    k4 = derivative(_along(x, dt_s, k3), tau, current, c)
-    slope = _along(_along(k1, 2.0, _along(k2, 1.0, k3)), 1.0, k4)
-    return normalised(_along(x, dt_s / 6.0, slope))
+@inlined
+def _rate(t_s: float, x: State, given: tuple[Vec6, Vec3, Constants]) -> State:
+    """Return `derivative` for the wrench, current and hull given."""
+    tau, current, c = given
+    return derivative(x, tau, current, c)
 
 
 @entry("TUPLE13(TUPLE13, TUPLE6, TUPLE3, TUPLE21, float64, int64)")
@@ -209,7 +203,7 @@ def advance(x: State, tau: Vec6, current: Vec3, numbers: tuple[float, ...], dt_s
     """Return a state after so many steps of `dt_s`, tau held; `numbers` are the hull's `Constants`."""
     c = Constants(*numbers)
     for _ in range(steps):
-        x = rk4(x, tau, current, c, dt_s)
+        x = normalised(rk4(_rate, _along, 0.0, x, dt_s, (tau, current, c)))
     return x
 
 

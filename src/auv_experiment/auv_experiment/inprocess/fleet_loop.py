@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_core.compiled import entry, inlined, record
+from auv_core.integrate import put_along, put_step
 from auv_core.pairs import NEAR_PAIRS
 from auv_experiment.inprocess.hull_lanes import LANES, VEHICLE_RATES, normalise
 from auv_flocking.central import STRENGTH, Strength
@@ -34,22 +35,6 @@ SKIN = 0.1
 def lists_pairs(count: int, law: LawNumbers) -> bool:
     """Return whether a list of near pairs is worth its while: many vehicles that act on near ones only."""
     return bool(count > FEW and max(law.push_m, law.talk_m) < math.inf)
-
-
-@inlined
-def _along(state: Floats, span_s: float, k: Floats, stage: int, there: Floats) -> None:
-    """Write state + span * rates of a stage."""
-    for i in range(state.shape[0]):
-        for c in range(state.shape[1]):
-            there[i, c] = state[i, c] + span_s * k[stage, i, c]
-
-
-@inlined
-def _step(state: Floats, dt_s: float, k: Floats) -> None:
-    """Move the state on by one step, of whose stages `k` are the rates."""
-    for i in range(state.shape[0]):
-        for c in range(state.shape[1]):
-            state[i, c] += dt_s / 6.0 * (k[0, i, c] + 2.0 * (k[1, i, c] + k[2, i, c]) + k[3, i, c])
 
 
 @inlined
@@ -192,8 +177,8 @@ def fly(
         for stage in range(4):
             if stage > 0:
                 span_s = dt_s if stage == 3 else 0.5 * dt_s
-                _along(motion, span_s, k, stage - 1, there)
-                _along(centres, span_s, k_centres, stage - 1, there_centres)
+                put_along(motion, span_s, k, stage - 1, there)
+                put_along(centres, span_s, k_centres, stage - 1, there_centres)
             _put_points(there, points)
             if is_listed and _has_moved(points, listed_at, 0.5 * SKIN * reach_m):
                 first, partners = list_pairs(points, (1.0 + SKIN) * reach_m)
@@ -212,7 +197,7 @@ def fly(
                     _copy(wrenches, log.wrenches[tick])
             if step == ticks * steps:
                 return
-        _step(motion, dt_s, k)
-        _step(centres, dt_s, k_centres)
+        put_step(motion, dt_s, k)
+        put_step(centres, dt_s, k_centres)
         if columns > 3:
             normalise(count, motion)
