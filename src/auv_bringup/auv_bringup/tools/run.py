@@ -119,6 +119,7 @@ def _fly_in_process(plan: Plan, folder: Path, options: argparse.Namespace) -> in
             return fail(LOST, f"{error}; nothing is recorded")
         wall_s = time.monotonic() - start_s
     if not options.no_bag:
+        print("recording ...", file=sys.stderr, flush=True)
         recording.save(folder / results.RECORDING_FILE)
     factor = float(recording.t_s[-1]) / wall_s
     metrics = _show_results(folder, plan.scenario, recording, plan.mode, factor, options)
