@@ -17,8 +17,8 @@ from auv_bringup.launching import launcher
 from auv_bringup.launching.plan import make_plan
 from auv_bringup.tools import run as cli
 from auv_experiment import results
+from auv_experiment.figures import by_law as law_figures
 from auv_experiment.inprocess import sampled as experiment
-from auv_experiment.report import by_law as law_figures
 from auv_experiment.scenario.file import SCENARIOS_DIR
 from auv_experiment.scenario.loading import list_scenarios, load_scenario
 

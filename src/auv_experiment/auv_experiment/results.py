@@ -279,7 +279,7 @@ def write_results(
 
     figures = []
     if with_figures:
-        from auv_experiment.report.by_law import run_figures
+        from auv_experiment.figures.by_law import run_figures
 
         on_step("figures")
         figures = run_figures(recording, scenario, results_dir / FIGURES)

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from auv_control.references import circle
+from auv_experiment.figures.files import Figure
+from auv_experiment.figures.flock import draw_figures
+from auv_experiment.figures.plotting import round_step, thin_indices, wilson_interval
 from auv_experiment.recording import Recording
-from auv_experiment.report.figure import Figure
-from auv_experiment.report.flock import draw_figures
-from auv_experiment.report.plotting import round_step, thin_indices, wilson_interval
 
 ALL = [
     "plan",

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from auv_core.messages import Outcome
+from auv_experiment.figures.acoustics import acoustics_figures
+from auv_experiment.figures.by_law import run_drawers
+from auv_experiment.figures.files import Figure
 from auv_experiment.recording import Recording
-from auv_experiment.report.acoustics import acoustics_figures
-from auv_experiment.report.by_law import run_drawers
-from auv_experiment.report.figure import Figure
 
 OF_ESTIMATES = ["packet_delivery", "estimate_error"]
 ALL = [
@@ -137,8 +137,8 @@ def test_equal_runs_give_equal_files(tmp_path: Path) -> None:
 @pytest.mark.parametrize("follows", ["velocity", "region", "path"])
 def test_the_figures_of_every_run_end_with_those_of_its_network(monkeypatch: Any, follows: str) -> None:
     for name in ("flock_drawers", "region_drawers", "path_drawers"):
-        monkeypatch.setattr(f"auv_experiment.report.by_law.{name}", lambda *_, **__: {"of the law": None})
-    monkeypatch.setattr("auv_experiment.report.by_law.acoustics_drawers", lambda _: {"of the network": None})
+        monkeypatch.setattr(f"auv_experiment.figures.by_law.{name}", lambda *_, **__: {"of the law": None})
+    monkeypatch.setattr("auv_experiment.figures.by_law.acoustics_drawers", lambda _: {"of the network": None})
     scenario: Any = SimpleNamespace(follows=follows)
     figures = list(run_drawers(talking_fleet(2, 4), scenario))
     assert figures[0] == "of the law"

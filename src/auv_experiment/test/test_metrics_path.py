@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from auv_control.references import PathPoint
+from auv_experiment.figures.path import path_figures
 from auv_experiment.metrics.path import (
     heading_rad,
     path_metrics,
@@ -15,7 +16,6 @@ from auv_experiment.metrics.path import (
     velocity_ned_mps,
 )
 from auv_experiment.recording import Recording
-from auv_experiment.report.path import path_figures
 
 DECAY_S, PERIOD_S = 5.0, 0.1
 ROCK = SimpleNamespace(position_ned_m=(6.0, 2.0, 0.0), safety_distance_m=1.0)

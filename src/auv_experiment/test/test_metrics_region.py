@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
+from auv_experiment.figures.region import region_figures
 from auv_experiment.metrics.region import region_metrics, ring_of
 from auv_experiment.recording import Recording
-from auv_experiment.report.region import region_figures
 from auv_experiment.scenario.loading import load_scenario
 
 SCENARIO = load_scenario("ch4_region", overrides=["period_s=1.0", "dt_s=0.1"])

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from auv_experiment.figures.files import Figure
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.recording import Recording
-from auv_experiment.report.figure import Figure
 from auv_experiment.report.report import write_report
 
 HOSTILE = '<script>alert("1")</script> & <img src=x onerror=alert(1)> $title ${facts}'

@@ -16,7 +16,7 @@ file imports from another file of its chapter counts once.
 1. A `RunSpec` names a run: a scenario and its changes. Equal ones are flown once.
 2. The functions get the finished runs in the order of `runs`. They fly nothing and keep nothing.
 3. Every number, verdict and piece of evidence comes from the runs; only what the thesis prints is typed in.
-4. `draw` gets an empty Matplotlib figure in the style of `auv_experiment.report.plotting`; the axes are the
+4. `draw` gets an empty Matplotlib figure in the style of `auv_experiment.figures.plotting`; the axes are the
    thesis's.
 5. Studies of many seeds (`RunSpec.nth`) get the runs of the requested number of seeds only; their functions
    look at `run.spec`. A study that flies no scenario is a function with `functools.cache`: one worker makes

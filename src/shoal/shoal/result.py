@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from auv_experiment.report.figure import Drawer
+    from auv_experiment.figures.files import Drawer
     from shoal.scenario import Scenario
 
 
@@ -77,7 +77,7 @@ class Result:
 
     @cached_property
     def _drawers(self) -> dict[str, Drawer]:
-        from auv_experiment.report.by_law import run_drawers
+        from auv_experiment.figures.by_law import run_drawers
 
         return run_drawers(self.recording, self.scenario)
 
@@ -113,7 +113,7 @@ class Result:
         'distance between hull centres (m)'
 
         """
-        from auv_experiment.report.figure import draw_in_style
+        from auv_experiment.figures.files import draw_in_style
 
         if name not in self._drawers:
             raise ConfigError(f"figure: {shown(name)} is not allowed; allowed: {', '.join(self._drawers)}")

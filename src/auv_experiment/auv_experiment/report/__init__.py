@@ -1,1 +1,1 @@
-"""Figures of a run, and the page that shows them with its metrics."""
+"""The page that shows a run: verdicts, figures, metrics."""

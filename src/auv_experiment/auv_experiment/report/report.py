@@ -28,7 +28,7 @@ from auv_experiment.report.template import PAGE
 from auv_experiment.report.verdicts import verdicts
 
 if TYPE_CHECKING:
-    from auv_experiment.report.figure import Figure
+    from auv_experiment.figures.files import Figure
     from auv_experiment.scenario.schema import Scenario
 
 REPORT_FILE = "report.html"

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student_t
 
+from auv_experiment.figures.plotting import wilson_interval
 from auv_experiment.recording import FloatArray
-from auv_experiment.report.plotting import wilson_interval
 
 CONFIDENCE = 0.95
 

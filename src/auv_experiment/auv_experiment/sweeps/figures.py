@@ -18,8 +18,8 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 from auv_core.machine.whole_files import whole_file
+from auv_experiment.figures.plotting import STYLE, colour, legend_below, marker, vehicle_style
 from auv_experiment.metrics.descriptions import Meaning, shown_metrics
-from auv_experiment.report.plotting import STYLE, colour, legend_below, marker, vehicle_style
 from auv_experiment.sweeps.confidence import Summary, distribution_band
 from auv_experiment.sweeps.study import is_number, value_text
 from auv_experiment.sweeps.summary import Group, groups_by, metric_of

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from auv_experiment.report.plotting import legend_below, vehicle_style
+from auv_experiment.figures.plotting import legend_below, vehicle_style
 from auv_flocking.neighbours.table import NeighbourConfig
 from auv_thesis.acoustics.estimation_runs import (
     BAR,

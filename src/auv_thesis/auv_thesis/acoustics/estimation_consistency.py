@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from auv_experiment.report.plotting import legend_below, vehicle_style
+from auv_experiment.figures.plotting import legend_below, vehicle_style
 from auv_flocking.neighbours.synthetic_neighbour import Setting, fly
 from auv_flocking.neighbours.table import NeighbourConfig, NeighbourTable
 from auv_flocking.report import Report

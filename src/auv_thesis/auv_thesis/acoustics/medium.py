@@ -21,7 +21,7 @@ from scipy.stats import binom, binomtest
 import auv_sim.acoustics
 from auv_core.messages import Outcome
 from auv_core.params import load
-from auv_experiment.report.plotting import colour, marker
+from auv_experiment.figures.plotting import colour, marker
 from auv_sim.acoustics import water
 from auv_sim.acoustics.event_log import half_duplex_violations
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig

@@ -24,8 +24,8 @@ import yaml
 from matplotlib.figure import Figure as Canvas
 
 from auv_core.messages import AcousticEvent, Outcome
+from auv_experiment.figures.plotting import marker, vehicle_style
 from auv_experiment.recording import acoustic_log
-from auv_experiment.report.plotting import marker, vehicle_style
 from auv_sim.acoustics.event_log import half_duplex_violations
 from auv_sim.acoustics.medium import AcousticMedium
 from auv_sim.acoustics.talk import talk

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
+from auv_experiment.figures.plotting import colour, plot_thinned, vehicle_style
 from auv_experiment.recording import FloatArray
-from auv_experiment.report.plotting import colour, plot_thinned, vehicle_style
 from auv_thesis.ch2.runs import (
     APD,
     APD_OBSTACLES,

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
+from auv_experiment.figures.plotting import legend_below
+from auv_experiment.figures.region import plot_tracks_in_space, vehicle_handles
 from auv_experiment.metrics import region as metrics_region
 from auv_experiment.metrics.distances import vehicle_pairs
-from auv_experiment.report.plotting import legend_below
-from auv_experiment.report.region import plot_tracks_in_space, vehicle_handles
 from auv_thesis.items import (
     AGREES,
     DIFFERS,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from auv_experiment.report.plotting import vehicle_style
+from auv_experiment.figures.plotting import vehicle_style
 from auv_flocking.mamdani import SETS, Peaks
 from auv_thesis.ch4_6.ch5_claims import judge_potential
 from auv_thesis.ch4_6.ch5_tables import NEAR_RATIO, flock_rows, marker_row, seconds, settled_m

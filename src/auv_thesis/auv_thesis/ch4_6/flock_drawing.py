@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
+from auv_experiment.figures.plotting import legend_below, plot_thinned, vehicle_style
 from auv_experiment.metrics.distances import pair_distances_m, path_ned_m, vehicle_pairs
-from auv_experiment.report.plotting import legend_below, plot_thinned, vehicle_style
 from auv_thesis.items import Run
 
 Limits = tuple[float, float]

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
+from auv_experiment.figures.plotting import colour, legend_below, marker
 from auv_experiment.metrics import path as metrics_path
 from auv_experiment.metrics.distances import obstacle_distances_m
-from auv_experiment.report.plotting import colour, legend_below, marker
 from auv_thesis.items import (
     DOES_NOT_HOLD,
     HOLDS,

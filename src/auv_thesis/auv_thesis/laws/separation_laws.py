@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
+from auv_experiment.figures.plotting import vehicle_style
 from auv_experiment.metrics.distances import pair_distances_m
-from auv_experiment.report.plotting import vehicle_style
 from auv_thesis.ch4_6.flock_drawing import distance_panels, legend_of
 from auv_thesis.items import (
     DOES_NOT_HOLD,

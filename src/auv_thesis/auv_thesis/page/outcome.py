@@ -14,7 +14,7 @@ from matplotlib.figure import Figure as Canvas
 from auv_core.cli.tally import Tally
 from auv_core.machine.failure import Failure
 from auv_core.machine.workers import Advance, Call, attempt, spread
-from auv_experiment.report.plotting import STYLE
+from auv_experiment.figures.plotting import STYLE
 from auv_thesis.items import Chapter, Figure, Item, Row, Run, Table, Verdict, function_of
 
 if TYPE_CHECKING:

@@ -16,11 +16,8 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 
-from auv_experiment.metrics import path as metrics_path
-from auv_experiment.metrics.distances import flock_positions_ned_m
-from auv_experiment.recording import FloatArray, Recording
-from auv_experiment.report.figure import WIDTH_IN, Drawer, Drawing, Figure, save_figures
-from auv_experiment.report.plotting import (
+from auv_experiment.figures.files import WIDTH_IN, Drawer, Drawing, Figure, save_figures
+from auv_experiment.figures.plotting import (
     legend_below,
     mark,
     plot_obstacle,
@@ -29,6 +26,9 @@ from auv_experiment.report.plotting import (
     span_time,
     vehicle_style,
 )
+from auv_experiment.metrics import path as metrics_path
+from auv_experiment.metrics.distances import flock_positions_ned_m
+from auv_experiment.recording import FloatArray, Recording
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario

@@ -15,11 +15,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from auv_experiment.figures.files import Drawer, Figure, save_figures
+from auv_experiment.figures.flock_histories import HISTORY_DRAWERS
+from auv_experiment.figures.flock_run import FlockRun
+from auv_experiment.figures.flock_tracks import TRACK_DRAWERS
 from auv_experiment.recording import Recording
-from auv_experiment.report.figure import Drawer, Figure, save_figures
-from auv_experiment.report.flock_histories import HISTORY_DRAWERS
-from auv_experiment.report.flock_run import FlockRun
-from auv_experiment.report.flock_tracks import TRACK_DRAWERS
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario

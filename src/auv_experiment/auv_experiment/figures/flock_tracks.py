@@ -10,10 +10,9 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from auv_experiment.recording import FloatArray
-from auv_experiment.report.figure import WIDTH_IN, Drawing
-from auv_experiment.report.flock_run import FlockRun, path_handle, vehicle_handles
-from auv_experiment.report.plotting import (
+from auv_experiment.figures.files import WIDTH_IN, Drawing
+from auv_experiment.figures.flock_run import FlockRun, path_handle, vehicle_handles
+from auv_experiment.figures.plotting import (
     MAX_COLUMNS,
     colour,
     equal_box,
@@ -26,6 +25,7 @@ from auv_experiment.report.plotting import (
     round_step,
     vehicle_style,
 )
+from auv_experiment.recording import FloatArray
 
 
 def _draw_plan(run: FlockRun) -> Drawing | None:

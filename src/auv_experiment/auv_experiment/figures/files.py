@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import matplotlib
 from matplotlib.figure import Figure as Canvas
 
-from auv_experiment.report.plotting import STYLE, save_canvas
+from auv_experiment.figures.plotting import STYLE, save_canvas
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario

@@ -17,11 +17,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
 from auv_control.region import Ring
-from auv_experiment.metrics import region as metrics_region
-from auv_experiment.metrics.distances import pair_distances_m, vehicle_pairs
-from auv_experiment.recording import FloatArray, Recording
-from auv_experiment.report.figure import WIDTH_IN, Drawer, Drawing, Figure, save_figures
-from auv_experiment.report.plotting import (
+from auv_experiment.figures.files import WIDTH_IN, Drawer, Drawing, Figure, save_figures
+from auv_experiment.figures.plotting import (
     band_handle,
     colour,
     equal_box,
@@ -34,6 +31,9 @@ from auv_experiment.report.plotting import (
     span_time,
     vehicle_style,
 )
+from auv_experiment.metrics import region as metrics_region
+from auv_experiment.metrics.distances import pair_distances_m, vehicle_pairs
+from auv_experiment.recording import FloatArray, Recording
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario

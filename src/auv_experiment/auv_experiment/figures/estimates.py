@@ -13,11 +13,8 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from auv_experiment.metrics import acoustics as metrics_acoustics
-from auv_experiment.metrics.neighbours import neighbour_error_ned_m, neighbour_sigma_m
-from auv_experiment.recording import FloatArray, IntArray, Recording
-from auv_experiment.report.figure import MAX_LINES, WIDTH_IN, Drawing
-from auv_experiment.report.plotting import (
+from auv_experiment.figures.files import MAX_LINES, WIDTH_IN, Drawing
+from auv_experiment.figures.plotting import (
     legend_below,
     log_scale,
     marker,
@@ -27,6 +24,9 @@ from auv_experiment.report.plotting import (
     two_sigma_handle,
     vehicle_style,
 )
+from auv_experiment.metrics import acoustics as metrics_acoustics
+from auv_experiment.metrics.neighbours import neighbour_error_ned_m, neighbour_sigma_m
+from auv_experiment.recording import FloatArray, IntArray, Recording
 
 ZOOM_S = 30.0
 _MOST_WINDOWS = 150

@@ -19,12 +19,12 @@ from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from auv_core.messages import Outcome
+from auv_experiment.figures.estimates import ESTIMATE_DRAWERS
+from auv_experiment.figures.files import WIDTH_IN, Drawer, Drawing, Figure, save_figures
+from auv_experiment.figures.plotting import legend_below, wilson_interval
 from auv_experiment.metrics import acoustics as metrics_acoustics
 from auv_experiment.metrics.links import link_counts
 from auv_experiment.recording import IntArray, Recording
-from auv_experiment.report.estimates import ESTIMATE_DRAWERS
-from auv_experiment.report.figure import WIDTH_IN, Drawer, Drawing, Figure, save_figures
-from auv_experiment.report.plotting import legend_below, wilson_interval
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario

@@ -8,16 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from auv_experiment.metrics.distances import (
-    centroid_path_error_m,
-    consensus_error_m,
-    pair_distances_m,
-    vehicle_pairs,
-)
-from auv_experiment.recording import FloatArray
-from auv_experiment.report.figure import MAX_LINES, WIDTH_IN, Drawing
-from auv_experiment.report.flock_run import FlockRun
-from auv_experiment.report.plotting import (
+from auv_experiment.figures.files import MAX_LINES, WIDTH_IN, Drawing
+from auv_experiment.figures.flock_run import FlockRun
+from auv_experiment.figures.plotting import (
     band_handle,
     legend_below,
     log_scale,
@@ -26,6 +19,13 @@ from auv_experiment.report.plotting import (
     span_time,
     vehicle_style,
 )
+from auv_experiment.metrics.distances import (
+    centroid_path_error_m,
+    consensus_error_m,
+    pair_distances_m,
+    vehicle_pairs,
+)
+from auv_experiment.recording import FloatArray
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario

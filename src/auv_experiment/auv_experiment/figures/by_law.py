@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from auv_experiment.figures.acoustics import acoustics_drawers
+from auv_experiment.figures.files import Drawer, Figure, save_figures
+from auv_experiment.figures.flock import flock_drawers
+from auv_experiment.figures.path import path_drawers
+from auv_experiment.figures.region import region_drawers
 from auv_experiment.recording import Recording
-from auv_experiment.report.acoustics import acoustics_drawers
-from auv_experiment.report.figure import Drawer, Figure, save_figures
-from auv_experiment.report.flock import flock_drawers
-from auv_experiment.report.path import path_drawers
-from auv_experiment.report.region import region_drawers
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario

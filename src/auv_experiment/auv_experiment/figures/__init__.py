@@ -1,0 +1,1 @@
+"""Figures of a run, all from its recording."""
