@@ -9,6 +9,7 @@ from auv_control.controllers import VelocityReference
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
 from auv_core.messages import Command, VehicleState
+from auv_flocking.consensus import centres_within
 from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View
 from auv_flocking.neighbours.estimates import Estimates, NeighbourEstimate, Positions
 
@@ -70,18 +71,18 @@ class FlockTask:
         numbers: tuple[float, ...] = self._consensus.shared()
         return numbers
 
-    def velocity(self, path: PathPoint, position: Vec3, centre: Vec3, neighbours: tuple[Vec3, ...]) -> Vec3:
+    def rates(
+        self, path: PathPoint, position: Vec3, centre: Vec3, others: Sequence[tuple[Vec3, Vec3]]
+    ) -> tuple[Vec3, Vec3]:
         """
-        Return what the flocking law asks (m/s; NED) of this vehicle at `position`, with its present flock
-        velocity.
+        Return what the law asks of this vehicle and the rate of its estimate of the centre (m/s; NED).
+
+        The law and the filter of a `step`, at one instant of continuous time: the caller keeps the estimate
+        `centre` (m; NED), and `others` are the positions and the estimates of all others (m; NED).
         """
         flock = self.flock_velocity.velocity
-        velocity: Vec3 = self._law.velocity(View(position, centre, flock, neighbours, self._obstacles, path))
-        return velocity
-
-    def consensus_rate(self, position: Vec3, centre: Vec3, neighbour_centres: list[Vec3]) -> Vec3:
-        """Return the rate of the flocking-centre estimate (m/s; NED)."""
-        rate: Vec3 = self._consensus.derivative(
-            position, centre, neighbour_centres, self.flock_velocity.velocity
-        )
-        return rate
+        positions = tuple([place for place, _ in others])
+        velocity: Vec3 = self._law.velocity(View(position, centre, flock, positions, self._obstacles, path))
+        heard = centres_within(self._consensus.reach_m, position, others)
+        rate: Vec3 = self._consensus.derivative(position, centre, heard, flock)
+        return velocity, rate

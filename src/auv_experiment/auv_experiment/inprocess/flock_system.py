@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
 from auv_control.controllers import VelocityReference
-from auv_core.geometry import Vec3, distance
+from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Vec6
 from auv_core.plugins import find_plugin
@@ -87,9 +86,6 @@ class FlockSystem:
         self._tasks = [agent.task for agent in agents if isinstance(agent.task, FlockTask)]
         self._paths: list[Any] = [scenario.reference_of(index) for index in range(len(agents))]
         self._current = scenario.environment.current_ned_mps
-        consensus = scenario.agent.consensus
-        reach_m = None if consensus is None else getattr(consensus.params, "reach_m", None)
-        self._reach_m = math.inf if reach_m is None else reach_m
         self._vehicles = _vehicles(scenario)
         starts = [vehicle.start for vehicle in self._vehicles]
         self._size = len(starts[0])
@@ -132,19 +128,14 @@ class FlockSystem:
     def _rates(
         self, t_s: float, vehicles: list[State], centres: list[Vec3]
     ) -> tuple[list[VelocityReference], list[Vec3]]:
-        positions = [(state[0], state[1], state[2]) for state in vehicles]
+        points = [(state[0], state[1], state[2]) for state in vehicles]
+        known = list(zip(points, centres, strict=True))
         references, rates = [], []
         for index, task in enumerate(self._tasks):
-            path, own = self._paths[index].at(t_s), positions[index]
-            others = (*positions[:index], *positions[index + 1 :])
-            velocity = task.velocity(path, own, centres[index], others)
+            path, others = self._paths[index].at(t_s), [*known[:index], *known[index + 1 :]]
+            velocity, rate = task.rates(path, points[index], centres[index], others)
             references.append(VelocityReference(velocity, path.heading_rad))
-            heard = [
-                centre
-                for other, centre in enumerate(centres)
-                if other != index and distance(own, positions[other]) < self._reach_m
-            ]
-            rates.append(task.consensus_rate(own, centres[index], heard))
+            rates.append(rate)
         return references, rates
 
 

@@ -15,16 +15,18 @@ To add one, write one file with ``Params`` and ``Consensus(params, fleet_size)``
   period in which a packet is handed to the modem.
 
 A filter that can run in continuous time has, besides, ``derivative(own, centre, neighbour_centres,
-flock_velocity) -> Vec3``, the rate of an estimate that the caller keeps.  Where a filter looks at the flock's
+flock_velocity) -> Vec3``, the rate of an estimate that the caller keeps, and ``reach_m``, the distance from
+which on it hears no neighbour (m; inf for none).  Where a filter looks at the flock's
 velocity, ``Params`` says so with a property ``uses_flock_velocity``: packets carry it, so such a filter is
 refused in continuous time.  The file's name is its ``kind``.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from auv_core.geometry import Vec3
+from auv_core.geometry import Vec3, distance
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,3 +46,8 @@ class Heard:
     centre: Vec3
     flock_velocity: Vec3
     shared: tuple[float, ...]
+
+
+def centres_within(reach_m: float, own: Vec3, others: Sequence[tuple[Vec3, Vec3]]) -> list[Vec3]:
+    """Return the estimates of the others within `reach_m` (m); others are (position, estimate) (m; NED)."""
+    return [centre for position, centre in others if distance(own, position) < reach_m]

@@ -24,10 +24,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from auv_core.compiled import inlined
-from auv_core.geometry import Vec3, distance
+from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
-from auv_flocking.consensus import Heard
+from auv_flocking.consensus import Heard, centres_within
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Consensus:
     def advance(self, own: Vec3, heard: Sequence[Heard], flock_velocity: Vec3, dt_s: float) -> Vec3:
         """Move the estimate on by `dt_s`; return the rate to carry it on with (m/s; NED)."""
         centre = self.centre(own, heard)
-        centres = [other.centre for other in heard if distance(own, other.position) < self.reach_m]
+        centres = centres_within(self.reach_m, own, [(other.position, other.centre) for other in heard])
         rate = self.derivative(own, centre, centres, flock_velocity)
         self._centre = self.step(own, centre, centres, flock_velocity, dt_s)
         if self._states_own_rate:
