@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,8 +15,10 @@ import yaml
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from auv_bag.columns import Batch, ColumnReader
 from auv_bag.mcap_scan import McapScan, messages_in_time_order
 from auv_bag.metadata import METADATA_FILE
+from auv_bag.rows import message_rows
 from auv_bag.writer import BagError
 
 _YAML_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, where it was built
@@ -93,7 +96,6 @@ class Bag:
         self._files = [McapScan(path) for path in paths]
         self.complete = all(file.complete for file in self._files)
         self.topics = self._find_topics()
-        self._typestore: Typestore | None = None
 
     def messages(self, topics: Collection[str] | None = None, start_ns: int = 0) -> Iterator[RecordedMessage]:
         """Yield messages in order of time, equal times in recorded order.
@@ -110,6 +112,22 @@ class Bag:
             schema = file.schemas[channel.schema_id]
             yield RecordedMessage(message.time_ns, channel.topic, schema.name, message.data)
 
+    def columns(self, topics: Collection[str]) -> Iterator[tuple[str, Iterator[Batch], int]]:
+        """Yield messages by the column: their topic, batches of them, and their number with malformed ones.
+
+        They come in the order of the files. Each batch tells the order in which its messages were recorded.
+
+        Parameters
+        ----------
+        topics
+            Names to keep.
+        """
+        readers: dict[str, ColumnReader] = {}
+        for rows in message_rows(self._files, topics):
+            if rows.topic not in readers:
+                readers[rows.topic] = ColumnReader(self._types, rows.type_name)
+            yield rows.topic, readers[rows.topic].read(rows), len(rows.data)
+
     def span_ns(self) -> tuple[int, int]:
         """Return the first and the last time in the bag (ns); (0, 0) for an empty one."""
         blocks = [b for file in self._files for b in file.blocks() if b.first_ns <= b.last_ns]
@@ -120,14 +138,16 @@ class Bag:
     def decode(self, message: RecordedMessage) -> Any:
         """Return a message as an object with the fields of its definition."""
         try:
-            if self._typestore is None:
-                self._typestore = _typestore(self.topics.values())
-            return self._typestore.deserialize_cdr(message.data, message.type_name)
+            return self._types.deserialize_cdr(message.data, message.type_name)
         except Exception as error:  # the library has no word of its own for bytes that are no message
             reason = " ".join(str(error).split())
             raise BagError(
                 f"{self.folder}: a message of {message.topic} cannot be decoded ({reason})"
             ) from None
+
+    @cached_property
+    def _types(self) -> Typestore:
+        return _typestore(self.topics.values())
 
     def _find_topics(self) -> dict[str, RecordedTopic]:
         """Collect the topics of all files."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import mmap
 import struct
+from array import array
 from bisect import bisect_right
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -28,8 +29,11 @@ from auv_bag.writer import BagError
 MAGIC = b"\x89MCAP0\r\n"
 RECORD_HEAD = struct.Struct("<BQ")
 _MESSAGE_HEAD = struct.Struct("<HIQQ")
+_CHANNEL_ID = struct.Struct("<H")
 _TIME_SPAN = struct.Struct("<QQ")
 _NEVER_NS = 2**64
+_TAKEN = frozenset({Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.CHUNK, Opcode.MESSAGE})
+"""Records outside chunks that tell something; a chunk is followed by an index for each of its channels."""
 MOST_CHUNK_BYTES = 1_000_000_000
 
 
@@ -109,12 +113,33 @@ class McapScan:
         topics
             Names to keep; None keeps all.
         """
+        buffer, places = self.message_places(block)
+        messages = []
+        for start, stop in zip(places[::2], places[1::2], strict=True):
+            channel_id, _, time_ns, _ = _MESSAGE_HEAD.unpack_from(buffer, start)
+            channel = self.channels[channel_id]
+            if topics is None or channel.topic in topics:
+                messages.append(ScannedMessage(time_ns, channel, buffer[start + _MESSAGE_HEAD.size : stop]))
+        return messages
+
+    def message_places(self, block: _Block) -> tuple[bytes, array[int]]:
+        """
+        Return the bytes of a block, and where in them each message begins, with its head, and ends.
+
+        Begin and end of one message are followed by those of the next. Channels in the block are learned.
+
+        Raises
+        ------
+        BagError
+            Where the block is damaged, or has a message of a channel that the file does not name.
+
+        """
         with self._damage_reported(block.start):
             body = self._bytes[block.start : block.stop]
             if block.opcode == Opcode.MESSAGE:
-                return list(self._select(body, [(block.opcode, 0, len(body))], topics))
+                return body, self._learn_and_place(body, [(block.opcode, 0, len(body))])
             data = _unpack(body)
-            return list(self._select(data, records_of(data, 0, len(data)), topics))
+            return data, self._learn_and_place(data, records_of(data, 0, len(data)))
 
     def _walk(self) -> None:
         """Go over the records outside chunks, to the footer or to where the file breaks off."""
@@ -122,6 +147,8 @@ class McapScan:
             if opcode == Opcode.FOOTER:
                 self.complete = self._bytes[stop : stop + len(MAGIC)] == MAGIC
                 return
+            if opcode not in _TAKEN:
+                continue
             with self._damage_reported(start):
                 self._take_record(opcode, start, stop)
 
@@ -142,18 +169,19 @@ class McapScan:
         else:
             self._learn(opcode, self._bytes[start:stop])
 
-    def _select(
-        self, buffer: bytes, records: Iterable[tuple[int, int, int]], topics: Collection[str] | None
-    ) -> Iterator[ScannedMessage]:
-        """Yield the wanted messages among some records."""
+    def _learn_and_place(self, buffer: bytes, records: Iterable[tuple[int, int, int]]) -> array[int]:
+        """Return where the messages among some records are, and learn from the others."""
+        places = array("q")
         for opcode, start, stop in records:
             if opcode != Opcode.MESSAGE:
                 self._learn(opcode, buffer[start:stop])
                 continue
-            channel_id, _, time_ns, _ = _MESSAGE_HEAD.unpack_from(buffer, start)
-            channel = self.channels[channel_id]
-            if topics is None or channel.topic in topics:
-                yield ScannedMessage(time_ns, channel, buffer[start + _MESSAGE_HEAD.size : stop])
+            (channel_id,) = _CHANNEL_ID.unpack_from(buffer, start)
+            if channel_id not in self.channels or stop - start < _MESSAGE_HEAD.size:
+                raise ValueError(f"a message of {stop - start} bytes on channel {channel_id}")
+            places.append(start)
+            places.append(stop)
+        return places
 
     def _learn(self, opcode: int, body: bytes) -> None:
         """Remember a schema or a channel."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -243,22 +243,6 @@ def acoustic_log(recording: Recording) -> list[AcousticEvent]:
             recording.events.tolist(), recording.event_values.tolist(), strict=True
         )
     ]
-
-
-def law_states(
-    states: Mapping[tuple[int, int], Sequence[float]], n_ticks: int, n_vehicles: int
-) -> FloatArray:
-    """
-    Return `Recording.law_state` from what the laws remembered, by tick and vehicle index.
-
-    Rows are NaN where nothing is given, and filled up with NaN to the length of the longest.
-    """
-    size = max((len(state) for state in states.values()), default=0)
-    table = np.full((n_ticks, n_vehicles, size), np.nan)
-    for (tick, index), state in states.items():
-        if tick < n_ticks:
-            table[tick, index, : len(state)] = state
-    return table
 
 
 def _check_size(path: Path) -> None:
