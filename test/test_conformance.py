@@ -17,7 +17,6 @@ from auv_core.messages import VehicleState, VelocityCommand, Wrench
 from auv_core.params import ConfigError, dump, load, load_section
 from auv_core.plugins import find_plugin, list_plugins
 from auv_flocking.codec import Field, Layout
-from auv_flocking.consensus import Heard
 from auv_flocking.flocking import NOTHING_HEARD, View
 from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.report import Report, ReportError
@@ -67,7 +66,7 @@ class _Inputs:
 
     def assert_unchanged(self):
         for value, before in self._given:
-            assert value == before
+            assert repr(value) == repr(before)
 
 
 def _fly_model(module, params, inputs):
@@ -186,7 +185,10 @@ def _use_consensus(module, params, inputs):
     for tick in range(20):
         own = inputs.kept(tuple(x + 0.01 for x in own))
         heard = inputs.kept([
-            Heard(address, 0.1 * (tick // 4), 0.1 * (tick % 4), own, own, (0.1, 0.0, 0.0), held)
+            NeighbourEstimate(
+                address, own, own, np.eye(6), 0.1 * (tick % 4), own, (0.1, 0.0, 0.0),
+                time_s=0.1 * (tick // 4), shared=held,
+            )
             for address in range(2, 2 + min(tick // 5, 3))
         ])  # fmt: skip
         centre = consensus.centre(own, heard)

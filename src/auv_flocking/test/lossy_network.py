@@ -5,9 +5,10 @@ import random
 import numpy as np
 
 from auv_flocking.codec import Layout
-from auv_flocking.consensus import Heard
+from auv_flocking.neighbours.estimates import NeighbourEstimate
 
 STILL = (0.0, 0.0, 0.0)
+NOTHING = np.zeros((6, 6))
 
 
 class Network:
@@ -72,8 +73,15 @@ def _heard(source, packet, t_s, velocity):
     time_s, position, centre, rate, flock_velocity, shared = packet
     age_s = t_s - time_s
     position, centre = _carried(position, velocity, age_s), _carried(centre, rate, age_s)
-    return Heard(source + 1, time_s, age_s, position, centre, flock_velocity, shared)
+    return heard_estimate(
+        source + 1, position, centre, age_s=age_s, flock_velocity=flock_velocity, time_s=time_s, shared=shared
+    )
 
 
 def _carried(point, rate, age_s):
     return tuple(p + age_s * r for p, r in zip(point, rate, strict=True))
+
+
+def heard_estimate(address, position, centre, *, age_s=0.0, flock_velocity=STILL, **known):
+    """Return the estimate of a neighbour, of which a consensus filter looks at nothing else."""
+    return NeighbourEstimate(address, position, STILL, NOTHING, age_s, centre, flock_velocity, **known)

@@ -2,16 +2,15 @@
 
 import numpy as np
 import pytest
-from lossy_network import Network
+from lossy_network import Network, heard_estimate
 
-from auv_flocking.consensus import Heard
 from auv_flocking.consensus.neighbour_mean import Consensus, Params
 
 FOUR = [(0.0, 0.0, 10.0), (8.0, -3.0, 12.0), (-6.0, 9.0, 9.0), (3.0, 2.0, 15.0)]
 
 
 def _heard(position):
-    return Heard(2, 0.0, 0.0, position, (9.0, 9.0, 9.0), (0.0, 0.0, 0.0), ())
+    return heard_estimate(2, position, (9.0, 9.0, 9.0))
 
 
 def test_it_is_the_mean_of_the_own_position_and_those_heard():

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lossy_network import Network
+from lossy_network import Network, heard_estimate
 
 from auv_flocking.codec import Layout
-from auv_flocking.consensus import Heard, push_sum
+from auv_flocking.consensus import push_sum
 from auv_flocking.consensus.push_sum import Consensus, Params
 
 POINTS = st.tuples(*[st.floats(-50.0, 50.0)] * 3)
@@ -82,10 +82,14 @@ def test_what_is_missed_for_long_comes_with_the_next_packet():
     other.centre(there, [])
     for _ in range(30):
         sums = one.shared()
-    estimate = other.centre(there, [Heard(1, 30.0, 0.0, here, here, there, sums)])
+    estimate = other.centre(
+        there, [heard_estimate(1, here, here, age_s=0.0, flock_velocity=there, time_s=30.0, shared=sums)]
+    )
     given = 1.0 - 0.5
     assert estimate[0] == pytest.approx(40.0 * given / (1.0 + given), abs=1e-3)
-    again = other.centre(there, [Heard(1, 30.0, 1.0, here, here, there, sums)])
+    again = other.centre(
+        there, [heard_estimate(1, here, here, age_s=1.0, flock_velocity=there, time_s=30.0, shared=sums)]
+    )
     assert again == estimate, "a packet that was taken counts no more"
 
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lossy_network import Network
+from lossy_network import Network, heard_estimate
 
 from auv_core.integrate import rk4_step
-from auv_flocking.consensus import Heard
 from auv_flocking.consensus.thesis import Consensus, Params
 
 MODERATE = settings(max_examples=50, deadline=None)
@@ -127,7 +126,7 @@ def test_following_the_flock_takes_the_lag_away():
 def test_centre_and_advance_are_derivative_and_step(own, others, flock, rate, follow):
     """To the last bit, period after period; the estimate starts at the own position."""
     law = Consensus(Params(rate_ps=rate, follow_flock=follow), 4)
-    heard = [Heard(2 + i, 0.0, 0.0, STILL, centre, STILL, ()) for i, centre in enumerate(others)]
+    heard = [heard_estimate(2 + i, STILL, centre) for i, centre in enumerate(others)]
     centre = own
     for tick in range(5):
         moved = (own[0] + tick, own[1], own[2])
@@ -160,8 +159,8 @@ def test_carried_on_with_the_flocks_velocity_it_is_stable_with_news_of_any_age()
 
 
 def test_who_is_believed_beyond_the_reach_is_no_neighbour():
-    near = Heard(2, 0.0, 0.0, (4.9, 0.0, 0.0), (1.0, 0.0, 0.0), STILL, ())
-    far = Heard(3, 0.0, 0.0, (5.0, 0.0, 0.0), (100.0, 0.0, 0.0), STILL, ())
+    near = heard_estimate(2, (4.9, 0.0, 0.0), (1.0, 0.0, 0.0))
+    far = heard_estimate(3, (5.0, 0.0, 0.0), (100.0, 0.0, 0.0))
     estimates = []
     for heard in ([near], [near, far]):
         law = Consensus(Params(reach_m=5.0), 3)

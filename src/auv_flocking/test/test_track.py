@@ -31,7 +31,7 @@ def _report(time_s, position=ZERO, velocity=ZERO, sd_m=0.0, centre=ZERO):
 
 
 def _heard(time_s, position=ZERO, velocity=ZERO, sd_m=0.0, own_sd_m=0.0):
-    return HeardReport(time_s, _report(time_s, position, velocity, sd_m), Stated(own_sd_m**2, sd_m**2))
+    return HeardReport(_report(time_s, position, velocity, sd_m), Stated(own_sd_m**2, sd_m**2))
 
 
 def _nav(t_s, position=ZERO, velocity=ZERO, sd_m=0.0):
@@ -168,7 +168,7 @@ def test_a_velocity_comes_back_to_the_flocks():
     """By e after one memory; and carried at once or by a contact in between, it is the same way."""
     config = NeighbourConfig(velocity_memory_s=10.0)
     report = Report(2, 1, 0.0, ZERO, (0.5, 0.0, 0.0), ZERO, ZERO, (0.1, 0.0, 0.0))
-    track = _track(HeardReport(0.0, report, Stated(0.0, 0.0)), config)
+    track = _track(HeardReport(report, Stated(0.0, 0.0)), config)
     estimate = track.estimate(10.0)
     assert estimate.velocity[0] == pytest.approx(0.1 + 0.4 * math.exp(-1.0))
     assert estimate.position[0] == pytest.approx(0.1 * 10.0 + 0.4 * 10.0 * (1.0 - math.exp(-1.0)))
@@ -237,9 +237,7 @@ def test_the_sonar_bounds_the_position_and_tells_the_offset():
 
 
 def test_a_neighbours_centre_comes_in_the_own_frame():
-    first = HeardReport(
-        0.0, _report(0.0, (4.0, 3.0, 1.0), sd_m=1.0, centre=(5.0, 5.0, 5.0)), Stated(0.0, 1.0)
-    )
+    first = HeardReport(_report(0.0, (4.0, 3.0, 1.0), sd_m=1.0, centre=(5.0, 5.0, 5.0)), Stated(0.0, 1.0))
     track = _track(first)
     assert track.estimate(0.0).centre == (5.0, 5.0, 5.0)
     for k in range(1, 21):

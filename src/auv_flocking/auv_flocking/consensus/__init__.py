@@ -7,7 +7,7 @@ To add one, write one file with ``Params`` and ``Consensus(params, fleet_size)``
 * ``shared_fields: tuple[Field, ...]``: what it adds to every packet beside the centre and its rate, `()` for
   nothing; see `auv_flocking.codec.Field`;
 * ``centre(own, heard) -> Vec3``: the estimate at this control period (m; NED), from the own position and the
-  neighbours that count; called once per period, first;
+  estimates of the neighbours that count; called once per period, first;
 * ``advance(own, heard, flock_velocity, dt_s) -> Vec3``: called once per period, after `centre`, with the
   flock's velocity as the vehicle believes it now: move the memory on by one period, and return the rate (m/s;
   NED) with which the others may carry the estimate on until they hear more;
@@ -24,28 +24,8 @@ refused in continuous time.  The file's name is its ``kind``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from auv_core.geometry import Vec3, distance
-
-
-@dataclass(frozen=True, slots=True)
-class Heard:
-    """
-    What one neighbour says, carried to now.
-
-    position and centre (m), flock_velocity (m/s): NED; `shared`: the filter's own numbers as they stood in
-    the neighbour's newest packet, which was made at `time_s` and is `age_s` old.  The agent hands over the
-    estimates of `auv_flocking.neighbours.estimates`, which have all of these.
-    """
-
-    address: int
-    time_s: float
-    age_s: float
-    position: Vec3
-    centre: Vec3
-    flock_velocity: Vec3
-    shared: tuple[float, ...]
 
 
 def centres_within(reach_m: float, own: Vec3, others: Sequence[tuple[Vec3, Vec3]]) -> list[Vec3]:

@@ -7,7 +7,6 @@ neighbours are.  Of a neighbour that is not heard it knows nothing: then the mea
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +16,7 @@ from auv_core.compiled import entry, fastest
 from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
-from auv_flocking.consensus import Heard
-from auv_flocking.neighbours.estimates import position_rows
+from auv_flocking.neighbours.estimates import Neighbours, position_rows
 
 
 @dataclass(frozen=True)
@@ -54,11 +52,11 @@ class Consensus:
         self._follow = params.follow_flock
         self._mean = fastest(mean)
 
-    def centre(self, own: Vec3, heard: Sequence[Heard]) -> Vec3:
+    def centre(self, own: Vec3, heard: Neighbours) -> Vec3:
         """Return the mean position (m; NED)."""
         return self._mean(own, position_rows(heard))
 
-    def advance(self, own: Vec3, heard: Sequence[Heard], flock_velocity: Vec3, dt_s: float) -> Vec3:
+    def advance(self, own: Vec3, heard: Neighbours, flock_velocity: Vec3, dt_s: float) -> Vec3:
         """Return the flock's velocity (m/s; NED), or zero where the filter does not look at it."""
         return flock_velocity if self._follow else (0.0, 0.0, 0.0)
 

@@ -33,13 +33,12 @@ a second carried on over the seconds between packets would be amplified instead 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
-from auv_flocking.consensus import Heard
+from auv_flocking.neighbours.estimates import Neighbours
 
 _HALF_RANGE_M = 1024.0
 _RESOLUTION_M = 2.0**-5
@@ -93,13 +92,13 @@ class Consensus:
         self._centre: Vec3 | None = None
         self._integral: Vec3 = (0.0, 0.0, 0.0)
 
-    def centre(self, own: Vec3, heard: Sequence[Heard]) -> Vec3:
+    def centre(self, own: Vec3, heard: Neighbours) -> Vec3:
         """Return the estimate (m; NED)."""
         if self._centre is None:
             self._centre = own
         return self._centre
 
-    def advance(self, own: Vec3, heard: Sequence[Heard], flock_velocity: Vec3, dt_s: float) -> Vec3:
+    def advance(self, own: Vec3, heard: Neighbours, flock_velocity: Vec3, dt_s: float) -> Vec3:
         """Move the estimate on; return the flock's velocity (m/s; NED), or zero where it is not looked at."""
         centre = self.centre(own, heard)
         rate = flock_velocity if self._params.follow_flock else (0.0, 0.0, 0.0)
@@ -110,7 +109,7 @@ class Consensus:
         return rate
 
     def _axis(
-        self, axis: int, own: float, centre: float, heard: Sequence[Heard], dt_s: float
+        self, axis: int, own: float, centre: float, heard: Neighbours, dt_s: float
     ) -> tuple[float, float]:
         """Return estimate and integral of one axis after a backward Euler step in their increments."""
         p, integral = self._params, self._integral[axis]

@@ -38,13 +38,12 @@ no longer mix.  A vehicle that starts anew in a running fleet takes old gifts ag
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
-from auv_flocking.consensus import Heard
+from auv_flocking.neighbours.estimates import NeighbourEstimate, Neighbours
 
 _LENGTH_RANGE_M = 2.0**17
 _LENGTH_STEP_M = 2.0**-12
@@ -109,7 +108,7 @@ class Consensus:
         frame = [Field(f"frame_{a}_m", -half_frame_m, half_frame_m, _FRAME_STEP_M, wraps=True) for a in _AXES]
         return (*given, weight, *(frame if self._params.follow_flock else ()))
 
-    def centre(self, own: Vec3, heard: Sequence[Heard]) -> Vec3:
+    def centre(self, own: Vec3, heard: Neighbours) -> Vec3:
         """Take what is new in packets and in the own position; return the estimate (m; NED)."""
         inputs = [own[axis] - self._frame[axis] for axis in range(3)]
         if self._input is None:
@@ -122,7 +121,7 @@ class Consensus:
             self._take(other)
         return self._estimate()
 
-    def _take(self, other: Heard) -> None:
+    def _take(self, other: NeighbourEstimate) -> None:
         time_s, before = self._taken.get(other.address, (-math.inf, (0.0, 0.0, 0.0, 0.0)))
         if other.time_s <= time_s:
             return
@@ -139,7 +138,7 @@ class Consensus:
             mass[2] / weight + store[2] / count + frame[2],
         )
 
-    def advance(self, own: Vec3, heard: Sequence[Heard], flock_velocity: Vec3, dt_s: float) -> Vec3:
+    def advance(self, own: Vec3, heard: Neighbours, flock_velocity: Vec3, dt_s: float) -> Vec3:
         """Move the frame on; return the flock's velocity (m/s; NED), or zero where it is not looked at."""
         if not self._params.follow_flock:
             return (0.0, 0.0, 0.0)

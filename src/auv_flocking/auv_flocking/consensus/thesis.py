@@ -27,7 +27,8 @@ from auv_core.compiled import inlined
 from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
-from auv_flocking.consensus import Heard, centres_within
+from auv_flocking.consensus import centres_within
+from auv_flocking.neighbours.estimates import Neighbours
 
 
 @dataclass(frozen=True)
@@ -76,14 +77,14 @@ class Consensus:
         self._states_own_rate = params.carried_by == "rate"
         self._centre: Vec3 | None = None
 
-    def centre(self, own: Vec3, heard: Sequence[Heard]) -> Vec3:
+    def centre(self, own: Vec3, heard: Neighbours) -> Vec3:
         """Return the estimate at this control period (m; NED); the first one is the own position."""
         del heard
         if self._centre is None:
             self._centre = own
         return self._centre
 
-    def advance(self, own: Vec3, heard: Sequence[Heard], flock_velocity: Vec3, dt_s: float) -> Vec3:
+    def advance(self, own: Vec3, heard: Neighbours, flock_velocity: Vec3, dt_s: float) -> Vec3:
         """Move the estimate on by `dt_s`; return the rate to carry it on with (m/s; NED)."""
         centre = self.centre(own, heard)
         centres = centres_within(self.reach_m, own, [(other.position, other.centre) for other in heard])

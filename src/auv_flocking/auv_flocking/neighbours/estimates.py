@@ -60,6 +60,9 @@ class NeighbourEstimate(NamedTuple):
     shared: tuple[float, ...] = ()
 
 
+Neighbours = Sequence[NeighbourEstimate]
+
+
 class Estimates(Sequence[NeighbourEstimate]):
     """
     The neighbours of one vehicle at one instant, in the order of addresses.

@@ -129,7 +129,7 @@ class NeighbourTable:
         """Use one report. They come in the order of their arrival, which need not be that of their tags."""
         own_m2 = self._own.variance_m2(report.time_s)
         stated = Stated(own_m2, report.position_sd_m * report.position_sd_m)
-        heard = HeardReport(report.time_s, report, stated)
+        heard = HeardReport(report, stated)
         track = self._tracks.get(report.address)
         if track is None:
             self._add(report.address, Track(heard, self._filter, self._config.velocity_memory_s))

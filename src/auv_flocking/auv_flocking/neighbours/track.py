@@ -38,9 +38,13 @@ MOST_MEASUREMENTS = 128
 class HeardReport(NamedTuple):
     """A packet as a measurement: what it says at its time tag, and what was stated of both navigations."""
 
-    time_s: float
     report: Report
     stated: Stated
+
+    @property
+    def time_s(self) -> float:
+        """The time tag (s)."""
+        return self.report.time_s
 
 
 Measurement = OwnFix | HeardReport | Sighting
