@@ -6,10 +6,10 @@ Fly a scenario with `ros2 launch`: the nodes of `./scripts/run`, started the ROS
     ros2 launch auv_bringup flock.launch.py layout:=vehicle
     ros2 launch auv_bringup flock.launch.py set:='acoustics.outage.params.loss_prob=0.5; duration_s=60'
 
-It takes a ROS domain as `./scripts/run` does: $ROS_DOMAIN_ID, or the next that no other run holds.
-It makes the same results folder, with the scenario, the bag and the logs of the nodes, and ends by itself:
-with metrics, figures and report. `ros2 launch` knows no status but 0 and 1: 1 says that the flight was lost,
-that hulls touched, or that there is no report. The status that `./scripts/run` would give is `exit_status` in
+It takes a ROS domain as `./scripts/run` does: $ROS_DOMAIN_ID, or the next one that no other run uses. It
+makes the same results folder, with the scenario, the bag, the logs of the nodes, metrics, figures and report,
+and then ends. `ros2 launch` has only the statuses 0 and 1: 1 means that the flight was lost, that hulls
+touched, or that there is no report. The status that `./scripts/run` would give is `exit_status` in
 provenance.json: 0, 3, 4, or 130 after Ctrl-C.
 """
 
@@ -54,12 +54,12 @@ from auv_core.cli.failures import DONE, INTERRUPTED
 from auv_core.params import ConfigError
 from auv_experiment import results
 
-# A node hands over what it has published, the recorder closes the bag: launch's own 5 s could be too short.
+# Nodes deliver their last messages and the recorder closes the bag: launch's own 5 s could be too short.
 TIME_TO_LEAVE = {"sigterm_timeout": "30", "sigkill_timeout": "30"}
 
 
 class BadEndError(RuntimeError):
-    """A flight did not end well. Launch ends with a status that is not 0 only after an exception."""
+    """Raised if a flight did not end well: only an exception makes launch end with a status other than 0."""
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -77,7 +77,7 @@ def generate_launch_description() -> LaunchDescription:
                 "layout",
                 default_value=DEFAULT_LAYOUT,
                 choices=list(LAYOUTS),
-                description="which nodes share a process",
+                description="how nodes are grouped into processes",
             ),
             DeclareLaunchArgument("seed", default_value="", description="seed; empty: the scenario's"),
             DeclareLaunchArgument(
@@ -91,7 +91,7 @@ def generate_launch_description() -> LaunchDescription:
                 "discovery",
                 default_value="localhost",
                 choices=["localhost", "subnet"],
-                description="who may see the nodes: this machine only, or its network",
+                description="which machines can see the nodes: this one, or its network",
             ),
             OpaqueFunction(function=start_flight),
         ]
@@ -112,7 +112,7 @@ def start_flight(context: LaunchContext) -> list[Action]:
         overrides=[part.strip() for part in given["set"].split(";") if part.strip()],
         discovery=given["discovery"],
     )
-    # Never released: the nodes need it until launch ends, and the kernel drops it with this process.
+    # Never released: the nodes need it until launch ends, and the kernel releases it with this process.
     claim = claim_domain(os.environ)
     folder = start_results(plan, Path(given["out"])).resolve()
     params_dir = folder / results.LOGS / "params"
@@ -122,7 +122,7 @@ def start_flight(context: LaunchContext) -> list[Action]:
         mode=plan.mode,
         bag_dir=folder / results.BAG if given["bag"] == "true" else None,
     )
-    clear_shared_memory()  # of runs that were killed
+    clear_shared_memory()  # left by killed runs
     processes = {
         process_action(process, params_dir): process for process in process_specs(specs, plan.layout)
     }
@@ -144,7 +144,7 @@ def log_of(process: ProcessSpec, folder: Path) -> Path:
 
 
 def log_handler(processes: Mapping[Node, ProcessSpec], folder: Path) -> OnProcessIO:
-    """Return what writes the output of each process to its log."""
+    """Return the handlers that write the output of each process to its log."""
 
     def write(event: ProcessIO) -> None:
         if event.action in processes:
@@ -155,7 +155,7 @@ def log_handler(processes: Mapping[Node, ProcessSpec], folder: Path) -> OnProces
 
 
 def seed_of(text: str) -> int | None:
-    """Return the seed that the argument asks for, None where it is empty."""
+    """Return the seed in the argument, None if it is empty."""
     if not text:
         return None
     if not (text.isascii() and text.isdecimal()):
@@ -164,8 +164,8 @@ def seed_of(text: str) -> int | None:
 
 
 def domain_notes(claim: DomainClaim, discovery: str) -> list[Action]:
-    """Return the actions that say in which domain the nodes are, and how to look in."""
-    notes = [LogInfo(msg=f"to look in from another shell:  {export_line(claim.domain_id, discovery)}")]
+    """Return the actions that print the domain of the nodes and how to inspect them."""
+    notes = [LogInfo(msg=f"to inspect it from another shell:  {export_line(claim.domain_id, discovery)}")]
     if claim.is_moved:
         moved = (
             f"ROS domain {claim.asked_id} is in use by another run; this one takes domain {claim.domain_id}"
@@ -175,7 +175,7 @@ def domain_notes(claim: DomainClaim, discovery: str) -> list[Action]:
 
 
 def environment_actions(domain_id: int, discovery: str) -> list[Action]:
-    """Return the actions that give the nodes the environment that `./scripts/run` gives them."""
+    """Return the actions that set the nodes' environment as `./scripts/run` does."""
     wanted = node_environment(os.environ, domain_id=domain_id, discovery=discovery)
     unwanted = sorted(set(os.environ) - set(wanted))
     changed = sorted(name for name in wanted if os.environ.get(name) != wanted[name])
@@ -186,7 +186,7 @@ def environment_actions(domain_id: int, discovery: str) -> list[Action]:
 
 
 def process_action(process: ProcessSpec, params_dir: Path) -> Node:
-    """Return the action that starts a process: a node by itself, or a container of several."""
+    """Return the action that starts a process: a single node, or a container of several."""
     if len(process.nodes) == 1:
         return node_action(process.nodes[0], write_params_file(process.nodes[0], params_dir))
     return Node(
@@ -215,22 +215,22 @@ def node_action(spec: NodeSpec, params_file: Path) -> Node:
 
 class Ending:
     """
-    Ends a flight in order.
+    Ends a flight step by step.
 
-    The end of the relay, which holds the clock, or of the recorder begins it: then relay, vehicles and agents
-    are ended, after them the recorder, then the report is made, and launch shuts down.
-    The provenance keeps how the flight ended.
+    It starts when the relay, which holds the clock, or the recorder ends. Then relay, vehicles and agents
+    are ended, then the recorder, then the report is made, and launch shuts down. The provenance records how
+    the flight ended.
 
     Parameters
     ----------
     processes : mapping
-        The processes of the flight, by their actions.
+        The processes of the flight, by action.
     plan : Plan
-        What is flown.
+        The plan of the flight.
     folder : Path
         Folder of the results.
     has_bag : bool
-        Whether there will be a bag to make a report of.
+        Whether there will be a bag for a report.
     domain_id : int
         ROS domain of the flight.
 
@@ -269,12 +269,12 @@ class Ending:
 
     def process_ended(self, event: ProcessExited, context: LaunchContext) -> list[Action]:
         """
-        Take the end of a process; return what to do next.
+        Handle the end of a process; return the next actions.
 
         Raises
         ------
         BadEndError
-            At the end of a flight that did not end well.
+            At the end of a flight that failed.
 
         """
         if event.action is self._report:
@@ -288,18 +288,18 @@ class Ending:
             self._judge(process, event.returncode)
         if not self._running:
             self._remember()
-        if context.is_shutdown:  # launch has told every process, and starts none any more
+        if context.is_shutdown:  # launch has signalled every process and starts no more
             return [] if self._running else [LogInfo(msg=self._last_line)]
         return self._next() if self._has_begun else []
 
     def shut_down(self, _event: Shutdown, _context: LaunchContext) -> list[Action]:
-        """Say where the report is, unless processes that still run have more to say."""
+        """Print where the report is, once no process is running."""
         return [] if self._running else [LogInfo(msg=self._last_line)]
 
     def _judge(self, process: ProcessSpec, returncode: int) -> None:
-        """Begin the end, and find the flight lost, where the end of a process means that."""
+        """Begin the end of the flight, and declare it lost, if the end of this process means that."""
         if process.role not in ("relay", "recorder"):
-            return  # the clock, which hears of it, goes on without the vehicle or ends the flight
+            return  # the clock notices this and goes on without the vehicle or ends the flight
         too_early = process.role == "recorder" and not self._has_begun
         if (returncode != 0 or too_early) and not self._fault:
             log = log_of(process, self._folder)
@@ -310,7 +310,7 @@ class Ending:
         self._has_begun = True
 
     def _next(self) -> list[Action]:
-        """Return what ends those that go next: the recorder goes last, then the report is made."""
+        """Return the actions that end the next processes: the recorder ends last, then the report is made."""
         flying = [action for action, process in self._running.items() if process.role != "recorder"]
         leaving = flying or list(self._running)
         if leaving:
@@ -322,7 +322,7 @@ class Ending:
         return [self._report] if self._report is not None else self._finish()
 
     def _remember(self) -> None:
-        """Keep how the flight ended, and clear what dead processes have left."""
+        """Record how the flight ended, and remove leftovers of dead processes."""
         clear_shared_memory()
         results.write_ending(
             self._folder,

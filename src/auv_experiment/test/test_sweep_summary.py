@@ -152,18 +152,18 @@ def with_about(**changes):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (with_column("seed", ["one"] * 12), "column seed: string is not its type"),
-        (with_column("error", [None] * 12), "column error: null is not its type"),
+        (with_column("seed", ["one"] * 12), "column seed: string is the wrong type"),
+        (with_column("error", [None] * 12), "column error: null is the wrong type"),
         (with_column("key", ["a"] * 11 + [None]), "column key: a value is missing"),
         (with_column("status", ["fine"] * 12), "column status: 'fine' is not a status"),
-        (with_column("cpu_s", ["long"] * 12), "column cpu_s: string is not its type"),
+        (with_column("cpu_s", ["long"] * 12), "column cpu_s: string is the wrong type"),
         (with_column("collision", [[1]] * 12), "column collision: list<element: int64> is not a number"),
         (with_column("../collision", [1] * 12), "column '../collision': not the name of a metric"),
         (lambda table, about: table.drop_columns(["scenario.b.kind"]), "column scenario.b.kind: missing"),
         (lambda table, about: table.slice(0, 0), "no rows"),
         (with_about(texts=["a.slot_s"]), "JSON"),
         (with_about(texts=7), "TypeError"),
-        (with_about(making={"Python": 3}), "making: not words by name"),
+        (with_about(making={"Python": 3}), "making: not texts by name"),
         (with_about(study={}), "ConfigError"),
     ],
 )

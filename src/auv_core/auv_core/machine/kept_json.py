@@ -48,7 +48,7 @@ def read_kept(path: Path, name: str) -> dict[str, Any]:
     try:
         known = json.loads(_read(path), parse_constant=_refuse)
         if not isinstance(known, dict) or known.pop(_CHECKSUM, None) != _checksum(name, known):
-            raise KeptError("its checksum does not hold")
+            raise KeptError("its checksum is wrong")
     except FileNotFoundError:
         raise
     except OSError as error:

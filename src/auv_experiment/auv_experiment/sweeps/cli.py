@@ -28,36 +28,36 @@ _OUT = Path("results/sweeps")
 
 _HELP = """\
 Fly a study: a grid or a sample of scenarios, each with many seeds, in one process per
-run without ROS; on all cores of this machine, or on a Dask cluster that exists.
+run without ROS; on all cores of this machine, or on an existing Dask cluster.
 """
 
 _EPILOG = """\
 how it works:
   Every run is resolved and checked before the first is flown. Each is kept as it ends:
-  a sweep that was ended in any way goes on where it was, by the same command. What is
-  kept is used until the scenario, a law, a model or a numerical package changes.
-  A run that fails does not stop the others, nor does a worker that dies or is stopped,
-  nor a run that never ends (see --limit-s). One sweep at a time flies into a folder.
+  if a sweep was interrupted, the same command continues it. Finished runs are reused
+  until the scenario, a law, a model or a numerical package changes.
+  A failed run does not stop the others, nor does a worker that dies or is stopped, nor
+  a run that never ends (see --limit-s). Each folder takes one sweep at a time.
 
 results:
   DIR/runs.parquet    one row per run: parameters, seed, status, every metric
   DIR/summary.csv     mean, confidence interval and range of every metric at every point
-  DIR/figures/*.png   the metrics that the study names, with intervals
-  DIR/index.html      figures and tables on one page that needs no other file
-  DIR/failures.txt    tracebacks of what failed; only if something did
+  DIR/figures/*.png   the metrics of the study, with intervals
+  DIR/index.html      figures and tables on one self-contained page
+  DIR/failures.txt    tracebacks of failures; only if something failed
   DIR/parts/          finished runs, for the next call
 
 exit status:
   0    done
-  1    a run failed (the table says which, and why), no worker could start, or the
+  1    a run failed (the table tells which, and why), no worker could start, or the
        cluster was lost
   2    bad input; nothing was flown
   3    a result cannot be written, as on a full disk; finished runs are kept
-  130  Ctrl-C; finished runs are kept, and the next call goes on from there
+  130  Ctrl-C; finished runs are kept, and the next call continues from there
 
 examples:
-  ./scripts/sweep --list                        the studies that are here
-  ./scripts/sweep safety --check                how many runs it is; fly nothing
+  ./scripts/sweep --list                        list the built-in studies
+  ./scripts/sweep safety --check                count and check the runs; fly nothing
   ./scripts/sweep safety                        on all cores
   ./scripts/sweep my_study.yaml --scheduler tcp://10.0.0.5:8786
   ./scripts/sweep --summarise results/sweeps/safety   page and figures again
@@ -99,15 +99,18 @@ def _parser() -> argparse.ArgumentParser:
         "--limit-s",
         type=_seconds,
         metavar="S",
-        help="end a run that takes longer (s), and count it as failed "
+        help="end a run that takes longer than this (s), and count it as failed "
         "(default: 20 times the median of the others, at least 300 s; a cluster has no limit)",
     )
-    parser.add_argument("--fresh", action="store_true", help="fly everything again, also what is kept")
+    parser.add_argument("--fresh", action="store_true", help="fly everything again, kept runs too")
     other = parser.add_mutually_exclusive_group()
     other.add_argument("--list", action="store_true", help="list the built-in studies")
     other.add_argument("--check", action="store_true", help="resolve and check every run; fly nothing")
     other.add_argument(
-        "--summarise", type=Path, metavar="DIR", help="make page, figures and summary from DIR/runs.parquet"
+        "--summarise",
+        type=Path,
+        metavar="DIR",
+        help="make page, figures and summary again from DIR/runs.parquet",
     )
     return parser
 
@@ -171,10 +174,10 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
 
 @contextmanager
 def _alone_in(folder: Path) -> Iterator[None]:
-    """Hold a folder against other sweeps; the kernel lets it go if this process is killed."""
+    """Lock a folder against other sweeps; the kernel releases the lock if this process is killed."""
     try:
         descriptor = os.open(folder, os.O_RDONLY)
-    except PermissionError:  # a system that opens no folders
+    except PermissionError:  # a system that cannot open folders
         yield
         return
     try:
@@ -191,12 +194,12 @@ def _lock(descriptor: int, folder: Path) -> None:
         raise ResultsError(
             f"--out {str(folder)!r}: another sweep is flying into it; allowed: a folder of its own"
         ) from None
-    except OSError:  # a file system that locks no folders
+    except OSError:  # a file system that cannot lock folders
         return
 
 
 def _way_to_fly(options: argparse.Namespace, patience: Patience) -> Fly:
-    """Return what flies runs; Dask is loaded only for a cluster."""
+    """Return the function that flies runs; Dask is loaded only for a cluster."""
     from auv_experiment.sweeps.local import fly_here
 
     if not options.scheduler:

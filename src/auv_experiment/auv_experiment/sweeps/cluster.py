@@ -1,9 +1,9 @@
 """
-Runs on a Dask cluster that exists.
+Runs on an existing Dask cluster.
 
-Results come back through Dask, so no folder need be shared. A run whose worker dies is given to another one,
-by Dask; what dies with every worker is flown once more when nothing else is, so that only the run that kills
-its worker fails and not one that happened to wait behind it.
+Results come back through Dask, so no shared folder is needed. If a worker dies, Dask gives its runs to
+another one. Runs that lose every worker are flown once more, each alone, so that only the run that kills its
+worker fails, and not the runs that waited behind it.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _LOOKS_OF_SILENCE = 6
 _ANSWER_TIMEOUT_S = 30.0
 
 _UNREACHABLE = (OSError, ValueError, LookupError, TypeError, RuntimeError)
-"""What Dask raises; TypeError for a tls:// address when no certificate is configured."""
+"""Exceptions of Dask; TypeError for a tls:// address if no certificate is configured."""
 _LOST = "the scheduler is gone"
 
 OnResult = Callable[[PlannedRun, Finished], None]
@@ -44,7 +44,7 @@ OnMessage = Callable[[str], None]
 
 
 class ClusterError(WorkersError):
-    """A cluster that is lost or cannot fly; the message is one line."""
+    """Raised if the cluster is lost or cannot fly; the message is one line."""
 
 
 def fly_there(
@@ -56,7 +56,7 @@ def fly_there(
     Raises
     ------
     ConfigError, ClusterError
-        As these two do.
+        As these two functions raise them.
 
     """
     with remote_client(scheduler) as client:
@@ -71,7 +71,7 @@ def remote_client(scheduler: str) -> Iterator[Client]:
     Raises
     ------
     ConfigError
-        When it cannot be reached.
+        If it cannot be reached.
 
     """
     try:
@@ -93,18 +93,18 @@ def fly_all(client: Client, runs: Sequence[PlannedRun], on_result: OnResult, on_
     Parameters
     ----------
     client : Client
-        Connected to the cluster.
+        Client that is connected to the cluster.
     runs : sequence of PlannedRun
-        No key twice.
+        Runs with different keys.
     on_result : callable
-        Told each run and its outcome, as they end.
+        Receives each run and its outcome when it ends.
     on_message : callable
-        Told in one line when there is no worker, or when one is silent.
+        Receives one line if there is no worker, or if one is silent.
 
     Raises
     ------
     ClusterError
-        When the scheduler is lost or silent, or a worker cannot fly at all: it has not this source.
+        If the scheduler is lost or silent, or a worker has other source and cannot fly.
 
     """
     suspects = []
@@ -126,7 +126,7 @@ def _killed() -> Finished:
 def _fly(
     client: Client, runs: Iterable[PlannedRun], word: str, on_message: OnMessage
 ) -> Iterator[tuple[PlannedRun, Finished | None]]:
-    """Yield runs and results, None where too many workers died; only so many are handed over at a time."""
+    """Yield runs and results, None if too many workers died; a limited number is handed over at a time."""
     source, waiting = source_version(), iter(runs)
     flying: dict[Future, PlannedRun] = {}
     ended: SimpleQueue[Future] = SimpleQueue()
@@ -134,7 +134,8 @@ def _fly(
 
     def submit(count: int) -> None:
         for run in islice(waiting, count):
-            # Keys of one group, so that Dask keeps what waits at the scheduler, not behind one worker's run.
+            # Keys of one group, so that Dask keeps waiting runs at the scheduler and not behind one worker's
+            # run.
             key = (f"{word}-{source}", run.key)
             future = client.submit(fly_run, run.scenario_json, source, key=key)
             flying[future] = run
@@ -150,7 +151,7 @@ def _fly(
 
 
 def _next(ended: SimpleQueue[Future], watch: _Watch) -> Future:
-    """Return the next future that has ended, however long that takes."""
+    """Return the next future that ends; wait without limit."""
     while True:
         try:
             return ended.get(timeout=_LOOK_EVERY_S)
@@ -159,7 +160,7 @@ def _next(ended: SimpleQueue[Future], watch: _Watch) -> Future:
 
 
 class _Watch:
-    """Looks at a cluster while nothing ends, and says what there is to wait for."""
+    """Watches a cluster while no run ends, and reports the cause of the wait."""
 
     def __init__(self, client: Client, on_message: OnMessage) -> None:
         self._client, self._on_message = client, on_message
@@ -167,7 +168,7 @@ class _Watch:
         self._silent_looks: Counter[tuple[str, float]] = Counter()
 
     def look(self) -> None:
-        """Name workers that are silent; raise ClusterError when the scheduler is lost."""
+        """Name silent workers; raise ClusterError if the scheduler is lost."""
         if self._client.status != "running":
             raise ClusterError(_LOST)
         identity = _identity(self._client)
@@ -184,7 +185,7 @@ class _Watch:
 
 
 def _identity(client: Client) -> dict[str, Any]:
-    """Return what the scheduler says of itself and of its workers; raise ClusterError when it is silent."""
+    """Return the scheduler's description of itself and its workers; raise ClusterError if it is silent."""
     try:
         identity: dict[str, Any] = client.sync(
             client.scheduler.identity, n_workers=-1, callback_timeout=_ANSWER_TIMEOUT_S

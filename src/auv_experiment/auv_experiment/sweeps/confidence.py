@@ -1,4 +1,4 @@
-"""What many runs of one thing amount to: a mean, how far it may be off, and how far runs lie apart."""
+"""Statistics of a metric over runs: mean, confidence interval and spread."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ CONFIDENCE = 0.95
 @dataclass(frozen=True)
 class Summary:
     """
-    A metric over runs; what does not exist is None.
+    Statistics of a metric over runs; values that do not exist are None.
 
     Attributes
     ----------
     n : int
-        Runs that have the metric.
+        Number of runs that have the metric.
     mean : float or None
-        Their mean; of truth values the share that is true.
+        Their mean; for truth values the share of true ones.
     low, high : float or None
-        Bounds of the 95 % confidence interval of the mean: Student's t (two runs at least), of a share the
-        score interval (Wilson 1927).
+        Bounds of the 95 % confidence interval of the mean: Student's t (at least two runs), or for a share
+        the score interval (Wilson 1927).
     smallest, median, largest : float or None
         Of the runs.
 
@@ -45,14 +45,14 @@ class Summary:
 
 def summarise(values: Sequence[bool | float | None], *, is_share: bool = False) -> Summary:
     """
-    Return what a metric amounts to; runs without it (None) do not count.
+    Return the statistics of a metric; runs without it (None) do not count.
 
     Parameters
     ----------
     values : sequence
         Numbers or truth values.
     is_share : bool
-        The metric lies between 0 and 1 whatever happens, so that its interval does, too.
+        Whether the metric always lies between 0 and 1, so that its interval must, too.
 
     """
     given = [value for value in values if value is not None]
@@ -78,7 +78,10 @@ def summarise(values: Sequence[bool | float | None], *, is_share: bool = False) 
 
 
 def distribution_band(n: int) -> float:
-    """Return the half width of the 95 % band of a distribution by n samples (Dvoretzky-Kiefer-Wolfowitz)."""
+    """
+    Return the half width of the 95 % band around the distribution of n samples
+    (Dvoretzky-Kiefer-Wolfowitz).
+    """
     return math.sqrt(math.log(2.0 / (1.0 - CONFIDENCE)) / (2.0 * n))
 
 

@@ -1,9 +1,9 @@
 """
-Figures of a sweep, drawn from its table alone: one per metric.
+Figures of a sweep, one per metric, drawn from its table alone.
 
-Along a parameter of the grid: the mean at each of its values with its 95 % interval, a line for every
-value of the others. Along a drawn parameter: every run, and mean and interval over as many runs each. Without
-parameters: the distribution over the seeds with its interval.
+Against a parameter of the grid: the mean at each value with its 95 % interval, one line per value of the
+other parameters. Against a sampled parameter: every run, and mean and interval over groups of equally many
+runs. Without parameters: the distribution over the seeds with its interval.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _LONGEST_LABEL = 28
 
 
 def write_figures(folder: Path, table: SweepTable, metrics: Sequence[str]) -> dict[str, Path]:
-    """Draw metrics; return the PNG files by metric, without those that no run has."""
+    """Draw metrics; return the PNG files by metric. Metrics that no run has are left out."""
     folder.mkdir(parents=True, exist_ok=True)
     for path in folder.glob("*.png"):  # of an earlier call, perhaps of other metrics
         path.unlink()
@@ -80,12 +80,12 @@ def draw_metric(canvas: Canvas, table: SweepTable, name: str) -> None:
 
 
 def axis_parameter(table: SweepTable) -> str | None:
-    """Return the parameter along the axis: the study's choice, else the first that is there."""
+    """Return the parameter along the axis: the study's choice, or else the first one."""
     return table.study.x or next(iter(table.study.parameters), None)
 
 
 def line_parameters(table: SweepTable) -> tuple[str, ...]:
-    """Return the parameters whose values tell lines apart; the runs are pooled over all others."""
+    """Return the parameters whose values distinguish the lines; runs are pooled over the others."""
     if table.study.by is not None:
         return (table.study.by,)
     return tuple(path for path in table.study.grid or {} if path != axis_parameter(table))
@@ -105,14 +105,14 @@ def meaning_of(name: str) -> Meaning:
 
 
 def axis_words(table: SweepTable, name: str) -> str:
-    """Return a metric as an axis names it: a share where it is true or false."""
+    """Return the label of a metric on an axis; a truth value is shown as a share."""
     unit = meaning_of(name).unit
     words = name.removesuffix(f"_{unit}").replace("_", " ") + (f" ({unit})" if unit else "")
     return f"share of runs: {words}" if _is_share(table, name) else words
 
 
 def group_label(table: SweepTable, group: Group) -> str:
-    """Return the values that make a group, in short."""
+    """Return a short label for the values of a group."""
     short = short_names(table)
     return ", ".join(f"{short[path]} {_label(value)}" for path, value in group.values.items()) or "all runs"
 
@@ -132,7 +132,9 @@ def _values_along(table: SweepTable, path: str) -> list[Any]:
 def _draw_means(
     axes: Any, table: SweepTable, name: str, x: str, line: Group, index: int, *, n_lines: int
 ) -> None:
-    """Draw mean and band at each value of a parameter; values that are no numbers stand side by side."""
+    """
+    Draw mean and interval at each value of a parameter; values that are no numbers are placed side by side.
+    """
     values = _values_along(table, x)
     is_numeric = all(is_number(value) for value in values)
     found: list[tuple[float, Summary]] = []
@@ -163,13 +165,13 @@ def _draw_band(axes: Any, found: Sequence[tuple[float, Summary]], label: str, in
 
 
 def _bounds(summary: Summary) -> tuple[float, float]:
-    """Return the interval, none wider than the mean itself where there is none."""
+    """Return the interval, or the mean twice if there is no interval."""
     mean = float("nan") if summary.mean is None else summary.mean
     return (mean if summary.low is None else summary.low, mean if summary.high is None else summary.high)
 
 
 def _draw_cloud(axes: Any, table: SweepTable, name: str, x: str, line: Group, index: int) -> None:
-    """Draw every run, and mean and band over neighbours along the axis, as many runs each."""
+    """Draw every run, and mean and interval over groups of equally many neighbours along the axis."""
     along = table.columns[PREFIX + x]
     rows = sorted((row for row in line.rows if table.columns[name][row] is not None), key=along.__getitem__)
     heights = [float(table.columns[name][row]) for row in rows]

@@ -1,7 +1,7 @@
 """
-Runs in processes of this machine; nothing listens, so nobody else can hand them anything.
+Runs in processes of this machine; no process listens, so no other program can send work to them.
 
-Where the system cannot fork, runs are flown in this process, one after the other.
+If the system cannot fork, runs are flown in this process, one after the other.
 """
 
 from __future__ import annotations
@@ -37,20 +37,20 @@ def fly_here(
     Parameters
     ----------
     runs : sequence of PlannedRun
-        No key twice.
+        Runs with different keys.
     on_result : callable
-        Told each run and its outcome, as they end.
+        Receives each run and its outcome when it ends.
     on_message : callable
-        Told in one line when a worker is replaced.
+        Receives one line if a worker is replaced.
     n_workers : int
         Number of processes.
     patience : Patience, optional
-        Says how long a run may take; left out, as long as it does.
+        Limits the duration of a run; by default there is no limit.
 
     Raises
     ------
     WorkersError
-        When no worker process can be started.
+        If no worker process can be started.
 
     """
     if not hasattr(os, "fork"):

@@ -1,4 +1,4 @@
-"""The page of a sweep: one HTML file that needs nothing else; every number in it comes from the table."""
+"""The page of a sweep: one self-contained HTML file; every number in it comes from the table."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def write_page(folder: Path, table: SweepTable, metrics: Sequence[str], figures:
     table : SweepTable
         All of its runs.
     metrics : sequence of str
-        What is shown, in this order.
+        The metrics to show, in this order.
     figures : mapping of str to Path
         PNG files by metric.
 
@@ -57,7 +57,7 @@ def failed_rows(table: SweepTable) -> list[int]:
 
 
 def command_of(table: SweepTable, row: int) -> str:
-    """Return the command that flies the run of a row by itself."""
+    """Return the command that flies the run of a row alone."""
     words = ["./scripts/run", table.study.scenario, "--seed", str(table.columns["seed"][row])]
     for text in override_texts(table.study, table.parameters(row)):
         words += ["--set", text]
@@ -79,7 +79,7 @@ def _how_to_read(table: SweepTable) -> str:
     pooled = [path for path in table.study.parameters if path != x and path not in lines]
     words = (
         "Mean and 95 % confidence interval: Student's t over runs; of shares, Wilson's score interval. "
-        "Runs that failed, or in which a metric does not exist, do not count in it."
+        "A metric's statistics leave out runs that failed and runs without the metric."
     )
     if pooled:
         words += f" Figures pool the runs over {', '.join(short_names(table)[path] for path in pooled)}."
@@ -89,7 +89,7 @@ def _how_to_read(table: SweepTable) -> str:
 def _metric(table: SweepTable, name: str, figure: Path | None) -> str:
     meaning = meaning_of(name)
     words = meaning.words + (f" ({meaning.unit})" if meaning.unit else "")
-    image = "<p>No run has it.</p>"
+    image = "<p>No run has this metric.</p>"
     if figure is not None:
         image = f"<figure>\n{embedded_png(figure.read_bytes(), words)}\n</figure>"
     heading = html.escape(words[:1].upper() + words[1:])

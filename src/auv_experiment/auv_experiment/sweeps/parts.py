@@ -1,7 +1,7 @@
 """
-Finished runs on disk, one small file each, so that a sweep that is killed loses only what was in flight.
+Finished runs on disk, one small file each, so that a killed sweep loses only the runs in flight.
 
-``parts/<source version>/<key>.json`` appears whole or not at all, and holds a checksum of itself.
+``parts/<source version>/<key>.json`` is written completely or not at all, and holds its own checksum.
 """
 
 from __future__ import annotations
@@ -33,18 +33,18 @@ class Parts:
         return self._folder / f"{key}.json"
 
     def get(self, key: str) -> Finished | None:
-        """Return what came of a run, None where it is not there; raise KeptError where it does not hold."""
+        """Return the result of a run, None if it is not kept; raise KeptError if its file is damaged."""
         try:
             return _finished(read_kept(self.path(key), key))
         except FileNotFoundError:
             return None
 
     def put(self, key: str, finished: Finished) -> None:
-        """Keep what came of a run; raise WriteError where that cannot be."""
+        """Keep the result of a run; raise WriteError if it cannot be written."""
         write_kept(self.path(key), key, dataclasses.asdict(finished))
 
     def forget_old(self) -> None:
-        """Remove runs of another source, and what a killed sweep left half-written."""
+        """Remove runs of another source, and half-written files of a killed sweep."""
         for folder in self._all.iterdir():
             if folder != self._folder:
                 shutil.rmtree(folder, ignore_errors=True)
@@ -55,7 +55,7 @@ class Parts:
 
 
 def _finished(known: dict[str, Any]) -> Finished:
-    """Return a finished run from plain data; raise KeptError where a field has not its type."""
+    """Return a finished run from plain data; raise KeptError if a field has the wrong type."""
     if set(known) != {field.name for field in dataclasses.fields(Finished)}:
         raise KeptError("not a finished run")
     finished = Finished(**known)
@@ -70,7 +70,7 @@ def _finished(known: dict[str, Any]) -> Finished:
     }
     for name, it_holds in holds.items():
         if not it_holds:
-            raise KeptError(f"{name} has not its type")
+            raise KeptError(f"{name} has the wrong type")
     return finished
 
 

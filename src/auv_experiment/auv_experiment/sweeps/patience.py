@@ -1,4 +1,4 @@
-"""How long a run of a sweep may take before it counts as one that never ends."""
+"""The duration after which a run of a sweep counts as one that never ends."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _TIMES_THE_MEDIAN = 20.0
 
 class Patience:
     """
-    Knows what finished runs took, and from that how long another may take.
+    Limits the duration of a run by the durations of finished runs.
 
     Parameters
     ----------
     limit_s : float, optional
-        The limit of every run (s, wall), whatever others took.
+        A fixed limit for every run (s, wall).
 
     """
 
@@ -28,16 +28,16 @@ class Patience:
         self._s_per_effort: list[float] = []
 
     def note(self, run: PlannedRun, finished: Finished) -> None:
-        """Take what came of a run; one that failed says nothing."""
+        """Note the result of a run; failed runs do not count."""
         if finished.wall_s is not None:
             self._s_per_effort.append(finished.wall_s / run.effort)
 
     def limit_s(self, run: PlannedRun) -> float:
         """
-        Return how long a run may take (s, wall).
+        Return the limit for a run (s, wall).
 
-        Without a limit that was given it is 20 times what the finished runs took, by the median and in
-        proportion to the effort that is expected, and at least 300 s; as long as none has finished, no limit.
+        Unless a fixed limit is given, it is 20 times the median duration of the finished runs, in proportion
+        to the expected effort, and at least 300 s. There is no limit until a run has finished.
         """
         if self._limit_s is not None:
             return self._limit_s

@@ -31,13 +31,13 @@ class PlannedRun:
     Attributes
     ----------
     index : int
-        Its place in the study, which is its row in the table.
+        Position in the study, and row in the table.
     parameters : dict
-        Values of what varies besides the seed, by dotted path.
+        Values of the varied parameters, without the seed, by dotted path.
     seed : int
         Seed of the run.
     key : str
-        Stands for everything that its numbers follow from.
+        Identifies everything that determines its numbers.
     effort : float
         Expected work, in evaluations of a law.
     scenario_json : str
@@ -60,7 +60,8 @@ def plan_runs(study: Study) -> list[PlannedRun]:
     Raises
     ------
     ConfigError
-        With one line that names the point, where its scenario is not allowed; for a metric that no run has.
+        With one line, if the scenario of a point is not allowed (the line names the point), or if no run has
+        a metric.
 
     """
     runs: list[PlannedRun] = []
@@ -110,7 +111,7 @@ def _scenarios(study: Study, parameters: dict[str, Any]) -> Iterator[Scenario]:
 
 
 def _check_metrics(study: Study, scenario: Scenario) -> None:
-    """Refuse metrics that runs do not have; a flight of a few ticks says which they have."""
+    """Refuse metrics that runs do not have; a run of a few ticks shows which they have."""
     if all(name in MEANINGS and name not in NO_RESULTS for name in study.metrics):
         return
     rehearsal = replace(scenario, duration_s=min(scenario.ticks, _REHEARSED_TICKS) * scenario.period_s)

@@ -1,4 +1,6 @@
-"""A sweep from its study to its table: what is kept is taken, the rest flown, each run kept as it ends."""
+"""
+A sweep from its study to its table: kept runs are reused, the others flown, and each is kept as it ends.
+"""
 
 from __future__ import annotations
 
@@ -38,23 +40,23 @@ def run_sweep(
     on_known: OnResult = lambda run, finished: None,
 ) -> Path:
     """
-    Fly what is not kept from an earlier call, and write the table and the tracebacks of what failed.
+    Fly all runs that are not kept from an earlier call, and write the table and the tracebacks of failures.
 
     Parameters
     ----------
     study, runs : Study, sequence of PlannedRun
-        What is asked for, and all runs of it.
+        The study and all of its runs.
     folder : Path
         Folder of the sweep.
     fly : callable
-        Flies runs, tells what came of each, and tells in one line what else happens (`local.fly_here`,
-        `cluster.fly_there`); only called if there is something to fly.
+        Flies runs, and reports each result and, in one line, other events (`local.fly_here`,
+        `cluster.fly_there`); only called if there are runs to fly.
     tally : Tally
-        Told what happens.
+        Receives progress and failures.
     is_fresh : bool
-        Fly runs that are kept, too.
+        Fly runs again even if they are kept.
     on_known : callable
-        Told each run that is kept or flown, and its outcome.
+        Receives each run that is kept or flown, and its outcome.
 
     Returns
     -------
@@ -64,11 +66,12 @@ def run_sweep(
     Raises
     ------
     ConfigError
-        When the cluster cannot be reached.
+        If the cluster cannot be reached.
     ClusterError, WorkersError
-        When it is lost or cannot fly, or no process of this machine can; what is finished is kept.
+        If the cluster is lost or cannot fly, or no process of this machine can be started; finished runs are
+        kept.
     WriteError
-        When a result cannot be written, as on a full disk; what is finished is kept.
+        If a result cannot be written, as on a full disk; finished runs are kept.
 
     """
     parts = Parts(folder / PARTS)
@@ -103,7 +106,7 @@ def run_sweep(
 
 
 def _kept(parts: Parts, keys: Iterable[str], on_message: OnMessage) -> dict[str, Finished]:
-    """Return what is kept by key; forget what does not hold, and say so in one line."""
+    """Return the kept results by key; drop damaged ones, and report each in one line."""
     found: dict[str, Finished] = {}
     broken: list[str] = []
     for key in keys:
@@ -119,7 +122,7 @@ def _kept(parts: Parts, keys: Iterable[str], on_message: OnMessage) -> dict[str,
 
 
 def name_of(run: PlannedRun) -> str:
-    """Return a run in words: its row, what varies, and its seed."""
+    """Return a run as text: its row, its parameters and its seed."""
     words = [*(f"{path}={value}" for path, value in run.parameters.items()), f"seed={run.seed}"]
     return f"run {run.index} ({', '.join(words)})"
 
@@ -133,7 +136,7 @@ def _write_failures(file: Path, rows: Sequence[tuple[PlannedRun, Finished]]) -> 
 
 
 def _making() -> dict[str, str]:
-    """Return what runs were made with, by name; the same however many workers there are."""
+    """Return the versions that runs were made with, by name; they do not depend on the number of workers."""
     packages = results.package_versions()
     making = {"Python": platform.python_version()}
     making.update({name: packages[name] for name in _SHOWN_PACKAGES if name in packages})

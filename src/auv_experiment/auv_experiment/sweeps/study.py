@@ -1,5 +1,5 @@
 """
-Studies: what a sweep flies and shows, as data.
+Studies: the data that define a sweep.
 
 One YAML file, `schema: 1`, loaded as strictly as a scenario.  The built-in studies are the files of
 ``auv_experiment/sweeps``.
@@ -25,7 +25,7 @@ _MAX_SEED = 2**31 - 1
 
 @dataclass(frozen=True, kw_only=True)
 class SeedRange:
-    """So many seeds, one after the other."""
+    """Consecutive seeds."""
 
     first: int = param("first seed", default=1, minimum=0, maximum=_MAX_SEED - MAX_RUNS)
     count: int = param("number of seeds", minimum=1, maximum=MAX_RUNS)
@@ -33,17 +33,19 @@ class SeedRange:
 
 @dataclass(frozen=True, kw_only=True)
 class Distribution:
-    """What a sampled parameter is drawn from; one of these."""
+    """Distribution of a sampled parameter; exactly one of these keys."""
 
-    uniform: tuple[float, float] | None = param("smallest and largest number", default=None)
+    uniform: tuple[float, float] | None = param(
+        "smallest and largest number, uniform between them", default=None
+    )
     log_uniform: tuple[float, float] | None = param(
-        "smallest and largest number, evenly by logarithm", default=None, above=0.0
+        "smallest and largest number, uniform in the logarithm", default=None, above=0.0
     )
     integers: tuple[int, int] | None = param("smallest and largest whole number", default=None)
-    choice: tuple[Any, ...] | None = param("values, each as often as the others", default=None)
+    choice: tuple[Any, ...] | None = param("values, all equally likely", default=None)
 
     def __post_init__(self) -> None:
-        """Check what no single value shows; messages begin with the field."""
+        """Check values against each other; messages begin with the field."""
         given = [kind for kind in _KINDS if getattr(self, kind) is not None]
         if len(given) != 1:
             raise ValueError(
@@ -57,7 +59,7 @@ class Distribution:
 
     @property
     def is_numeric(self) -> bool:
-        """Whether all that can be drawn are numbers."""
+        """Whether all possible values are numbers."""
         return self.choice is None or all(is_number(value) for value in self.choice)
 
     def at(self, share: float) -> Any:
@@ -77,7 +79,7 @@ class Distribution:
 
 @dataclass(frozen=True, kw_only=True)
 class Sample:
-    """Points drawn at random, spread evenly over every parameter (Latin hypercube)."""
+    """Random points, spread evenly over every parameter (Latin hypercube)."""
 
     count: int = param("number of points", minimum=1, maximum=MAX_RUNS)
     seed: int = param("seed of the draw, not of the runs", default=1, minimum=0, maximum=_MAX_SEED)
@@ -86,29 +88,31 @@ class Sample:
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """Everything that fixes a sweep."""
+    """Everything that determines a sweep."""
 
     schema: int = param("version of this format", minimum=1, maximum=1)
-    name: str = param("word that names the results")
-    title: str = param("one line for people")
-    scenario: str = param("name of a built-in scenario, or path of a file, seen from the study's")
+    name: str = param("name, also of the results")
+    title: str = param("description in one line")
+    scenario: str = param("name of a built-in scenario, or path of a file, relative to the study's folder")
     duration_s: float | None = param("length of every run (s)", default=None, above=0.0, maximum=1e6)
-    overrides: dict[str, Any] | None = param("changes in every run, by dotted path", default=None)
+    overrides: dict[str, Any] | None = param("values to set in every run, by dotted path", default=None)
     grid: dict[str, tuple[Any, ...]] | None = param(
         "values, by dotted path; all combinations are flown", default=None
     )
-    sample: Sample | None = param("points drawn at random; each with every point of the grid", default=None)
+    sample: Sample | None = param(
+        "random points; each is combined with every point of the grid", default=None
+    )
     seeds: tuple[int, ...] = param(
         "seeds of every point: a list, or {first: ..., count: ...}", minimum=0, maximum=_MAX_SEED
     )
-    metrics: tuple[str, ...] = param("metrics to summarise; left out, a usual choice", default=())
-    x: str | None = param("parameter along the axis of the figures; left out, the first", default=None)
+    metrics: tuple[str, ...] = param("metrics to show; if missing, a usual choice", default=())
+    x: str | None = param("parameter along the axis of the figures; if missing, the first", default=None)
     by: str | None = param(
-        "parameter that tells lines apart; left out, all others of the grid do", default=None
+        "parameter that distinguishes the lines; if missing, all others of the grid", default=None
     )
 
     def __post_init__(self) -> None:
-        """Check what no single value shows; messages begin with the field."""
+        """Check values against each other; messages begin with the field."""
         if not ID.match(self.name):
             raise ValueError(f"name: {shown(self.name)} is not allowed; allowed: {ID_WORDS}")
         if not self.title.isprintable():
@@ -127,7 +131,7 @@ class Study:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Dotted paths of what varies besides the seed: the grid's, then the sample's."""
+        """Dotted paths of the varied parameters, without the seed: the grid's, then the sample's."""
         return (*(self.grid or {}), *(self.sample.parameters if self.sample else {}))
 
     @property
@@ -138,7 +142,7 @@ class Study:
 
     @property
     def fixed(self) -> dict[str, Any]:
-        """What is changed in every run, by dotted path."""
+        """Values set in every run, by dotted path."""
         duration = {} if self.duration_s is None else {"duration_s": self.duration_s}
         return {**duration, **(self.overrides or {})}
 
@@ -152,7 +156,7 @@ class Study:
         ):
             for path in paths:
                 if path == "seed":
-                    raise ValueError(f"{field}.seed: not allowed here; seeds stand under the key seeds")
+                    raise ValueError(f"{field}.seed: not allowed; allowed: seeds under the key seeds only")
                 if path in seen:
                     raise ValueError(f"{field}.{path}: is given twice; allowed: once")
                 seen.add(path)
@@ -167,7 +171,7 @@ class Study:
 
 def load_study(name_or_path: str) -> Study:
     """
-    Return a study; the path of its scenario, if it is one, as seen from here.
+    Return a study; if its scenario is a path, it is relative to the current folder.
 
     Parameters
     ----------
@@ -188,7 +192,7 @@ def load_study(name_or_path: str) -> Study:
 
 
 def study_from_plain(raw: Mapping[str, Any]) -> Study:
-    """Return a study from plain data, as YAML gives it; raise ConfigError with one line for the user."""
+    """Return a study from plain data of YAML; raise ConfigError with one line for the user."""
     plain = dict(raw)
     if isinstance(plain.get("seeds"), Mapping):
         seeds = load(SeedRange, plain["seeds"], "study.seeds")
@@ -202,19 +206,19 @@ def list_studies() -> list[tuple[str, str]]:
 
 
 def is_number(value: object) -> bool:
-    """Tell a number from words, mappings and truth values."""
+    """Return whether this is a number, and not a text, mapping or truth value."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def value_text(value: object) -> str:
-    """Return a parameter's value as text that YAML, too, reads as that value."""
+    """Return a parameter's value as text that YAML reads as the same value."""
     return json.dumps(value, allow_nan=False, ensure_ascii=False)
 
 
 def _check_values(values: Sequence[Any], field: str) -> None:
-    """Refuse an empty list, values that are no plain data, and values that stand twice."""
+    """Refuse an empty list, values that are no plain data, and repeated values."""
     if not values:
-        raise ValueError(f"{field}: [] is not allowed; allowed: a list with something in it")
+        raise ValueError(f"{field}: [] is not allowed; allowed: a list with at least one value")
     seen: set[str] = set()
     for value in values:
         try:
@@ -225,5 +229,5 @@ def _check_values(values: Sequence[Any], field: str) -> None:
                 "and lists and mappings of these"
             ) from None
         if text in seen:
-            raise ValueError(f"{field}: {shown(value)} stands twice; allowed: once")
+            raise ValueError(f"{field}: {shown(value)} is given twice; allowed: once")
         seen.add(text)

@@ -30,14 +30,14 @@ _USUAL = (
 
 @dataclass(frozen=True)
 class Group:
-    """Runs that have the same values of some parameters: these values by path, and the rows of the runs."""
+    """Runs with the same values of some parameters: these values by path, and the rows of the runs."""
 
     values: dict[str, Any]
     rows: tuple[int, ...]
 
 
 def shown_metrics_of(table: SweepTable) -> list[str]:
-    """Return the metrics to show: those that the study names, else the usual ones that any run has."""
+    """Return the metrics to show: those of the study, or else the usual ones that some run has."""
     if table.study.metrics:
         return list(dict.fromkeys(table.study.metrics))
     return [name for name in _USUAL if any(value is not None for value in table.columns.get(name, ()))]
@@ -53,7 +53,7 @@ def groups_by(table: SweepTable, paths: Sequence[str]) -> list[Group]:
 
 
 def metric_of(table: SweepTable, name: str, group: Group) -> Summary:
-    """Return what a metric amounts to over the runs of a group that are done."""
+    """Return the statistics of a metric over the finished runs of a group."""
     column, status = table.columns.get(name), table.columns["status"]
     values = [column[row] for row in group.rows if status[row] == DONE] if column else []
     return summarise(
@@ -67,12 +67,12 @@ def n_failed(table: SweepTable, group: Group) -> int:
 
 
 def grid_groups(table: SweepTable) -> list[Group]:
-    """Return one group for every point of the grid; drawn parameters are pooled."""
+    """Return one group for every point of the grid; sampled parameters are pooled."""
     return groups_by(table, tuple(table.study.grid or {}))
 
 
 def write_summary(folder: Path, table: SweepTable) -> Path:
-    """Write every metric over every point of the grid, one line each."""
+    """Write the statistics of every metric at every point of the grid, one line each."""
     path = folder / SUMMARY_FILE
     grid = tuple(table.study.grid or {})
     with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as stream:

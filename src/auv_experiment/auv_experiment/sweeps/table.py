@@ -1,9 +1,9 @@
 """
-The table of a sweep: one row per run, in one Parquet file that says by itself what was asked for.
+The table of a sweep: one row per run, in one Parquet file that also contains the study.
 
 Columns: ``run``; ``scenario.<dotted path>`` for every parameter; ``seed``, ``key``, ``status`` (done or
-failed), ``error``; every metric under its name; ``wall_s`` and ``cpu_s``.  Rows are in the study's order,
-so that all but the last two columns are the same however the runs were flown.
+failed), ``error``; every metric under its name; ``wall_s`` and ``cpu_s``. Rows are in the study's order, so
+that all but the last two columns do not depend on how the runs were flown.
 """
 
 from __future__ import annotations
@@ -56,14 +56,14 @@ _MOST_BYTES = 1 << 30
 @dataclass(frozen=True, eq=False)
 class SweepTable:
     """
-    A table that was read.
+    A table read from disk.
 
     Attributes
     ----------
     study : Study
-        What was asked for.
+        The study of the sweep.
     making : dict
-        How it was made, words by name.
+        How it was made: texts by name.
     columns : dict
         Values by name of the column.
 
@@ -80,7 +80,7 @@ class SweepTable:
         return len(self.columns["run"])
 
     def parameters(self, row: int) -> dict[str, Any]:
-        """Return the values of the parameters in a row, by dotted path, as the study has them."""
+        """Return the values of the parameters in a row, by dotted path, as in the study."""
         values = {path: self.columns[PREFIX + path][row] for path in self.study.parameters}
         return {path: json.loads(value) if path in self._texts else value for path, value in values.items()}
 
@@ -94,18 +94,18 @@ def write_table(
     folder: Path, study: Study, rows: Sequence[tuple[PlannedRun, Finished]], making: dict[str, str]
 ) -> Path:
     """
-    Write the table of a sweep, all or nothing.
+    Write the table of a sweep, completely or not at all.
 
     Parameters
     ----------
     folder : Path
         Folder of the sweep.
     study : Study
-        What was asked for.
+        The study of the sweep.
     rows : sequence of (PlannedRun, Finished)
         In the study's order.
     making : dict
-        How it was made, words by name; kept in the file.
+        How it was made: texts by name; stored in the file.
 
     """
     columns = {name: pa.array(values) for name, values in _columns(study, rows).items()}
@@ -127,7 +127,7 @@ def read_table(folder: Path) -> SweepTable:
     Raises
     ------
     ResultsError
-        When there is none, or it is not a sweep's.
+        If there is none, or it is not the table of a sweep.
 
     """
     path = folder / TABLE_FILE
@@ -135,7 +135,7 @@ def read_table(folder: Path) -> SweepTable:
         table = _read(path)
         about = json.loads((table.schema.metadata or {})[_ABOUT])
         if set(about) != _KEYS_OF_OLD_TABLES and about.pop(_CHECKSUM) != _checksum(table, about):
-            raise ValueError("its checksum does not hold")
+            raise ValueError("its checksum is wrong")
         study = study_from_plain(about["study"])
         _check(table, study, about)
         return SweepTable(study, about["making"], table.to_pydict(), frozenset(about["texts"]))
@@ -146,7 +146,7 @@ def read_table(folder: Path) -> SweepTable:
 
 
 def _read(path: Path) -> pa.Table:
-    """Return a table with its checksums verified, and never more of it than fits into memory."""
+    """Return a table whose checksums are verified; its size in memory is bounded."""
     if not path.is_file():
         raise FileNotFoundError(errno.ENOENT, "no such table")
     with pq.ParquetFile(path, page_checksum_verification=True) as file:
@@ -162,26 +162,28 @@ def _read(path: Path) -> pa.Table:
 
 
 def _checksum(table: pa.Table, about: dict[str, Any]) -> str:
-    """Return a checksum of all but the wall-clock columns, so that equal sweeps give equal tables."""
+    """
+    Return a checksum of all columns but those of the wall clock, so that equal sweeps give equal tables.
+    """
     columns = table.drop_columns(list(WALL_CLOCK_COLUMNS)).to_pydict()
     return hashlib.sha256(json.dumps([about, columns], sort_keys=True).encode()).hexdigest()
 
 
 def _check(table: pa.Table, study: Study, about: dict[str, Any]) -> None:
-    """Raise ValueError or TypeError where what was read is not what `write_table` writes."""
+    """Raise ValueError or TypeError if the content is not what `write_table` writes."""
     types = {field.name: field.type for field in table.schema}
     if not len(table):
         raise ValueError("no rows")
     if len(types) != len(table.schema):
-        raise ValueError("a column stands twice")
+        raise ValueError("two columns have one name")
     for name, is_right in _TYPES.items():
         if not is_right(types[name]):
-            raise TypeError(f"column {name}: {types[name]} is not its type")
+            raise TypeError(f"column {name}: {types[name]} is the wrong type")
         if name not in WALL_CLOCK_COLUMNS and table[name].null_count:
             raise ValueError(f"column {name}: a value is missing")
     for name, found in types.items():
         if not any(is_scalar(found) for is_scalar in _SCALARS):
-            raise TypeError(f"column {name}: {found} is not a number, a truth value or a word")
+            raise TypeError(f"column {name}: {found} is not a number, a truth value or a text")
         if not name.startswith(PREFIX) and not name.isidentifier():
             raise ValueError(f"column {name!r}: not the name of a metric")
     if strange := set(table["status"].to_pylist()) - {DONE, FAILED}:
@@ -192,7 +194,7 @@ def _check(table: pa.Table, study: Study, about: dict[str, Any]) -> None:
     if missing := [path for path in study.parameters if PREFIX + path not in types]:
         raise ValueError(f"column {PREFIX}{missing[0]}: missing")
     if not all(isinstance(word, str) for pair in about["making"].items() for word in pair):
-        raise TypeError("making: not words by name")
+        raise TypeError("making: not texts by name")
 
 
 def _columns(study: Study, rows: Sequence[tuple[PlannedRun, Finished]]) -> dict[str, list[Any]]:
@@ -212,7 +214,9 @@ def _columns(study: Study, rows: Sequence[tuple[PlannedRun, Finished]]) -> dict[
 
 
 def _of_one_type(values: Iterable[Any]) -> list[Any]:
-    """Return values as Parquet wants them: all numbers, truth values or words, or else each as its text."""
+    """
+    Return values for Parquet: if they are not all numbers, all truth values or all texts, each becomes text.
+    """
     found = list(values)
     if not _is_one_type(found):
         return [value_text(value) for value in found]

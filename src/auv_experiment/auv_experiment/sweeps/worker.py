@@ -1,4 +1,4 @@
-"""What a worker of a sweep does: one run at a time, its result told by what it returns."""
+"""The work of a sweep's worker: it flies one run at a time and returns the result."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from auv_experiment.scenario.loading import scenario_from_json
 Scalar = bool | int | float | str | None
 
 NO_RESULTS = {"scenario", "seed", "mode", "real_time_factor", "lost_vehicles"}
-"""Metrics that say what was flown or how fast, or are always the same in one process."""
+"""Metrics that describe the run or its speed, or are constant in one process."""
 
 
 class SourceMismatchError(RuntimeError):
-    """A worker has another source or other packages than the sweep that asks it; the message is one line."""
+    """Raised if a worker has other source or packages than the sweep; the message is one line."""
 
 
 @dataclass(frozen=True)
 class Finished:
     """
-    What came of a run.
+    The result of a run.
 
     Attributes
     ----------
     metrics : dict
-        Every metric that is one value; empty if the run failed.
+        Every metric with a single value; empty if the run failed.
     error, traceback : str
-        What went wrong, in one line and in full; empty if nothing did.
+        The failure, in one line and in full; empty if there was none.
     is_lasting : bool
-        Whether another try would give the same.
+        Whether another attempt would give the same result.
     wall_s, cpu_s : float or None
         Wall and processor time of the run (s).
 
@@ -48,19 +48,19 @@ class Finished:
 
 def fly_run(scenario_json: str, source: str) -> Finished:
     """
-    Fly a run and return the outcome, a failure of the run included.
+    Fly a run and return its result; a failure is a result, too.
 
     Parameters
     ----------
     scenario_json : str
         Resolved scenario.
     source : str
-        `source_version` of the sweep that asks.
+        `source_version` of the sweep.
 
     Raises
     ------
     SourceMismatchError
-        When this process has another source.
+        If this process has another source.
 
     """
     if source_version() != source:
@@ -78,7 +78,7 @@ def fly_run(scenario_json: str, source: str) -> Finished:
 
 
 def _scalars(metrics: dict[str, Any]) -> dict[str, Scalar]:
-    """Return the metrics that are one value, without `NO_RESULTS`."""
+    """Return the metrics with a single value, without `NO_RESULTS`."""
     return {
         key: value
         for key, value in metrics.items()
