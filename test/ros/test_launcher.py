@@ -15,9 +15,11 @@ from auv_bringup.launching.launcher import fly_nodes
 from auv_bringup.launching.layout import process_specs
 from auv_bringup.launching.node_specs import node_specs
 from auv_bringup.launching.node_start import node_environment
+from auv_bringup.launching.status_listener import EAR, EAR_MODULE
 from auv_core.cli.progress import Progress
 from auv_core.machine import processes
 from auv_core.machine.interrupts import Interrupts
+from auv_core.machine.process_states import children_of
 from auv_experiment.scenario.loading import load_scenario
 
 pytestmark = pytest.mark.ros
@@ -33,6 +35,10 @@ def is_alive(pid):
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
     except FileNotFoundError:
         return False
+
+
+def command_of(pid):
+    return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode()
 
 
 class Stage:
@@ -59,7 +65,9 @@ class Stage:
         environ = node_environment(
             os.environ, domain_id=int(os.environ.get("ROS_DOMAIN_ID") or 77), discovery="localhost"
         )
-        before = dict(os.environ)
+        # With a thread here the launcher's ear is no fork: of a process that has had nodes that would hang.
+        over = threading.Event()
+        threading.Thread(target=over.wait).start()
         try:
             with self.interrupts:
                 self.flight = fly_nodes(
@@ -74,8 +82,7 @@ class Stage:
                     ),
                 )
         finally:
-            os.environ.clear()
-            os.environ.update(before)
+            over.set()
         assert [pid for pid in self.pids() if is_alive(pid)] == []
         return self.flight
 
@@ -127,7 +134,8 @@ def test_a_flight_ends_in_order_and_the_recorder_last(stage):
 def test_every_node_has_a_log_and_a_parameters_file(stage):
     stage.fly()
     logs = stage.folder / "logs"
-    assert {path.stem for path in logs.glob("*.log")} == {path.stem for path in (logs / "params").iterdir()}
+    nodes = {path.stem for path in (logs / "params").iterdir()}
+    assert {path.stem for path in logs.glob("*.log")} == nodes | {"_shoal_launcher"}
     assert (logs / "auv_1.agent_node.log").read_text().startswith(AGENT_1)
 
 
@@ -210,6 +218,18 @@ def test_a_frozen_clock_is_named_within_5_s(stage):
     assert flight.exit_status == 3
     assert "/clock_node" in flight.reason
     assert named_at_s[0] - frozen_at_s[0] < 5.0
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_an_ear_that_is_killed_or_stopped_is_named_and_holds_no_end(stage, number):
+    def hit():
+        (pid,) = [pid for pid in children_of(os.getpid()) if EAR_MODULE in command_of(pid)]
+        os.kill(pid, number)
+
+    stage.when(lambda: stage.is_up, hit)
+    flight = stage.fly(duration_s=LONG_S)
+    assert flight.exit_status == 3
+    assert flight.reason.startswith(EAR.name)
 
 
 def test_silence_from_the_start_ends_the_wait(stage, monkeypatch):

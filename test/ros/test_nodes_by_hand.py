@@ -83,7 +83,7 @@ def test_an_aborted_run_ends_its_nodes_and_an_earlier_one_does_not(tmp_path):
         assert_ends(agent)
 
 
-@pytest.mark.parametrize("off_s", [-4, 1, 4])
+@pytest.mark.parametrize("off_s", [-4, 1, pytest.param(4, marks=pytest.mark.slow)])
 def test_a_node_whose_system_clock_is_off_acts_at_the_ticks_of_the_run(off_s, tmp_path, monkeypatch):
     shift = tmp_path / "shift"
     shift.write_bytes(struct.pack("=q", off_s))

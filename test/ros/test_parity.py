@@ -46,11 +46,10 @@ AS_OTHERS = {
 }
 # All layouts make one bag (a test says so), so most fly in the one that starts and flies fastest.
 WITH_A_PROCESS_PER_NODE = {"ch3_circle", "ch5_one_leader", "flock_drift"}
-SHIPPED = [
-    pytest.param(name, marks=pytest.mark.slow if name in AS_OTHERS else ())
-    for name, _ in list_scenarios()
-    if name != "flock_acoustic"
-]
+SHIPPED = [name for name, _ in list_scenarios()]
+QUICK_S, LONG_S = 8, 20
+QUICK = [(name, QUICK_S) for name in SHIPPED if name not in AS_OTHERS | {"flock_acoustic"}]
+LONG = [pytest.param(name, LONG_S, marks=pytest.mark.slow) for name in SHIPPED]
 WATER = (
     "agent.neighbours.timeout_s=60",
     (
@@ -97,11 +96,11 @@ def assert_equals_in_process(results_dir):
 @pytest.fixture(scope="module")
 def lossy_runs(tmp_path_factory):
     """
-    Runs of the main job, 20 s, one seed: a lossy channel and a current. Two with a process per node, one of
+    Runs of the main job, 12 s, one seed: a lossy channel and a current. Two with a process per node, one of
     every other layout.
     """
     return [
-        fly("flock_acoustic", tmp_path_factory.mktemp(layout), 20, "--seed", "3", "--layout", layout)
+        fly("flock_acoustic", tmp_path_factory.mktemp(layout), 12, "--seed", "3", "--layout", layout)
         for layout in ("node", *LAYOUTS)
     ]
 
@@ -126,10 +125,10 @@ def test_a_lockstep_run_equals_the_run_in_one_process(lossy_runs):
     assert_equals_in_process(lossy_runs[0])
 
 
-@pytest.mark.parametrize("scenario", SHIPPED)
-def test_every_scenario_in_lockstep_equals_the_run_in_one_process(scenario, tmp_path):
+@pytest.mark.parametrize(("scenario", "duration_s"), [*QUICK, *LONG])
+def test_every_scenario_in_lockstep_equals_the_run_in_one_process(scenario, duration_s, tmp_path):
     layout = "node" if scenario in WITH_A_PROCESS_PER_NODE else "single"
-    assert_equals_in_process(fly(scenario, tmp_path, 20, "--layout", layout))
+    assert_equals_in_process(fly(scenario, tmp_path, duration_s, "--layout", layout))
 
 
 @pytest.mark.slow
@@ -164,7 +163,7 @@ def test_noise_and_failures_of_the_navigation_are_the_same_in_lockstep(tmp_path)
 
 def test_sound_sonar_and_drift_are_the_same_in_lockstep(tmp_path):
     settings = [word for override in WATER for word in ("--set", override)]
-    recorded = assert_equals_in_process(fly("flock_acoustic", tmp_path, 10, *settings, "--layout", "vehicle"))
+    recorded = assert_equals_in_process(fly("flock_acoustic", tmp_path, 6, *settings, "--layout", "vehicle"))
     outcomes = set(recorded.events[:, 1].tolist())
     assert {Outcome.SENT, Outcome.DELIVERED, Outcome.OUTAGE} <= outcomes
     assert len(recorded.contacts) > 0

@@ -19,6 +19,7 @@ import pytest
 import yaml
 
 from auv_bag.bag import Bag
+from auv_core.machine.process_states import children_of
 from auv_experiment.recording_from_bag import read_recording
 from auv_experiment.scenario.file import SCENARIOS_DIR
 from auv_experiment.scenario.loading import load_scenario
@@ -29,6 +30,7 @@ PATIENCE_S = 120.0
 RECORDED_BYTES = 300_000
 """More than the definitions at the head of a bag: chunks of the flight are on disk."""
 NODES = [
+    "_shoal_launcher",
     "acoustic_relay_node",
     "auv_1.agent_node",
     "auv_1.vehicle_node",
@@ -228,10 +230,10 @@ def stop_while_it_starts(run):
     agents = []
     while not agents:
         assert time.monotonic() < deadline_s
-        pause.wait(0.005)
+        pause.wait(0.001)
         with contextlib.suppress(OSError):
-            family = descendants_of(run.process.pid)
-            agents = [pid for pid in family if "agent_node /auv_2" in command_of(pid)]
+            nodes = children_of(run.process.pid)
+            agents = [pid for pid in nodes if "agent_node /auv_2" in command_of(pid)]
     os.kill(agents[0], signal.SIGSTOP)
     status, _, errors = run.wait()
     return status, errors
@@ -291,7 +293,7 @@ def test_a_node_that_raises_in_a_process_of_all_nodes_is_named_in_one_line(start
 
 def test_a_run_may_have_few_processes_and_none_interrupts_another(start):
     run = start("--layout", "vehicle").wait_until_up()
-    assert len(run.watches) == 5  # with the one that writes the bag
+    assert len(run.watches) == 6  # with the launcher's ear and the one that writes the bag
     threads = [int(path.name) for pid in run.watches for path in Path(f"/proc/{pid}/task").iterdir()]
     assert {os.sched_getscheduler(thread) for thread in threads} == {os.SCHED_BATCH}
     run.process.send_signal(signal.SIGINT)
@@ -301,7 +303,7 @@ def test_a_run_may_have_few_processes_and_none_interrupts_another(start):
 
 def test_nodes_die_with_a_killed_launcher(start):
     run = start().wait_until_up()
-    assert len(run.watches) == 7
+    assert len(run.watches) == 8
     run.process.kill()
     run.wait()
     assert Bag(run.folder).complete

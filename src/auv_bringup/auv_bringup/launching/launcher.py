@@ -2,12 +2,12 @@
 Flying a scenario as ROS 2 nodes: start them, watch them, end them.
 
 Which nodes share a process is the layout's word. The launcher starts all processes at once, listens to
-``/flock/status`` with a small node of its own, asks the `Supervisor` what to make of what it sees, and ends
+``/flock/status`` through a small process, asks the `Supervisor` what to make of what it sees, and ends
 the processes in order: vehicles, agents and relay first, which hand over their last messages, then the
 recorder, which writes what it has received and closes the bag. No wait in here is without an end.
 
 The processes are forked from this one after it has imported what they need, once for all of them, and before
-it has anything of ROS running: that is most of their start-up and half of their memory. Where this process
+it has threads: that is most of their start-up and half of their memory. Where this process
 has threads, which a fork would lose, they are started anew from their command lines.
 """
 
@@ -38,7 +38,7 @@ from auv_bringup.launching.node_start import (
     parts_of,
 )
 from auv_bringup.launching.shared_memory import clear_shared_memory
-from auv_bringup.launching.status_listener import StatusListener
+from auv_bringup.launching.status_listener import EAR, EAR_MODULE, StatusListener
 from auv_bringup.launching.supervision import Supervisor
 from auv_core.cli.progress import Progress
 from auv_core.machine.child_end import last_lines
@@ -177,9 +177,8 @@ def fly_nodes(
         for process in map(_launched, processes):
             log = logs_dir / f"{log_name(process.name)}.log"
             start(children, process, parts_of(process, params_dir), log, environ)
-        supervisor = Supervisor(processes, on_vehicle_loss=on_vehicle_loss)
-        # A node of its own comes after the children are started: it brings threads, and a fork loses them.
-        with StatusListener(environ, processes) as listener:
+        supervisor = Supervisor([*processes, EAR], on_vehicle_loss=on_vehicle_loss)
+        with StatusListener(children, environ, processes, logs_dir / f"{log_name(EAR.name)}.log") as listener:
             start_up_s = _watch(supervisor, children, listener, interrupts, progress, start_s)
             was_interrupted = interrupts.count > 0 and not supervisor.is_over
             if was_interrupted:
@@ -188,7 +187,7 @@ def fly_nodes(
                 progress.message(f"{supervisor.reason}: ending the run")
             bag_is_closed = _end_in_order(processes, children, interrupts, progress, supervisor)
     flight = _flight(supervisor, was_interrupted, bag_is_closed, start_up_s)
-    return replace(flight, strangers=(*listener.strangers, *listener.refused_writers()))
+    return replace(flight, strangers=(*listener.strangers, *listener.refused_writers))
 
 
 def _launched(process: ProcessSpec) -> ProcessSpec:
@@ -204,7 +203,8 @@ def _import_nodes(processes: Sequence[ProcessSpec]) -> None:
     """Import once what the processes to be forked need; their memory is then shared, too."""
     for module in sorted({node.module for process in processes for node in process.nodes}):
         import_module(module)
-    import_module(CONTAINER_MODULE)
+    for module in (CONTAINER_MODULE, EAR_MODULE):
+        import_module(module)
     gc.collect()
     gc.freeze()
 

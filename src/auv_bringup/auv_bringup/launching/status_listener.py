@@ -1,87 +1,124 @@
-"""The launcher's ear: a ROS node that hears how a run is, and looks for strangers on its topics."""
+"""
+How the launcher hears a run: through a process of its own, the ear.
+
+A call of the middleware can last forever: after a step of the system clock, or where it shares memory with a
+process that was killed. The launcher calls none of it. An ear that is held says nothing, and is killed at the
+end.
+"""
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Sequence
+from functools import partial
+from importlib import import_module
+from multiprocessing.connection import Connection, Pipe
+from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import NamedTuple
+
+from setproctitle import setproctitle
 
 from auv_bringup.launching.flight_status import Status
 from auv_bringup.launching.layout import ProcessSpec
-from auv_bringup.launching.node_start import adopt
-from auv_core.machine.leaving import keep
-from auv_ros.run_config import LAUNCHER_NODE, WallWatch
-from auv_ros.run_identity import status_epoch_s
-from auv_ros.steady_timer import NEVER_S, SteadyTimer
+from auv_core.machine.child_start import threads_allow_fork
+from auv_core.machine.processes import ChildProcesses
+from auv_ros.run_config import LAUNCHER_NODE
 
 CLOCK_NODE = "/clock_node"
 """It lives in the process of the relay."""
+EAR = ProcessSpec(LAUNCHER_NODE, (), "launcher", "")
+EAR_MODULE = "auv_bringup.nodes.launcher_ear"
+LOOK = "look"
+"""Asks the ear for strangers; it answers with the next `News` that is an answer."""
 _WAKE_S = 0.1
-_LOOK_S = 1.0
+_ANSWER_S = 1.0
+_LEAVE_S = 1.0
+
+
+class Opening(NamedTuple):
+    """The first word to the ear: the environment of the nodes, and whose the topics of the run are."""
+
+    environ: dict[str, str]
+    own_nodes: frozenset[str]
+    vehicle_ids: tuple[str, ...]
+
+
+class News(NamedTuple):
+    """What the ear has heard since its last word; of writers that were refused, all so far."""
+
+    statuses: tuple[Status, ...] = ()
+    strangers: tuple[str, ...] = ()
+    refused: tuple[str, ...] = ()
+    is_answer: bool = False
 
 
 class StatusListener:
     """
-    A small ROS node that hears /flock/status; hidden from `ros2 node list` by its name.
+    Starts the ear and takes its news; on leaving, ends it.
 
     Parameters
     ----------
+    children : ChildProcesses
+        Gets the ear, as `EAR`.
     environ : dict
         Environment of the nodes.
     processes : sequence of ProcessSpec
         Those of the run.
+    log : Path
+        Log of the ear.
 
     Attributes
     ----------
     strangers : list of str
         Who else published on topics of the run so far, a line each.
+    refused_writers : tuple of str
+        How many writers were refused, also unnamed ones, a line for each topic that is heard here.
 
     """
 
-    def __init__(self, environ: dict[str, str], processes: Sequence[ProcessSpec]) -> None:
-        self._environ = environ
+    def __init__(
+        self,
+        children: ChildProcesses,
+        environ: dict[str, str],
+        processes: Sequence[ProcessSpec],
+        log: Path,
+    ) -> None:
+        self._children = children
         nodes = [node for process in processes for node in process.nodes]
-        self._own_nodes = {node.name for node in nodes} | {CLOCK_NODE}
-        self._vehicle_ids = sorted({node.vehicle_id for node in nodes if node.vehicle_id})
+        self._opening = Opening(
+            environ,
+            frozenset({node.name for node in nodes} | {CLOCK_NODE}),
+            tuple(sorted({node.vehicle_id for node in nodes if node.vehicle_id})),
+        )
+        self._log = log
         self._heard: list[Status] = []
-        self._wall = WallWatch(time.monotonic, time.time)
-        self._looked_at_s = time.monotonic()
+        self._new_strangers: list[str] = []
+        self._is_gone = False
         self.strangers: list[str] = []
+        self.refused_writers: tuple[str, ...] = ()
 
     def __enter__(self) -> StatusListener:
-        adopt(self._environ)
-        import rclpy
-        from rclpy.executors import SingleThreadedExecutor
-        from rclpy.logging import LoggingSeverity
-        from rclpy.signals import SignalHandlerOptions
-
-        from auv_msgs.msg import FlockStatus
-        from auv_ros.hearing import Hearing
-        from auv_ros.qos import EVERY_LATCHED
-        from auv_ros.strangers import StrangerWatch
-
-        self._context = rclpy.Context()
-        rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
-        self._node = rclpy.create_node(
-            LAUNCHER_NODE.strip("/"),
-            context=self._context,
-            enable_rosout=False,
-            start_parameter_services=False,
-        )
-        # The client library's own line about a stranger: `new_strangers` says it in plain words.
-        self._node.get_logger().set_level(LoggingSeverity.ERROR)
-        self._hearing = Hearing(self._node)
-        self._hearing.listen_decoded(FlockStatus, "/flock/status", self._hear, EVERY_LATCHED)
-        self._watch = StrangerWatch(self._node, self._own_nodes, self._vehicle_ids)
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
-        self._waker = SteadyTimer(self._node, _WAKE_S, lambda: None)
+        self._line, far_end = Pipe()
+        with far_end:
+            if threads_allow_fork():
+                self._children.fork(EAR.name, partial(_be_the_ear, self._line, far_end), log=self._log)
+            else:
+                number = far_end.fileno()
+                words = [sys.executable, "-P", "-m", EAR_MODULE, str(number)]
+                self._children.start(
+                    EAR.name, words, log=self._log, environ=self._opening.environ, pass_fds=[number]
+                )
+        self._send(self._opening)
         return self
 
     def listen(self) -> list[Status]:
         """Wait for a status, at most `_WAKE_S`; return those that came, oldest first."""
-        self._executor.spin_once(timeout_sec=NEVER_S)
+        if self._is_gone:
+            time.sleep(_WAKE_S)
+        else:
+            self._take(_WAKE_S)
         heard, self._heard = self._heard, []
         return heard
 
@@ -91,37 +128,48 @@ class StatusListener:
 
         The graph is asked once a second, or `at_once`.
         """
-        if not at_once and time.monotonic() - self._looked_at_s < _LOOK_S:
-            return []
-        self._looked_at_s = time.monotonic()
-        words = [stranger.words for stranger in self._watch.look()]
+        if at_once:
+            self._look()
+        words, self._new_strangers = self._new_strangers, []
         self.strangers += words
         return words
-
-    def refused_writers(self) -> list[str]:
-        """Return a line for each topic heard here of how many writers were refused, also unnamed ones."""
-        return [f"{topic}: writers refused: {count}" for topic, count in self._hearing.refused.items()]
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        self._waker.cancel()
-        if self._wall.warning():
-            keep(self._executor, self._node, self._context)
-            return
-        self._executor.shutdown(timeout_sec=1.0)
-        self._node.destroy_node()
-        self._context.try_shutdown()
+        self._line.close()
+        self._children.end([EAR.name], grace_s=_LEAVE_S)
 
-    def _hear(self, message: Any) -> None:
-        self._heard.append(
-            Status(
-                state=message.state,
-                time_s=message.time_s,
-                duration_s=message.duration_s,
-                epoch_s=status_epoch_s(message),
-                waiting_for=tuple(message.waiting_for),
-                lost_vehicles=tuple(message.lost_vehicles),
-                detail=message.detail,
-            )
-        )
+    def _look(self) -> None:
+        self._send(LOOK)
+        deadline_s = time.monotonic() + _ANSWER_S
+        while not self._is_gone and time.monotonic() < deadline_s and not self._take(_WAKE_S):
+            pass
+
+    def _send(self, word: Opening | str) -> None:
+        try:
+            self._line.send(word)
+        except OSError:
+            self._is_gone = True
+
+    def _take(self, patience_s: float) -> bool:
+        """Take the news that come within a time (s), and what is there then; return whether one answers."""
+        has_answer = False
+        try:
+            while self._line.poll(patience_s):
+                news: News = self._line.recv()
+                self._heard += news.statuses
+                self._new_strangers += news.strangers
+                self.refused_writers = news.refused
+                has_answer |= news.is_answer
+                patience_s = 0.0
+        except (EOFError, OSError):
+            self._is_gone = True
+        return has_answer
+
+
+def _be_the_ear(near_end: Connection, line: Connection) -> int:
+    """Be the ear, as a fork of the launcher."""
+    near_end.close()
+    setproctitle(f"{sys.executable} -P -m {EAR_MODULE} {line.fileno()}")
+    return int(import_module(EAR_MODULE).serve(line))

@@ -23,7 +23,6 @@ from auv_bringup.launching.verdict import LOST, verdict
 from auv_bringup.tools.run_arguments import parse
 from auv_core.cli.failures import DONE, INTERRUPTED, answered, internal_error
 from auv_core.cli.one_line_parser import fail
-from auv_core.machine.leaving import leave_if_kept
 from auv_core.params import ConfigError
 from auv_experiment import results
 
@@ -38,13 +37,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name, value in ONE_THREAD.items():
         os.environ.setdefault(name, value)  # before numpy is imported; nodes are forks of this process
     place = _TracebackPlace()
-    status = answered(
+    return answered(
         lambda: _run(parse(arguments), place),
         (ConfigError, DomainError, results.ResultsError),
         interrupted="interrupted",
         explained=lambda error: internal_error(error, place.folder),
     )
-    return leave_if_kept(status)
 
 
 def _run(options: argparse.Namespace, place: _TracebackPlace) -> int:

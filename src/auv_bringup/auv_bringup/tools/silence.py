@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 
 SAY_S = 5.0
@@ -22,7 +21,7 @@ class Silence:
 
     """
 
-    def __init__(self, limit_s: float, clock_s: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, limit_s: float, clock_s: Callable[[], float]) -> None:
         self._limit_s = limit_s
         self._clock_s = clock_s
         self.end()

@@ -184,7 +184,7 @@ def _receive(
 
     kind = message_class(_find_type(node, options.topic, options.wait))
     finished = False
-    silence = Silence(options.silence)
+    silence = Silence(options.silence, time.monotonic)
 
     def callback(message: Any) -> None:
         nonlocal finished

@@ -9,19 +9,7 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import Any, NoReturn
-
-_kept: list[Any] = []
-
-
-def keep(*parts: Any) -> None:
-    """Keep objects of the middleware as they are until the process ends, see `leave_if_kept`."""
-    _kept.extend(parts)
-
-
-def leave_if_kept(status: int) -> int:
-    """End the process at once where objects were kept; else return the exit status."""
-    return leave(status) if _kept else status
+from typing import NoReturn
 
 
 def leave(status: int) -> NoReturn:

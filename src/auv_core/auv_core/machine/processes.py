@@ -49,8 +49,16 @@ class ChildProcesses:
         self._of_others: frozenset[int] = frozenset()
         self.returncodes: dict[str, int] = {}
 
-    def start(self, name: str, arguments: Sequence[str], *, log: Path, environ: Mapping[str, str]) -> None:
-        """Start a child whose output goes to the file `log`."""
+    def start(
+        self,
+        name: str,
+        arguments: Sequence[str],
+        *,
+        log: Path,
+        environ: Mapping[str, str],
+        pass_fds: Sequence[int] = (),
+    ) -> None:
+        """Start a child whose output goes to the file `log`, and that keeps some file descriptors."""
         with log.open("ab") as output:
             self._running[name] = subprocess.Popen(
                 list(arguments),
@@ -58,6 +66,7 @@ class ChildProcesses:
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 env=dict(environ),
+                pass_fds=pass_fds,
                 start_new_session=True,
                 preexec_fn=child_setup(os.getpid()),
             )
