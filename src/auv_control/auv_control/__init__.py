@@ -1,1 +1,1 @@
-"""What one vehicle's computer does alone: references, control laws, avoidance, estimators."""
+"""Control of a single vehicle: references, control laws, obstacle avoidance."""

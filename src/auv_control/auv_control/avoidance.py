@@ -3,12 +3,12 @@ Obstacle avoidance in the horizontal plane by a potential, thesis Eqs. (2.19)-(2
 
     U(r) = k (ln(r^2 / d^2) + d^2 / r^2 - 1),     F = -grad U = 2 k (p - p_o) (d^2 - r^2) / r^4
 
-with r the horizontal distance to the obstacle and d its safety distance.  F points away from the obstacle for
-r < d, is zero at r = d, and for r > d points towards it and fades as 2 k / r.
+with r the horizontal distance to the obstacle and d its safety distance. F points away from the obstacle for
+r < d and is zero at r = d. For r > d it points towards the obstacle and decays as 2 k / r.
 
-Deviation: (2.19) cannot be read with certainty; this is the form whose gradient is (2.20).  The constant -1
-makes U(d) = 0, its smallest value.  The gain k (N m) is ours; the thesis has none, that is k = 1 N m.  The
-text speaks of repulsion only, so `truncate` can drop both beyond d; the thesis's form keeps them.
+Deviation: (2.19) is not clearly legible; this is the form whose gradient is (2.20). The constant -1 makes
+U(d) = 0, its smallest value. The gain k (N m) is ours; the thesis has none, that is k = 1 N m. The text
+mentions repulsion only, so `truncate` can set U and F to zero beyond d; the thesis's form keeps them.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def obstacle_potential(position: Vec3, obstacles: Obstacles, gain_nm: float, *, 
     Parameters
     ----------
     position : (3,) tuple
-        Where the vehicle is (m; NED); its depth does not count.
+        Position of the vehicle (m; NED); its depth has no effect.
     obstacles : tuple of ((3,) tuple, float)
         Positions (m; NED) with their safety distances d (m).
     gain_nm : float
@@ -58,7 +58,7 @@ def obstacle_force(
     Return the force of all obstacles together (N; north and east), thesis Eq. (2.20).
 
     It is the negative gradient of `obstacle_potential` and takes the same arguments; an obstacle nearer than
-    a nanometre has no direction and gives none.
+    a nanometre has no direction and gives no force.
     """
     north_n = east_n = 0.0
     for centre, safety_m in obstacles:

@@ -3,11 +3,12 @@ The motion of a level vehicle, linear in twelve constants: M nu_r' + C(nu) nu_r 
 
     a = [m11 m22 m33 m44 | d_L1 .. d_L4 | d_Q1 .. d_Q4]        surge, sway, heave, yaw
 
-What thesis Eqs. (3.9) and (3.17)-(3.20) are for the printed eight numbers, in the body frame, with the
-Coriolis terms and with the linear drag.
+This corresponds to thesis Eqs. (3.9) and (3.17)-(3.20) for the printed eight numbers, but in the body frame,
+with the Coriolis terms and with linear drag.
 
-Deviation: thesis (3.20) puts the drag of Table 3.1, which depends on the speed, among constant parameters,
-and (3.14)-(3.16) multiply it by the speed's magnitude once more; here d_L and d_Q are two constants per axis.
+Deviation: thesis (3.20) treats the drag of Table 3.1, which depends on the speed, as a constant parameter,
+and (3.14)-(3.16) multiply it by the magnitude of the speed once more; here d_L and d_Q are two constants per
+axis.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ Vec12 = tuple[float, float, float, float, float, float, float, float, float, flo
 
 def body_forces(a: tuple[float, ...], nu: Vec4, nu_r: Vec4, nu_r_rate: Vec4) -> Vec4:
     """
-    Return Y a: the forces (N) and the yaw moment (N m) that the estimates `a` want for the motion `nu_r`.
+    Return Y a: the forces (N) and the yaw moment (N m) that the motion `nu_r` needs according to the
+    estimates `a`.
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
 """
-A vehicle on its path at one instant, as adaptive tracking sees it: errors, their sum s, virtual reference.
+A vehicle and its path at one instant, for adaptive tracking: errors, their sum s, virtual reference.
 
 Four-vectors are in the order x, y, z, yaw (NED) or surge, sway, heave, yaw (body).
 """
@@ -34,7 +34,7 @@ class Motion(NamedTuple):
 
 def motion_of(view: MotionView, path: PathPoint, *, is_flat: bool, start: State, blend_s: float) -> Motion:
     """
-    Return where a vehicle is and where it must be.
+    Return the motion of a vehicle and its path.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def motion_of(view: MotionView, path: PathPoint, *, is_flat: bool, start: State,
     start : tuple
         With a blend its start (s) and the offset eta(0) - eta_ref(0) there (m, rad; NED), else empty.
     blend_s : float
-        Time in which the reference comes from the start to the path (s); 0: it is on the path at once.
+        Time in which the reference moves from the start to the path (s); 0: it is on the path at once.
 
     """
     px, py, pz = path.position
@@ -87,7 +87,7 @@ def virtual_motion(motion: Motion, error_rate_ps: Vec4) -> tuple[Vec4, Vec4, Vec
     """
     Return nu, nu_r = J^T (eta_d' - LAM e) and nu_r' (m/s, rad/s, their rates; body).
 
-    Deviation: thesis (3.15) has J = I; the turning of the frame enters nu_r' here.
+    Deviation: thesis (3.15) has J = I; here the rotation of the frame enters nu_r'.
     """
     cx, cy, cz, cn = error_rate_ps
     (ex, ey, ez, en), (rx, ry, rz, rn) = motion.error, motion.error_rate

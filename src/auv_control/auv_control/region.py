@@ -1,5 +1,5 @@
 """
-Potentials of chapter 4: a hollow cylinder to get into, and layers around vehicles to keep out of.
+Potentials of chapter 4: a hollow cylinder to steer to, and layers around vehicles to stay out of.
 
 The ring lies between two coaxial vertical cylinders. With d = p - centre its region functions, thesis Eq.
 (4.3),
@@ -7,12 +7,11 @@ The ring lies between two coaxial vertical cylinders. With d = p - centre its re
     f1 = r^2 - dx^2 - dy^2,      f2 = dx^2 + dy^2 - R^2,      f3 = dz^2 - (h/2)^2      (m^2)
 
 are all <= 0 in it. Its potential, Eqs. (4.5)-(4.6), is E = sum_l k_l/2 max(0, f_l)^2; a layer of radius r_u
-around another vehicle has s_u = r_u^2 - |p_ij|^2 and P = sum_u k_u/2 max(0, s_u)^2, Eqs. (4.7)-(4.9). With
-k in 1/m^3 potentials are lengths and gradients pure numbers, which a law multiplies by a force.
+around another vehicle has s_u = r_u^2 - |p_ij|^2 and P = sum_u k_u/2 max(0, s_u)^2, Eqs. (4.7)-(4.9). With k
+in 1/m^3 a potential is a length and its gradient is dimensionless; a law multiplies it by a force.
 
-Deviation: p_ij is the difference of positions alone; the thesis takes that of positions and Euler angles,
-which has no meaning as a distance. The signs in (4.3) are lost in print; with the other sign f1 would draw
-vehicles into the hole.
+Deviation: p_ij is the difference of positions only; the thesis includes Euler angles, which has no meaning
+as a distance. The signs in (4.3) are not legible; with the other sign f1 would draw vehicles into the hole.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ def region_gradient(position: Vec3, ring: Ring, gain_pm3: float) -> Vec3:
     """
     Return dE/dp, the region error of the thesis's unnumbered equation after (4.6) (its "(11)"); NED.
 
-    It vanishes on the axis too, where the hole's potential has its maximum: a vehicle exactly there stays.
+    It is also zero on the axis, where the hole's potential has its maximum: a vehicle exactly there stays.
     """
     hole, outside, above = region_functions(position, ring)
     level = 2.0 * gain_pm3 * (max(0.0, outside) - max(0.0, hole))
@@ -89,7 +88,7 @@ def layer_gradient(own: Vec3, other: Vec3, layers: Layers) -> Vec3:
     """
     Return dP_ij/dp_i, thesis Eq. (4.10); NED.  It is minus dP_ij/dp_j: action and reaction.
 
-    Two vehicles in one place feel nothing: there is no direction to give way to.
+    For two vehicles at the same position it is zero, since there is no direction.
     """
     dx, dy, dz = own[0] - other[0], own[1] - other[1], own[2] - other[2]
     squared = dx * dx + dy * dy + dz * dz

@@ -1,5 +1,5 @@
 """
-A start without a jump: the reference begins where the vehicle is and flows into the path.
+A start without a jump: the reference starts at the vehicle and moves smoothly to the path.
 
 With the offset o = eta(0) - eta_ref(0) the law follows eta_d = eta_ref + b o, where b falls from 1 to 0 as
 the quintic 1 - (10 q^3 - 15 q^4 + 6 q^5), q = t / T_b, whose first two derivatives vanish at both ends.
@@ -12,9 +12,9 @@ import math
 
 def blend(t_s: float, duration_s: float) -> tuple[float, float, float]:
     """
-    Return the share b of the start offset that is left at `t_s`, with b' (1/s) and b'' (1/s^2).
+    Return the remaining share b of the start offset at `t_s`, with b' (1/s) and b'' (1/s^2).
 
-    Before 0 it is (1, 0, 0), from `duration_s` on (0, 0, 0).
+    Before 0 it is (1, 0, 0), after `duration_s` (0, 0, 0).
     """
     if t_s >= duration_s:
         return (0.0, 0.0, 0.0)

@@ -3,13 +3,13 @@ Errors of a vehicle on a path in the horizontal plane, thesis Eqs. (2.13)-(2.16)
 
 All errors are reference minus actual.  Three-vectors are in the order surge, sway, yaw.
 
-* ``body``: eta_e = J^T (eta_r - eta), nu_r = J^T eta_r', nu_r' = J^T eta_r'' + r [v_r, -u_r, 0].  This is
-  what a force along the hull's axes needs.
-* ``flat``: J = I, for a plant whose nu are the NED rates; with it the thesis simulated.
-* ``mixed``: the NED errors of ``flat`` beside the body velocity of the plant, the printed text taken at its
-  word.  It confuses the frames: a law on it does not converge unless the heading stays near north.
+* ``body``: eta_e = J^T (eta_r - eta), nu_r = J^T eta_r', nu_r' = J^T eta_r'' + r [v_r, -u_r, 0]. Forces
+  along the hull's axes need these.
+* ``flat``: J = I, for a plant whose nu are the NED rates; the thesis's simulations use it.
+* ``mixed``: the NED errors of ``flat`` with the body velocity of the plant, literally as printed. It mixes
+  the frames: a law with it does not converge unless the heading stays near north.
 
-Deviation: thesis (2.15) takes eta_r' for nu_r without J^T, so that body and NED rates meet in nu_e.
+Deviation: thesis (2.15) uses eta_r' as nu_r without J^T, so that nu_e mixes body and NED rates.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ FRAMES = ("flat", "body", "mixed")
 
 class TrackingErrors(NamedTuple):
     """
-    Where a vehicle is against its path point, in the axes of a frame.
+    Errors of a vehicle relative to its path point, in the axes of a frame.
 
     Attributes
     ----------
@@ -83,7 +83,10 @@ def tracking_errors(view: MotionView, frame: str) -> TrackingErrors:
 
 
 def ned_force_in_frame(view: MotionView, force: tuple[float, float], frame: str) -> tuple[float, float]:
-    """Return a horizontal NED force (N) along the axes of `frame`: turned by J^T in 'body', else as it is."""
+    """
+    Return a horizontal NED force (N) along the axes of `frame`: rotated by J^T in 'body', otherwise
+    unchanged.
+    """
     if frame != "body":
         return force
     heading_rad = heading_from_quaternion(view.nav.attitude)

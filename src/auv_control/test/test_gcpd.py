@@ -165,8 +165,8 @@ def test_force_limit_leaves_the_weight_out():
 @pytest.mark.parametrize(
     ("raw", "words"),
     [
-        ({"layer_gains_pm3": [500.0, 100.0]}, "law.layer_gains_pm3: .*inner layers push harder"),
-        ({"layer_radii_m": [0.5, 1.0]}, "law.layer_radii_m: .*less than the one before"),
+        ({"layer_gains_pm3": [500.0, 100.0]}, "law.layer_gains_pm3: .*inner layers repel more strongly"),
+        ({"layer_radii_m": [0.5, 1.0]}, "law.layer_radii_m: .*smaller than the one before"),
         ({"layer_radii_m": [1.0]}, "law.layer_gains_pm3: 2 gains are not allowed; .*each of the 1 radii"),
         ({"inner_radius_m": 2.5}, "law.inner_radius_m: 2.5 .*less than outer_radius_m = 2.5"),
         ({"region_gain_pm3": -0.1}, "law.region_gain_pm3: -0.1 is not allowed"),

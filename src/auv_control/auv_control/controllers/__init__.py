@@ -1,5 +1,5 @@
 """
-Controllers: what one vehicle's actuators must do.
+Controllers: they compute the command of one vehicle's actuators.
 
 To add one, write one file with ``Params`` and ``Controller(params, period_s)``.  The file's name is its
 ``kind``.  The class says with ``command`` (``'wrench'`` or ``'velocity'``) what it gives, which must be what

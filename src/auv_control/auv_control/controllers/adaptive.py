@@ -6,25 +6,25 @@ and a regressor Y, thesis Eqs. (3.9)-(3.12):
 
     tau = Y a^ - K_D s          a^' = -GAM Y^T s
 
-``mode: thesis`` is what the thesis's figures show.  Y is taken along the path alone (3.16)-(3.19),
+``mode: thesis`` gives the thesis's figures. Y is computed from the path alone (3.16)-(3.19),
 
     row i of Y = [ eta_d'',  |eta_d'| eta_d' ]_i        a^ = [m11 dQ1 m22 dQ2 m33 dQ3 m44 dQ4]     (3.20)
 
-and the frame says what the forces act on: ``flat`` is J = I, (3.15) as printed; ``body`` turns the forces
-into the body, ``mixed`` puts them there unturned, with which the vehicle never arrives.
+and the frame selects how the forces act: ``flat`` is J = I, (3.15) as printed; ``body`` rotates the forces
+into the body frame; ``mixed`` applies them there without rotation, with which the vehicle never arrives.
 
-``mode: corrected`` is the law that the proof (3.21)-(3.36) is about: body frame, virtual reference
+``mode: corrected`` is the law of the proof (3.21)-(3.36): body frame, virtual reference
 eta_r' = eta_d' - LAM e, nu_r = J^T eta_r', s = nu - nu_r, the twelve constants of `body_regressor`, so that
 
     V = s^T M s / 2 + a~^T GAM^-1 a~ / 2        V' = -s^T (K_D + D(nu)) s <= 0
 
-Around both: `blend_s` lets the reference start at the vehicle, `leakage_ps` draws the estimates back to where
-they began, `box` keeps them in [low_ratio, high_ratio] of the nominal values (and `high_extra` more), and
-while the law's own force limit is reached the estimates stand still.
+Options for both: `blend_s` lets the reference start at the vehicle, `leakage_ps` pulls the estimates back to
+their initial values, `box` keeps them within [low_ratio, high_ratio] of the nominal values (plus
+`high_extra`). The estimates stay constant while the law is at its own force limit.
 
-Deviation: thesis (3.12) wants GAM positive definite and Table 3.1 gives three zeros; a zero freezes its
-estimate here, and sums over GAM^-1 leave it out.  Deviation: thesis (3.29) calls M' - 2 (C + D)
-skew-symmetric; that is M' - 2 C, and D helps.  Deviation: (3.13) leaves out C without a word; mode
+Deviation: thesis (3.12) requires a positive definite GAM and Table 3.1 gives three zeros; a zero freezes its
+estimate here, and sums over GAM^-1 leave it out. Deviation: thesis (3.29) calls M' - 2 (C + D)
+skew-symmetric; this is true for M' - 2 C, and D helps. Deviation: (3.13) leaves out C without comment; mode
 ``corrected`` has it.
 """
 
@@ -58,7 +58,7 @@ class Params:
 
     mode: str = param("which law", default="corrected", choices=("thesis", "corrected"))
     frame: str = param(
-        "where nu and forces live: NED (flat), the body, or forces meant for NED given to the body (mixed)",
+        "frame of nu and forces: NED (flat), the body, or NED forces applied in the body frame (mixed)",
         default="body",
         choices=("flat", "body", "mixed"),
     )
@@ -67,21 +67,19 @@ class Params:
     )
     error_rate_ps: Vec4 = param("diagonal of LAM (1/s)", default=(0.5, 0.5, 0.5, 0.5), above=0.0)
     nominal_inertia: Vec4 = param(
-        "what is believed of the masses (kg) and the moment of inertia (kg m^2)",
+        "nominal masses (kg) and moment of inertia (kg m^2)",
         default=(99.0, 108.5, 126.5, 29.1),
         above=0.0,
     )
     nominal_linear_damping: Vec4 = param(
-        "what is believed of d_L (N s/m, N m s/rad)", default=(10.0, 0.0, 10.0, 1.603), minimum=0.0
+        "nominal d_L (N s/m, N m s/rad)", default=(10.0, 0.0, 10.0, 1.603), minimum=0.0
     )
     nominal_quadratic_damping: Vec4 = param(
-        "what is believed of d_Q (N s^2/m^2, N m s^2/rad^2)",
+        "nominal d_Q (N s^2/m^2, N m s^2/rad^2)",
         default=(227.18, 405.42, 227.18, 12.937),
         minimum=0.0,
     )
-    initial_ratio: float = param(
-        "first estimates as a share of the nominal values", default=1.0, minimum=0.0, maximum=10.0
-    )
+    initial_ratio: float = param("initial estimates / nominal values", default=1.0, minimum=0.0, maximum=10.0)
     inertia_adaptation: Vec4 = param(
         "GAM of the masses (kg s^2/m^2) and the inertia; 0 freezes",
         default=(100.0, 100.0, 100.0, 30.0),
@@ -105,12 +103,10 @@ class Params:
         "sigma of a^' = ... - sigma GAM (a^ - a^(0)) (1/s at unit GAM)", default=0.0, minimum=0.0
     )
     blend_s: float = param(
-        "time in which the reference comes from the start to the path (s)", default=40.0, minimum=0.0
+        "time in which the reference moves from the start to the path (s)", default=40.0, minimum=0.0
     )
-    max_force_n: float | None = param("limit per axis (N); left out: none", default=None, above=0.0)
-    max_moment_nm: float | None = param(
-        "limit of the yaw moment (N m); left out: none", default=None, above=0.0
-    )
+    max_force_n: float | None = param("force limit per axis (N); null: none", default=None, above=0.0)
+    max_moment_nm: float | None = param("limit of the yaw moment (N m); null: none", default=None, above=0.0)
 
     def __post_init__(self) -> None:
         if self.mode == "corrected" and self.frame != "body":
@@ -142,9 +138,9 @@ class Controller:
     candidates = ("thesis", "corrected")
     shared_candidate = False
     proof_gap = (
-        "the proof (3.26)-(3.36) needs the virtual reference eta_d' - LAM e in Y; the law as simulated has "
-        "the path there, with which passivity from Y a~ to s needs K_D + D >= M LAM: Table 3.1 falls short "
-        "of it by a factor of 42 to 250; and three zeros in GAM leave GAM^-1 undefined"
+        "the proof (3.26)-(3.36) needs the virtual reference eta_d' - LAM e in Y; the law as simulated uses "
+        "the path instead, for which passivity from Y a~ to s needs K_D + D >= M LAM: Table 3.1 is too "
+        "small by a factor of 42 to 250; and with three zeros in GAM, GAM^-1 is undefined"
     )
 
     def __init__(self, params: Params, period_s: float) -> None:
@@ -152,8 +148,8 @@ class Controller:
         self._is_thesis = p.mode == "thesis"
         if not self._is_thesis:
             self.proof_gap = (
-                "V falls where drag and inertia are the twelve nominal constants; moving water, limits of "
-                "force, noise, sampling, leakage and constants outside the box are not in the proof"
+                "V decreases if drag and inertia are the twelve nominal constants; the proof does not cover "
+                "moving water, force limits, noise, sampling, leakage and constants outside the box"
             )
         self._nominal = self._ordered(
             p.nominal_inertia, p.nominal_linear_damping, p.nominal_quadratic_damping
@@ -168,7 +164,7 @@ class Controller:
         self._max_moment_nm = math.inf if p.max_moment_nm is None else p.max_moment_nm
 
     def initial_state(self, view: MotionView) -> State:
-        """Return the first estimates, and with a blend where it starts."""
+        """Return the initial estimates, and with a blend its start."""
         if self.params.blend_s == 0.0:
             return self._first
         path = _path(view)
@@ -213,12 +209,12 @@ class Controller:
         self, state: State, view: MotionView, kinetic_energy: Callable[[Vec6], float]
     ) -> tuple[float, float]:
         """
-        Return the printed candidate and ours (J), with the nominal values taken as the true ones.
+        Return the printed candidate and ours (J); the nominal values are assumed to be the true ones.
 
-        ``thesis`` is (3.21) with s = e' + LAM e and the adapted ones of the eight parameters.  ``corrected``
-        is, in mode ``corrected``, V with the body's s and the adapted ones of the twelve; in mode ``thesis``,
-        where no V of that kind is known to fall, the energy e'^T M e' / 2 + e^T K_D LAM e / 2 of the loop
-        without adaptation.
+        ``thesis`` is (3.21) with s = e' + LAM e and the adapted ones of the eight parameters. ``corrected``
+        is, in mode ``corrected``, V with the body's s and the adapted ones of the twelve; in mode
+        ``thesis``, for which no decreasing V of that kind is known, the energy e'^T M e' / 2 + e^T K_D LAM e
+        / 2 of the loop without adaptation.
         """
         motion = self._motion(state, view)
         s = composite_error(motion, self.params.error_rate_ps)
@@ -263,7 +259,7 @@ class Controller:
         return tau, transposed_times(nu, nu_r, nu_r_rate, s)
 
     def _motion(self, state: State, view: MotionView) -> Motion:
-        """Return where the vehicle is and where it must be, with the blend of the start."""
+        """Return the vehicle's motion and its path point, with the blend of the start."""
         p, start = self.params, state[self._count :]
         return motion_of(view, _path(view), is_flat=p.frame == "flat", start=start, blend_s=p.blend_s)
 
@@ -291,7 +287,7 @@ class Controller:
 def _path(view: MotionView) -> PathPoint:
     if view.path is None:
         raise ValueError(
-            "adaptive: a view without a path is not allowed; allowed: a vehicle with a reference"
+            "adaptive: a view without a path is not allowed; allowed: a view of a vehicle with a reference"
         )
     return view.path
 

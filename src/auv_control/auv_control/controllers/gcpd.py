@@ -3,15 +3,17 @@ Gravity-compensated PD into a safe region with layered repulsion, thesis chapter
 
     tau_i = -J^T k_p (alpha dE/dp_i + beta sum_j dP_ij/dp_i) - K_v nu_i + g(eta_i)
 
-E pulls the vehicle into a hollow cylinder, P_ij pushes it off the others (`auv_control.region`), g carries
-weight minus buoyancy and the righting moment, K_v damps.  Nobody follows anybody and there is no path.
+E pulls the vehicle into a hollow cylinder, P_ij repels it from the others (`auv_control.region`), g
+compensates weight minus buoyancy and the righting moment, K_v damps. No vehicle follows another, and there is
+no path.
 
 Deviation: J^T is the transposed rotation matrix of the attitude quaternion, and g is written with its third
-row instead of sines and cosines of Euler angles, so that no pitch is singular.  Deviation: of the velocity
-term, whose print is ambiguous, this is -K_v nu; for equal gains, and level, the readings J^T K_v J nu and
-J^T K_v eta_dot are the same.  Deviation: `max_force_n` bounds what steers and damps, before g is added: a
-hull that is carried whatever it asks for.  Deviation: the gains of the layers are not in the thesis.  0.1,
-the only printed candidate, lets most groups collide; 100 and 500 do not in 98 of 100 random starts.
+row instead of sines and cosines of Euler angles, so that no pitch is singular. Deviation: the printed
+velocity term is ambiguous; here it is -K_v nu. For equal gains and a level hull, the readings J^T K_v J nu
+and J^T K_v eta_dot are the same. Deviation: `max_force_n` limits steering and damping, before g is added, so
+that the weight is always compensated. Deviation: the gains of the layers are not in the thesis. 0.1, the only
+printed candidate, lets most groups collide; with 100 and 500 there is no collision in 98 of 100 random
+starts.
 """
 
 from __future__ import annotations
@@ -57,11 +59,11 @@ class Params:
         "diagonal of K_v (N s/m, N m s/rad; body)", default=(30.0, 30.0, 30.0, 30.0, 30.0, 30.0), minimum=0.0
     )
     gravity_compensation: bool = param("whether g(eta) is added", default=True)
-    weight_n: float = param("weight that g is computed with (N)", default=1226.25, minimum=0.0)
-    buoyancy_n: float = param("buoyancy that g is computed with (N)", default=1109.4848615418, minimum=0.0)
+    weight_n: float = param("weight in g (N)", default=1226.25, minimum=0.0)
+    buoyancy_n: float = param("buoyancy in g (N)", default=1109.4848615418, minimum=0.0)
     cog_z_m: float = param("centre of gravity below the hull's centre (m; body z)", default=0.05, minimum=0.0)
     max_force_n: float | None = param(
-        "bound on the length of the force that steers and damps (N), not in the thesis; left out: none",
+        "limit of the magnitude of the steering and damping force (N), not in the thesis; null: none",
         default=None,
         above=0.0,
     )
@@ -80,17 +82,17 @@ class Params:
         if any(b >= a for a, b in zip(self.layer_radii_m, self.layer_radii_m[1:], strict=False)):
             raise ValueError(
                 f"layer_radii_m: {list(self.layer_radii_m)!r} is not allowed; "
-                "allowed: each less than the one before"
+                "allowed: each smaller than the one before"
             )
         if any(b < a for a, b in zip(self.layer_gains_pm3, self.layer_gains_pm3[1:], strict=False)):
             raise ValueError(
                 f"layer_gains_pm3: {list(self.layer_gains_pm3)!r} is not allowed; "
-                "allowed: none less than the one before, since inner layers push harder"
+                "allowed: none smaller than the one before, since inner layers repel more strongly"
             )
 
     @property
     def ring(self) -> Ring:
-        """The region to get into."""
+        """The region to steer to."""
         return Ring(self.inner_radius_m, self.outer_radius_m, self.height_m, self.centre_ned_m)
 
     @property
@@ -100,16 +102,16 @@ class Params:
 
 
 class Controller:
-    """The law; it remembers nothing."""
+    """The law; it has no state."""
 
     command = "wrench"
     follows = "region"
     candidates = ("energy",)
     shared_candidate = True
     proof_gap = (
-        "the thesis proves nothing here; the summed energy falls at nu^T (D + K_v) nu in still water with "
-        "exact gravity compensation, equal gains, no force limit and the neighbours' true positions, and may "
-        "rise without one of these"
+        "the thesis has no proof here; the total energy decreases by nu^T (D + K_v) nu in still water with "
+        "exact gravity compensation, equal gains, no force limit and the neighbours' true positions; "
+        "without one of these it may increase"
     )
 
     def __init__(self, params: Params, period_s: float) -> None:
@@ -125,7 +127,7 @@ class Controller:
         self._limit_n = math.inf if params.max_force_n is None else params.max_force_n
 
     def initial_state(self, view: MotionView) -> State:
-        """Return (): nothing is remembered."""
+        """Return (): the law has no state."""
         return ()
 
     def constrained(self, state: State) -> State:
@@ -152,7 +154,7 @@ class Controller:
         """
         Return the vehicle's share of the energy (J): nu^T M nu / 2 + k_p (alpha E_i + beta/2 sum_j P_ij).
 
-        A pair's potential is halved between its two vehicles.
+        The potential of a pair is shared equally by its two vehicles.
         """
         own = view.nav.position
         region_m = region_potential(own, self._ring, self._params.region_gain_pm3)

@@ -6,15 +6,15 @@ sway, where q is the integral of e, kept in NED.  The law is
 
     tau = M nu_r' + C(nu) nu_r + D(nu_r) nu_r + F x + F_rep
 
-what the vehicle needs on its path as far as the model knows, and the feedback F that keeps the worst gain
-from a disturbing force to errors and effort below gamma for the model linearised about the path.  F, the
-solution P of its Riccati equation, gamma and the achieved norm come from `./scripts/synthesise_h_infinity`;
-the numbers here and in the preset ``h_infinity_table_2_1`` are for thesis Table 2.1.  At run time there is
-nothing left to solve.
+It has two parts: a feed-forward, the wrench that the model needs on the path, and the feedback F. For the
+model linearised about the path, F keeps the worst gain from a disturbing force to errors and effort below
+gamma. F, the solution P of its Riccati equation, gamma and the achieved norm come from
+`./scripts/synthesise_h_infinity`; the numbers here and in the preset ``h_infinity_table_2_1`` are for thesis
+Table 2.1. Nothing is solved at run time.
 
-A linear law is for small errors: farther ones count as `error_limit_m`, which bounds speed and force of the
-approach, and q grows only within `integral_zone_m` of the path and where no obstacle pushes.  Yaw is free, as
-for the thesis's laws.
+A linear law is valid for small errors. Larger ones are limited to `error_limit_m`, which bounds speed and
+force of the approach. q is integrated only within `integral_zone_m` of the path and while no obstacle acts.
+Yaw is not controlled, as in the thesis's laws.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Vec2 = tuple[float, float]
 
 @dataclass(frozen=True)
 class Params:
-    """Feedback with the proof of what it achieves, and the model, surge and sway, of thesis Table 2.1."""
+    """Feedback with the certificate of its norm, and the model of thesis Table 2.1 in surge and sway."""
 
     frame: str = param("axes of errors and forces", default="body", choices=("body", "flat"))
     surge_gain: Vec3 = param(
@@ -56,23 +56,24 @@ class Params:
         default=(3.1976424, 7.9498339, 7.3611111, 94.321793, 94.152804, 119.57227),
     )
     gamma: Vec2 = param(
-        "gain that the Riccati equations were solved for, surge and sway",
+        "gain gamma of the Riccati equations, surge and sway",
         default=(0.83333333, 0.83333333),
         above=0.0,
     )
     achieved_norm: Vec2 = param(
         "H-infinity norm of the closed loops, surge and sway", default=(0.78396472, 0.78384623), above=0.0
     )
-    error_limit_m: float = param("position errors beyond it count as this (m)", default=0.6, above=0.0)
-    integral_zone_m: float = param("distance to the path within which q grows (m)", default=0.5, minimum=0.0)
-    inertia: Vec2 = param(
-        "masses m11 and m22 with what the water adds (kg)", default=(215.0, 265.0), above=0.0
+    error_limit_m: float = param("limit of position errors (m)", default=0.6, above=0.0)
+    integral_zone_m: float = param(
+        "distance to the path within which q is integrated (m)", default=0.5, minimum=0.0
     )
+    inertia: Vec2 = param("masses m11 and m22 with added mass (kg)", default=(215.0, 265.0), above=0.0)
     linear_damping: Vec2 = param("linear damping d_L (N s/m)", default=(70.0, 100.0), minimum=0.0)
     quadratic_damping: Vec2 = param("quadratic damping d_Q (N s^2/m^2)", default=(100.0, 200.0), minimum=0.0)
     obstacle_gain_nm: float = param("factor on the obstacle potential (N m)", default=1.0, minimum=0.0)
     truncate_repulsion: bool = param(
-        "drop the obstacle force beyond the safety distance, where it attracts", default=True
+        "whether to set the obstacle force to zero beyond the safety distance, where it attracts",
+        default=True,
     )
 
     def __post_init__(self) -> None:
@@ -97,16 +98,16 @@ class Params:
 
 
 class Controller:
-    """The law; it remembers q, north and east (m s)."""
+    """The law; its state is q, north and east (m s)."""
 
     command = "wrench"
     follows = "path"
     candidates = ("quadratic",)
     shared_candidate = False
     proof_gap = (
-        "not a law of the thesis; x^T P x falls for the linearised model on a path without obstacles, and "
-        "not always with the bounded error of the approach, the rest of the drag, a turning hull, wrong "
-        "numbers, current, noise or limits"
+        "not a law of the thesis; x^T P x decreases for the linearised model on a path without obstacles, "
+        "but not always with limited errors during the approach, nonlinear drag, a turning hull, wrong "
+        "parameters, current, noise or actuator limits"
     )
 
     def __init__(self, params: Params, period_s: float) -> None:
@@ -168,7 +169,7 @@ class Controller:
         )
 
     def _integral_rate(self, view: MotionView, distance_m: float, push: Vec2) -> Vec2:
-        """Return q' (m; NED): the position error near the path, else nothing."""
+        """Return q' (m; NED): the position error near the path, otherwise zero."""
         if view.path is None or distance_m > self._params.integral_zone_m or push != (0.0, 0.0):
             return 0.0, 0.0
         wanted, actual = view.path.position, view.nav.position

@@ -3,10 +3,9 @@ Potential-function augmented PD path following in the horizontal plane, thesis E
 
     tau = M nu_r' + C(nu) nu_r + K_p eta_e + K_v nu_e + F_rep
 
-that is `pfpd` with what the vehicle needs to fly the path itself.  C(nu) is the thesis's (2.24), which holds
-the drag as well: d(nu) nu_r with d(a) = d_L + d_Q |a| (`drag: abs`) or d_L + d_Q a (`drag: thesis`).  The
-drag is the part that matters: the steady error of `pfpd` goes as far as the drag is known (`damping_scale`
-shows it).
+that is `pfpd` plus a feed-forward along the path. C(nu) is the thesis's (2.24), which includes the drag:
+d(nu) nu_r with d(a) = d_L + d_Q |a| (`drag: abs`) or d_L + d_Q a (`drag: thesis`). The drag matters most: the
+better it is known, the smaller the steady error of `pfpd` becomes (`damping_scale` shows this).
 
 Deviation: the feed-forward has no yaw component, as the thesis's vehicle has no yaw moment; with yaw gains
 the moment is K_p psi_e + K_v r_e alone.
@@ -29,27 +28,26 @@ Vec2 = tuple[float, float]
 @dataclass(frozen=True)
 class Params(pfpd.Params):
     """
-    Gains as for `pfpd`, and surge and sway of the vehicle as the law believes it to be: by default Table 2.1.
+    Gains as for `pfpd`, and the law's model of the vehicle in surge and sway: by default Table 2.1.
     """
 
-    inertia: Vec2 = param(
-        "masses m11 and m22 with what the water adds (kg)", default=(215.0, 265.0), above=0.0
-    )
+    inertia: Vec2 = param("masses m11 and m22 with added mass (kg)", default=(215.0, 265.0), above=0.0)
     linear_damping: Vec2 = param("linear damping d_L (N s/m)", default=(70.0, 100.0), minimum=0.0)
     quadratic_damping: Vec2 = param("quadratic damping d_Q (N s^2/m^2)", default=(100.0, 200.0), minimum=0.0)
     drag: str = param(
-        "quadratic part with |a|, or with a as the thesis prints it", default="abs", choices=("abs", "thesis")
+        "quadratic term with |a|, or with a as the thesis prints it", default="abs", choices=("abs", "thesis")
     )
     damping_scale: float = param("factor on the damping in the feed-forward", default=1.0, minimum=0.0)
 
 
 class Controller(pfpd.Controller):
-    """The law; it remembers nothing."""
+    """The law; it has no state."""
 
     proof_gap = (
-        "(2.47) lets the obstacles take energy although nu_e^T F_rep may have either sign, and takes M' - 2C "
-        "for skew although m11 differs from m22 in its off-diagonals; in the body frame, which the thesis "
-        "leaves out, unequal gains in surge and sway add r (K_x - K_y) x_e y_e to V', and yaw is free"
+        "(2.47) assumes that obstacles remove energy, although nu_e^T F_rep may have either sign, and that "
+        "M' - 2C is skew-symmetric, although m11 differs from m22 in its off-diagonals; in the body frame, "
+        "which the thesis leaves out, unequal gains in surge and sway add r (K_x - K_y) x_e y_e to V', and "
+        "yaw is not controlled"
     )
 
     def __init__(self, params: Params, period_s: float) -> None:

@@ -4,16 +4,17 @@ Potential-function PD path following in the horizontal plane, thesis Eqs. (2.17)
     tau = K_p eta_e + K_v nu_e + F_rep
 
 with the errors of `auv_control.tracking_errors` (reference minus actual; surge, sway and yaw) and the force
-of the obstacles of `auv_control.avoidance`.  Nothing holds the depth: heave, roll and pitch get no command.
+of the obstacles of `auv_control.avoidance`. The depth is not controlled: heave, roll and pitch get no
+command.
 
-The thesis's gains have no yaw component, so its vehicle pushes forward and sideways and never steers; the
-moment is zero unless a yaw gain is given.  It prints K_v = [40 50 0], but its figures and Table 2.2 come out,
-to every printed digit, with [50 40 0] only, which is the default here.
+The thesis's gains have no yaw component, so its vehicle uses surge and sway forces and never steers; the
+moment is zero unless a yaw gain is given. The thesis prints K_v = [40 50 0], but only [50 40 0], the default
+here, gives its figures and the PD row of Table 2.2 to every printed digit.
 
-On a path that moves the law leaves an error of about drag / K_p, since nothing in it knows the drag.
+On a moving path the law leaves an error of about drag / K_p, since it does not compensate the drag.
 
-Deviation: `frame: flat` is what the thesis simulated and `mixed` what it prints; `body` turns the errors and
-the obstacle force into the axes along which the forces act.
+Deviation: `frame: flat` is what the thesis simulated and `mixed` what it prints; `body` rotates the errors
+and the obstacle force into the axes along which the forces act.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from auv_core.params import param
 
 @dataclass(frozen=True)
 class Params:
-    """Gains in the order surge, sway, yaw, and the frame in which the plant lives."""
+    """Gains in the order surge, sway, yaw, and the frame of the plant."""
 
     position_gain: Vec3 = param(
         "force per position error K_p (N/m, N/m, N m/rad)", default=(100.0, 150.0, 0.0), minimum=0.0
@@ -43,11 +44,12 @@ class Params:
     frame: str = param("axes of errors and forces", default="body", choices=FRAMES)
     obstacle_gain_nm: float = param("factor on the obstacle potential (N m)", default=1.0, minimum=0.0)
     truncate_repulsion: bool = param(
-        "drop the obstacle force beyond the safety distance, where it attracts", default=False
+        "whether to set the obstacle force to zero beyond the safety distance, where it attracts",
+        default=False,
     )
 
     def __post_init__(self) -> None:
-        """Refuse a law that nothing draws to the path."""
+        """Refuse gains that do not draw the vehicle to the path."""
         for axis, gain in enumerate(self.position_gain[:2]):
             if gain <= 0.0:
                 raise ValueError(
@@ -56,17 +58,17 @@ class Params:
 
 
 class Controller:
-    """The law; it remembers nothing."""
+    """The law; it has no state."""
 
     command = "wrench"
     follows = "path"
     candidates = ("thesis", "corrected")
     shared_candidate = False
     proof_gap = (
-        "(2.34) calls nu_r^T K_p eta_e, nu^T K_v nu_e and nu^T grad U negative definite, which none of them "
-        "is, takes M' - 2C for skew although C holds the drag and m11 differs from m22, and K_p is singular "
-        "in yaw; on a moving path the drag and the path's acceleration do work, and the error stays near "
-        "drag / K_p"
+        "(2.34) calls nu_r^T K_p eta_e, nu^T K_v nu_e and nu^T grad U negative definite, but none of them "
+        "is; it assumes a skew-symmetric M' - 2C, although C has the drag and m11 differs from m22; K_p is "
+        "singular in yaw; on a moving path the drag and the path's acceleration do work, and the error "
+        "stays near drag / K_p"
     )
 
     def __init__(self, params: Params, period_s: float) -> None:
@@ -75,7 +77,7 @@ class Controller:
         self._frame = params.frame
 
     def initial_state(self, view: MotionView) -> State:
-        """Return (): nothing is remembered."""
+        """Return (): the law has no state."""
         del view
         return ()
 
@@ -111,8 +113,8 @@ class Controller:
         Return eta_e^T K_p eta_e / 2 + nu_e^T M nu_e / 2 + U (J).
 
         The errors are those of the true frame (nu_e along the hull's axes in 'body' and 'mixed'), the
-        obstacles' potential is in it, and yaw enters only where a gain acts on it: the free yaw of the
-        thesis's gains cannot be expected to fall.
+        obstacles' potential is included, and yaw enters only if a gain acts on it: without yaw control its
+        term need not decrease.
         """
         p = self._params
         errors = tracking_errors(view, "body" if self._frame == "mixed" else self._frame)

@@ -1,24 +1,24 @@
 """
-Sliding-mode path following with a boundary layer, for the future work that thesis Section 7.3 asks for.
+Sliding-mode path following with a boundary layer, proposed as future work in thesis Section 7.3.
 
-Errors are reference minus actual (`auv_control.tracking_errors`), in surge, sway and yaw.  The law wants
+Errors are reference minus actual (`auv_control.tracking_errors`), in surge, sway and yaw.  The law uses
 
     nu_v = nu_r + sigma(eta_e) + g F_rep,      sigma(e) = lambda e / sqrt(1 + |lambda e|^2 / v^2)
 
-a velocity that brings the vehicle to its path at no more than the approach speed v and around obstacles,
-whose potential is that of the other laws.  The sliding variable is s = nu_v - nu, and
+a velocity that leads the vehicle to its path, at most with the approach speed v, and around obstacles, whose
+potential is that of the other laws. The sliding variable is s = nu_v - nu, and
 
     tau = M^ nu_v' + C^(nu) nu + D^(nu) nu_v + k sat(s / phi)
 
-with the vehicle's numbers as the law believes them (hats).  With V = s^T M s / 2 and what they miss as delta,
+with the law's model of the vehicle (hats). With V = s^T M s / 2 and the model error delta,
 
     V' = -s^T D(nu) s - s^T k sat(s / phi) + s^T delta
 
-so that V falls wherever |s_i| > phi_i if k_i > |delta_i|: whatever the disturbance does below k, the
-vehicle enters the layer |s_i| <= phi_i and stays, and there |eta_e| comes to about phi / lambda at most.
-The layer is where k sign(s) would chatter: in it the law is a proportional one with gain k / phi.
+so that V decreases wherever |s_i| > phi_i, if k_i > |delta_i|. For any disturbance below k, the vehicle
+enters the layer |s_i| <= phi_i and stays in it, and |eta_e| becomes at most about phi / lambda. The layer
+avoids the chattering of k sign(s): in it the law is proportional with gain k / phi.
 
-Yaw is free, as for the thesis's laws, unless its component of k is above zero.
+Yaw is not controlled, as in the thesis's laws, unless its component of k is above zero.
 """
 
 from __future__ import annotations
@@ -40,13 +40,15 @@ _NO_DIRECTION_M2 = 1e-18
 
 @dataclass(frozen=True)
 class Params:
-    """Gains in the order surge, sway, yaw; the vehicle's numbers are those of thesis Table 2.1 by default."""
+    """Gains in the order surge, sway, yaw; by default the vehicle model is that of thesis Table 2.1."""
 
     frame: str = param("axes of errors and forces", default="body", choices=("body", "flat"))
-    error_rate_ps: float = param("rate lambda at which an error fades on s = 0 (1/s)", default=0.5, above=0.0)
-    approach_speed_mps: float = param("bound v on the speed towards the path (m/s)", default=0.6, above=0.0)
+    error_rate_ps: float = param(
+        "rate lambda at which an error decays on s = 0 (1/s)", default=0.5, above=0.0
+    )
+    approach_speed_mps: float = param("limit v of the speed towards the path (m/s)", default=0.6, above=0.0)
     switching_gain: Vec3 = param(
-        "k, the disturbance that is withstood (N, N, N m); yaw 0: free",
+        "k, the largest disturbance that is rejected (N, N, N m); yaw 0: not controlled",
         default=(60.0, 80.0, 0.0),
         minimum=0.0,
     )
@@ -62,7 +64,7 @@ class Params:
         "factor g on the gradient of the obstacles' potential (m^2/s)", default=0.005, minimum=0.0
     )
     truncate_repulsion: bool = param(
-        "leave obstacles out beyond their safety distance, where they would attract", default=True
+        "whether to ignore obstacles beyond their safety distance, where they would attract", default=True
     )
 
     def __post_init__(self) -> None:
@@ -74,16 +76,16 @@ class Params:
 
 
 class Controller:
-    """The law; it remembers nothing."""
+    """The law; it has no state."""
 
     command = "wrench"
     follows = "path"
     candidates = ("sliding",)
     shared_candidate = False
     proof_gap = (
-        "not a law of the thesis; V falls everywhere with the vehicle's true numbers in still water and in "
-        "continuous time, else only outside the boundary layer while k exceeds what numbers, current, noise, "
-        "sampling and actuator limits disturb"
+        "not a law of the thesis; V always decreases with the vehicle's true parameters in still water and "
+        "continuous time, otherwise only outside the boundary layer and while k exceeds the disturbance by "
+        "wrong parameters, current, noise, sampling and actuator limits"
     )
 
     def __init__(self, params: Params, period_s: float) -> None:
@@ -113,7 +115,7 @@ class Controller:
         return (x, y, 0.0, 0.0, 0.0, n), ()
 
     def sliding_variable(self, view: MotionView) -> Vec3:
-        """Return s (m/s, m/s, rad/s; in the frame's axes), with 0 for a yaw that is free."""
+        """Return s (m/s, m/s, rad/s; in the frame's axes), with 0 for a yaw that is not controlled."""
         nu_v, _ = self._wanted(tracking_errors(view, self._params.frame), view)
         nu = view.nav.nu
         return nu_v[0] - nu[0], nu_v[1] - nu[1], nu_v[2] - nu[5] if self._steers else 0.0

@@ -1,4 +1,4 @@
-"""Hand the velocity reference on: for kinematic vehicles, which follow it at once."""
+"""Pass the velocity reference on, for kinematic vehicles, which follow it at once."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Params:
 
 
 class Controller:
-    """The velocity as it is, and a yaw rate towards the heading."""
+    """The unchanged velocity, and a yaw rate towards the heading."""
 
     command = "velocity"
     follows = "velocity"

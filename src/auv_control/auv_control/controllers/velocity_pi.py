@@ -1,11 +1,11 @@
 """
 Inner loop of a fully actuated vehicle: PI on the velocity over ground, PD on the attitude.
 
-A flocking law gives a velocity; this loop makes the hull have it.  The integral, kept in NED, carries what
-the model does not say: drag and the current.  It stops while an actuator that it drives is at its limit, so
-that it does not wind up.  In continuous time it is a state like any other.
+A flocking law gives a velocity, and this loop makes the hull follow it. The integral state, in NED,
+compensates drag and current. It is frozen while an actuator that it drives is at its limit, so that it does
+not wind up. In continuous time it is integrated with the other states.
 
-With mass m (added mass included), gains K_p and K_i, the loop from asked to true velocity is
+With mass m (added mass included), gains K_p and K_i, the transfer function from commanded to true velocity is
 (K_p s + K_i) / (m s^2 + K_p s + K_i): bandwidth about K_p / m, damping K_p / (2 sqrt(m K_i)).
 """
 
@@ -43,7 +43,7 @@ class Gains(NamedTuple):
 
 @dataclass(frozen=True)
 class Params:
-    """Gains and the limits that the controller believes its actuators to have."""
+    """Gains, and the actuator limits that the controller assumes."""
 
     velocity_gain_nspm: float = param("force per velocity error K_p (N s/m)", default=300.0, above=0.0)
     integral_gain_npm: float = param(
@@ -56,7 +56,7 @@ class Params:
 
     @property
     def gains(self) -> Gains:
-        """Everything above."""
+        """All of these parameters."""
         return Gains(*map(float, astuple(self)))
 
 
@@ -71,11 +71,11 @@ def control(
     Parameters
     ----------
     attitude, facing : (4,) tuple
-        Attitude that the vehicle has and that it must reach (quaternions, body to NED).
+        Attitude of the vehicle and attitude to reach (quaternions, body to NED).
     nu : (6,) tuple
         Body velocities (m/s, rad/s).
     integral, wanted : (3,) tuple
-        Integrated velocity error (m; NED) and the velocity over ground to have (m/s; NED).
+        Integrated velocity error (m; NED) and commanded velocity over ground (m/s; NED).
     gains : Gains
         From `Params.gains`.
 

@@ -18,12 +18,14 @@ class Params:
 
     radius_m: float = param("radius of the circle (m)", default=10.0, above=0.0, maximum=1e5)
     rate_radps: float = param(
-        "angle run through per second (rad/s)", default=0.01, minimum=-10.0, maximum=10.0
+        "angular rate along the circle (rad/s)", default=0.01, minimum=-10.0, maximum=10.0
     )
     depth_m: float = param("depth of the circle (m; NED z)", default=10.0, minimum=0.0, maximum=1e5)
     heading_rad: float = param("heading to hold (rad, from north towards east)", default=math.pi / 3.0)
     heading: str = param(
-        "hold heading_rad, or point along the path", default="fixed", choices=("fixed", "tangent")
+        "whether to hold heading_rad (fixed) or to point along the path (tangent)",
+        default="fixed",
+        choices=("fixed", "tangent"),
     )
 
 
@@ -37,7 +39,7 @@ class Reference:
         self.period_s = 2.0 * math.pi / abs(params.rate_radps) if params.rate_radps else None
 
     def reach(self, duration_s: float) -> Box:
-        """Return a box that holds the path (m; NED)."""
+        """Return a box that contains the path (m; NED)."""
         radius_m, depth_m = self._params.radius_m, self._params.depth_m
         return Box((-radius_m, -radius_m, depth_m), (radius_m, radius_m, depth_m))
 

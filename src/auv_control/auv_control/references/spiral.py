@@ -1,4 +1,6 @@
-"""Spiral about the vertical through the origin, going down at a constant rate, thesis Eqs. (3.39)-(3.40)."""
+"""
+Spiral about the vertical axis through the origin with a constant descent rate, thesis Eqs. (3.39)-(3.40).
+"""
 
 from __future__ import annotations
 
@@ -16,17 +18,15 @@ class Params:
 
     radius_m: float = param("radius of the spiral (m)", default=10.0, above=0.0, maximum=1e5)
     rate_radps: float = param(
-        "angle run through per second (rad/s)", default=0.01, minimum=-10.0, maximum=10.0
+        "angular rate along the spiral (rad/s)", default=0.01, minimum=-10.0, maximum=10.0
     )
     depth_m: float = param("depth at time 0 (m; NED z)", default=0.0, minimum=0.0, maximum=1e5)
-    depth_rate_mps: float = param(
-        "depth gained per second (m/s; NED z)", default=1.0, minimum=-10.0, maximum=10.0
-    )
+    depth_rate_mps: float = param("descent rate (m/s; NED z)", default=1.0, minimum=-10.0, maximum=10.0)
     heading_rad: float = param("heading to hold (rad, from north towards east)", default=math.pi / 3.0)
 
 
 class Reference:
-    """eta_d(t) = (R sin W t, R cos W t, z_0 + c t), psi_d constant; it never comes back."""
+    """eta_d(t) = (R sin W t, R cos W t, z_0 + c t), psi_d constant; it has no period."""
 
     period_s = None
 
@@ -34,7 +34,7 @@ class Reference:
         self._params = params
 
     def reach(self, duration_s: float) -> Box:
-        """Return a box that holds the path from 0 to `duration_s` (m; NED)."""
+        """Return a box that contains the path from 0 to `duration_s` (m; NED)."""
         p = self._params
         depths_m = (p.depth_m, p.depth_m + p.depth_rate_mps * duration_s)
         return Box((-p.radius_m, -p.radius_m, min(depths_m)), (p.radius_m, p.radius_m, max(depths_m)))

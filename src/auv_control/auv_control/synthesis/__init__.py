@@ -1,1 +1,1 @@
-"""How the numbers of a control law are found, before any flight."""
+"""Design of a control law's gains, before any flight."""

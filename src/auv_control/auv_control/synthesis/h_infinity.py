@@ -5,18 +5,18 @@ Along one axis, about a path flown at a steady speed, x = [q, e, nu_e] with q' =
 
     m nu_e' = -d nu_e - u + w,      d = d_L + 2 d_Q |speed|
 
-u is what the law adds to its feed-forward, w every force that it does not know.  With scales for what is
-meant to be small, z = [q / q_max, e / e_max, nu_e / nu_max, u / u_max] and w in units of w_max, the
-feedback u = F x keeps |z|_2 <= gamma |w|_2 where the Riccati equation
+u is what the law adds to its feed-forward, and w is the sum of all unknown forces. With scales for the
+quantities to keep small, z = [q / q_max, e / e_max, nu_e / nu_max, u / u_max] and w in units of w_max, the
+feedback u = F x keeps |z|_2 <= gamma |w|_2 if the Riccati equation
 
     A^T P + P A + C^T C + P (B1 B1^T / gamma^2 - B2 R^-1 B2^T) P = 0,      F = -R^-1 B2^T P
 
-has a stabilising P > 0 (Doyle, Glover, Khargonekar, Francis 1989).  A bisection finds the smallest gamma;
-it is w_max / u_max, since integral action answers a steady w with u = w.  Near it gains grow without bound,
-so the law takes `margin` times that.
+has a stabilising P > 0 (Doyle, Glover, Khargonekar, Francis 1989). A bisection finds the smallest gamma; it
+is w_max / u_max, since integral action compensates a steady w with u = w. Near it the gains grow without
+bound, so the law uses `margin` times this value.
 
-What the closed loop achieves is computed without P, twice: by bisection on the eigenvalues of its Hamiltonian
-matrix (Boyd, Balakrishnan, Kabamba 1989) and from a sweep of frequencies.
+The norm of the closed loop is computed without P, in two ways: by bisection on the eigenvalues of its
+Hamiltonian matrix (Boyd, Balakrishnan, Kabamba 1989) and from a sweep of frequencies.
 """
 
 from __future__ import annotations
@@ -44,7 +44,9 @@ _SWEEP_RADPS = np.logspace(-4.0, 3.0, 4001)
 
 @dataclass(frozen=True)
 class Weights:
-    """Scales of what is to be kept small, of what disturbs, and how far from the best gain to stay."""
+    """
+    Scales of the quantities to keep small and of the disturbance, and the margin above the smallest gain.
+    """
 
     integral_ms: float = 2.0
     position_m: float = 0.2
@@ -68,7 +70,7 @@ class Plant:
 
 @dataclass(frozen=True)
 class Synthesis:
-    """Feedback u = F x with the Riccati solution, the gains asked for and the norms achieved."""
+    """Feedback u = F x with the Riccati solution, the required gains and the achieved norms."""
 
     gain: Matrix
     riccati: Matrix
@@ -92,7 +94,7 @@ def axis_plant(mass_kg: float, linear: float, quadratic: float, weights: Weights
 
 
 def synthesise(plant: Plant, margin: float) -> Synthesis:
-    """Return the feedback for `margin` times the smallest gain that can be kept."""
+    """Return the feedback for `margin` times the smallest possible gain."""
     best = _smallest_gamma(plant)
     gamma = margin * best
     riccati = riccati_solution(plant, gamma)
@@ -104,7 +106,7 @@ def synthesise(plant: Plant, margin: float) -> Synthesis:
 
 
 def riccati_solution(plant: Plant, gamma: float) -> Matrix | None:
-    """Return the stabilising P > 0 for a gain, None where there is none."""
+    """Return the stabilising P > 0 for a gain, None if there is none."""
     weight = np.diag([-gamma * gamma, plant.r])
     try:
         p = solve_continuous_are(plant.a, np.hstack([plant.b1, plant.b2]), plant.c.T @ plant.c, weight)
@@ -130,7 +132,7 @@ def closed_loop(plant: Plant, gain: Matrix) -> tuple[Matrix, Matrix, Matrix]:
 
 def hamiltonian_norm(a: Matrix, b: Matrix, c: Matrix) -> float:
     """
-    Return the H-infinity norm of C (sI - A)^-1 B by bisection: a gain is above it where no eigenvalue of
+    Return the H-infinity norm of C (sI - A)^-1 B by bisection: a gain is above it if no eigenvalue of
     [[A, B B^T / g^2], [-C^T C, -A^T]] lies on the imaginary axis.
     """
     low, high = 1e-9, 1e9
@@ -144,7 +146,7 @@ def hamiltonian_norm(a: Matrix, b: Matrix, c: Matrix) -> float:
 
 
 def sweep_norm(a: Matrix, b: Matrix, c: Matrix) -> float:
-    """Return the largest singular value of C (jw - A)^-1 B over a sweep of w: the norm, or just below."""
+    """Return the largest singular value of C (jw - A)^-1 B over a sweep of w: the norm, or slightly less."""
     identity = np.eye(len(a))
     inputs = np.broadcast_to(b, (len(_SWEEP_RADPS), *b.shape))
     resolvents = np.linalg.solve(1j * _SWEEP_RADPS[:, np.newaxis, np.newaxis] * identity - a, inputs)
@@ -184,7 +186,7 @@ def preset_params(axes: tuple[Synthesis, Synthesis]) -> dict[str, list[float]]:
 
 
 def preset_file() -> Path:
-    """Return where the preset is."""
+    """Return the path of the preset."""
     return Path(str(auv_control.controllers.__file__)).parent / f"presets/{PRESET}.yaml"
 
 
