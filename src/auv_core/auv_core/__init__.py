@@ -1,4 +1,4 @@
 """
-Shared vocabulary of Shoal: geometry, vehicle models, messages between components, strict loading; no
-simulator, no law.
+Definitions that all packages of Shoal share: geometry, vehicle models, messages between components, strict
+loading. It has no simulator and no control law.
 """

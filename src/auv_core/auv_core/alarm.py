@@ -1,4 +1,4 @@
-"""One line when a trouble begins, or becomes another, and one when it is over."""
+"""Logs one line when a problem begins or changes, and one when it ends."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ _REPEAT_S = 1.0
 
 class Alarm:
     """
-    Logs the changes of one trouble of a node.
+    Logs the changes of one kind of problem of a node.
 
     Parameters
     ----------
     logger : rclpy logger
-        Where to.
+        Logger of the node.
     begins, ends : str
-        What stands before the words of the trouble when it begins and when it is over.
+        Texts before the description when the problem begins and when it ends.
 
     """
 
@@ -30,14 +30,14 @@ class Alarm:
 
     def note(self, kind: object, words: str, t_s: float) -> bool:
         """
-        Take note of how things are at `t_s` (s); return whether they are otherwise than before.
+        Note the state at `t_s` (s); return whether it has changed.
 
         Parameters
         ----------
         kind : object
-            Which trouble it is; something false where there is none.
+            The problem; a false value if there is none.
         words : str
-            What to say of it.
+            Description of the problem.
         t_s : float
             Scenario time (s).
 

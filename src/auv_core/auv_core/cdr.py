@@ -1,8 +1,8 @@
 """
-What the writers and readers of messages as bytes share: the layout of little-endian CDR.
+The layout of little-endian CDR, for code that writes and reads messages as bytes.
 
-Numbers are aligned to their size, counted behind the four bytes of the encapsulation; a text is its length in
-bytes with the zero at its end, then both.
+Numbers are aligned to their size, counted after the four bytes of the encapsulation. A text is its length in
+bytes, including the final zero, then its bytes and the zero.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from functools import cache
 from auv_core.stamp import STAMP_BYTES, stamp_bytes
 
 LITTLE_ENDIAN = b"\x00\x01"
-"""First half of the encapsulation; what is in the other half a reader skips."""
+"""First half of the encapsulation; readers skip the other half."""
 ENCAPSULATION = LITTLE_ENDIAN + b"\x00\x00"
 COUNT = struct.Struct("<I")
 MOST_END_PADDING = 3
-"""A network pads the end of a message to a multiple of four bytes."""
+"""The network pads a message to a multiple of four bytes."""
 STAMP_AT = len(ENCAPSULATION)
-"""Place of the stamp in a message that begins with a header."""
+"""Offset of the stamp in a message that begins with a header."""
 STAMP = slice(STAMP_AT, STAMP_AT + STAMP_BYTES)
 _HEADER = struct.Struct("<4s8xI")
 _ENCAPSULATION_SIZE = len(ENCAPSULATION)
@@ -27,33 +27,36 @@ _PADDING = [bytes(count) for count in range(8)]
 
 
 class MalformedError(ValueError):
-    """Bytes that are not the message that they should be."""
+    """Raised for bytes that are not the expected message."""
 
 
 def begun(frame_id: str, t_s: float) -> bytearray:
-    """Return a message as far as its header, with the time `t_s` (s), ready for a number of eight bytes."""
+    """
+    Return the beginning of a message up to its header, with the time `t_s` (s), padded for a number of eight
+    bytes.
+    """
     out = bytearray(_header(frame_id))
     out[STAMP] = stamp_bytes(t_s)
     return out
 
 
 def aligned(place: int, size: int) -> int:
-    """Return where, from `place` on, a number of `size` bytes can stand."""
+    """Return the first offset from `place` on at which a number of `size` bytes is aligned."""
     return place + (_ENCAPSULATION_SIZE - place) % size
 
 
 def align(out: bytearray, size: int) -> None:
-    """Pad a message until a number of `size` bytes can follow."""
+    """Pad a message so that a number of `size` bytes can follow."""
     out += _PADDING[(_ENCAPSULATION_SIZE - len(out)) % size]
 
 
 def text_bytes(text: str) -> bytes:
-    """Return what is behind the length of a text in a message."""
+    """Return the bytes of a text in a message, without its length."""
     return text.encode() + b"\0"
 
 
 def read_text(data: bytes, at: int) -> str:
-    """Return the text whose length stands at a place of a message."""
+    """Return the text whose length is at an offset of a message."""
     return data[at + COUNT.size :].partition(b"\0")[0].decode(errors="replace")
 
 
@@ -67,12 +70,12 @@ def put_text(out: bytearray, text: str) -> None:
 
 def body_at(data: bytes) -> int:
     """
-    Return the place of a number of eight bytes behind the header of a message.
+    Return the offset of a number of eight bytes after the header of a message.
 
     Raises
     ------
     MalformedError
-        For bytes that are no message with a header in little-endian CDR.
+        If the bytes are no message with a header in little-endian CDR.
 
     """
     try:
@@ -80,7 +83,7 @@ def body_at(data: bytes) -> int:
     except struct.error:
         encapsulation, length = b"", 0
     if not encapsulation.startswith(LITTLE_ENDIAN) or length > len(data):
-        raise MalformedError(f"{len(data)} bytes that are no message with a header in little-endian CDR")
+        raise MalformedError(f"{len(data)} bytes are not a message with a header in little-endian CDR")
     place = _HEADER.size + length
     return place + (_ENCAPSULATION_SIZE - place) % 8
 

@@ -1,24 +1,25 @@
 """
-One source, two speeds: numeric functions that run as plain Python in a node and compiled in a run of many.
+One source, two speeds: numeric functions that run as plain Python in a node, and compiled in runs of many
+vehicles.
 
-A function that is marked here stays the plain Python function that it is.  Where `use_compiler` was called,
-`fastest` gives its twin that Numba has compiled from the same source, and what it calls is compiled with it:
+A function that is marked here stays a plain Python function. After `use_compiler`, `fastest` returns its
+twin, which Numba has compiled from the same source together with the functions that it calls:
 
 * `inner` marks a function that compiled functions may call, and `inlined` one that becomes part of them, so
-  that a loop over many vehicles can be turned into vector instructions;
-* `entry` marks one that Python calls, with its Numba signature, so that it is compiled once and for all.
+  that a loop over many vehicles can use vector instructions;
+* `entry` marks one that Python calls, with its Numba signature, so that it is compiled only once.
 
-Numbers that belong together go in as one NamedTuple, marked as a `record` with the types of its fields.  A
-call from Python that happens at every tick hands over a plain tuple instead, which Numba recognises in half
-the time, and the compiled function names its numbers: ``c = Constants(*numbers)``.  A loop makes a record of
-arrays before it begins where it can: making one counts who holds its arrays.
+Related numbers are passed as one NamedTuple, marked as a `record` with the types of its fields. A call from
+Python at every tick passes a plain tuple instead, which Numba recognises in half the time, and the compiled
+function names its numbers: ``c = Constants(*numbers)``. If possible, a loop makes records of arrays before it
+starts, since making one updates reference counts.
 
-An argument of the type ``FUNCTION(...)`` takes another entry: so a plugin's function goes into a compiled
-loop without that loop being compiled again for every plugin.
+An argument of the type ``FUNCTION(...)`` takes another entry: so a compiled loop can call a plugin's
+function without being compiled again for every plugin.
 
-What was compiled is kept in the user's cache, under a name that stands for the source of the entry and of
-all that it calls: Numba by itself would not see a change in what a kept function calls.  With
-``NUMBA_DISABLE_JIT=1`` nothing is compiled, and everything gives the same numbers.
+Compiled code is kept in the user's cache, under a key that covers the source of the entry and of all
+functions that it calls: Numba itself would not notice a change in a called function. With
+``NUMBA_DISABLE_JIT=1`` nothing is compiled, and all results are the same.
 """
 
 from __future__ import annotations
@@ -64,12 +65,12 @@ def inlined(function: F) -> F:
 
 def entry(signature: str, *, allocates: bool = True) -> Callable[[F], F]:
     """
-    Mark a function that Python calls, with its signature in Numba's words: ``float64(float64[::1], int64)``.
+    Mark a function that Python calls, with its Numba signature: ``float64(float64[::1], int64)``.
 
-    One that makes no array (`allocates`) need not count who holds its arguments, which costs more than a
+    A function that makes no array (`allocates` is false) skips reference counting, which costs more than a
     short call.
 
-    ``TUPLE3``, ``TUPLE6`` and so on stand for tuples of so many floats, ``FUNCTION(signature)`` for another
+    ``TUPLE3``, ``TUPLE6`` and so on stand for tuples of that many floats, ``FUNCTION(signature)`` for another
     entry with that signature, and the name of a `record` for that record.
     """
 
@@ -84,7 +85,7 @@ def entry(signature: str, *, allocates: bool = True) -> Callable[[F], F]:
 
 def record(types_of_fields: str) -> Callable[[R], R]:
     """
-    Mark a NamedTuple as an argument of entries, with the types of its fields in Numba's words.
+    Mark a NamedTuple as an argument of entries, with the Numba types of its fields.
 
     Numba converts no field: an integer in the place of a float is refused.
     """
@@ -92,7 +93,9 @@ def record(types_of_fields: str) -> Callable[[R], R]:
     def mark(fields: R) -> R:
         known = _records.get(fields.__name__)
         if known is not None and known[0].__module__ != fields.__module__:
-            raise ValueError(f"record: {fields.__name__!r} is not allowed; allowed: a name that no other has")
+            raise ValueError(
+                f"record: {fields.__name__!r} is not allowed; allowed: a name that no other record has"
+            )
         _records[fields.__name__] = (fields, types_of_fields)
         return fields
 
@@ -102,10 +105,10 @@ def record(types_of_fields: str) -> Callable[[R], R]:
 @cache
 def specialised(function: F, **names: Callable[..., Any]) -> F:
     """
-    Return a copy of an entry that finds other functions under the global names given.
+    Return a copy of an entry in which the given global names refer to other functions.
 
-    So a plugin's function comes into a compiled loop: each kind gets a loop of its own, compiled and kept,
-    and a call costs no more for it.
+    This puts a plugin's function into a compiled loop: each kind gets its own loop, compiled and kept, and a
+    call has no extra cost.
     """
     found = {**function.__globals__, **names}
     copy = FunctionType(function.__code__, found, function.__name__, function.__defaults__)
@@ -115,13 +118,13 @@ def specialised(function: F, **names: Callable[..., Any]) -> F:
 
 def use_compiler(tell: Callable[[str], None] | None = None) -> None:
     """
-    From now on `fastest` compiles. A node that is started by itself does not call this: one vehicle would
-    wait longer than it gains.
+    Make `fastest` compile from now on. A node that is started alone does not call this: for one vehicle
+    compiling takes longer than it saves.
 
     Parameters
     ----------
     tell : callable, optional
-        Told, once, in a line for the user, when something is about to be compiled that is not kept yet.
+        Receives one line for the user, once, before code is compiled that is not in the cache.
 
     """
     global _is_on, _tell
@@ -136,7 +139,7 @@ def is_compiling() -> bool:
 
 
 def fastest(function: F) -> F:
-    """Return the compiled twin of an entry where `use_compiler` was called, else the entry itself."""
+    """Return the compiled twin of an entry after `use_compiler`, otherwise the entry itself."""
     return _compiled(function) if _is_on else function
 
 
@@ -160,8 +163,8 @@ def _compiled(function: Callable[..., Any]) -> Any:
 @cache
 def _numba() -> Any:
     """
-    Return Numba, imported; its hundred thousand objects stay, so the garbage collector need not visit them
-    again and again during a run.
+    Import Numba and return it; its objects are frozen, so that the garbage collector does not visit a
+    hundred thousand of them during a run.
     """
     import numba.extending
 
@@ -172,12 +175,12 @@ def _numba() -> Any:
 def _say_that_it_takes_a_while() -> None:
     global _tell
     if _tell is not None and _is_on:
-        _tell("compiling the numeric code, once; this takes some ten seconds and is kept")
+        _tell("compiling the numeric code for the first time; this takes about ten seconds")
         _tell = None
 
 
 def _signature(text: str) -> Any:
-    """Return a signature in words as Numba has it."""
+    """Return a signature text as a Numba signature."""
     from numba import types
 
     names = {f"TUPLE{n}": types.UniTuple(types.float64, n) for n in range(2, 40)}
@@ -185,7 +188,7 @@ def _signature(text: str) -> Any:
     for name in _records_in(text):
         fields, types_of_fields = _records[name]
         names[name] = types.BaseTuple.from_types(_signature(f"({types_of_fields},)"), fields)
-    return eval(text, {**vars(types), **names})  # noqa: S307  words of our own source
+    return eval(text, {**vars(types), **names})  # noqa: S307  text of our own source
 
 
 def _records_in(text: str) -> list[str]:
@@ -207,7 +210,7 @@ def _used(function: Callable[..., Any]) -> set[Callable[..., Any]]:
 
 
 def _version(used: Iterable[Callable[..., Any]]) -> str:
-    """Return digits that stand for the source of functions and for the constants that they look at."""
+    """Return a hash of the source of functions and of the constants that they use."""
     digest = hashlib.sha256(sys.version.encode())
     for function in sorted(used, key=lambda f: (f.__module__, f.__qualname__)):
         digest.update(inspect.getsource(function).encode())
@@ -224,7 +227,7 @@ def _version(used: Iterable[Callable[..., Any]]) -> str:
 
 
 def _cache_folder(version: str) -> Path | None:
-    """Return where what was compiled from this source is kept, None where nothing can be written."""
+    """Return the cache folder for code compiled from this source, None if it cannot be written."""
     home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     folder = Path(home) / "shoal" / version
     try:

@@ -1,8 +1,8 @@
 """
-How old an input is, and whether that is too old, or too far ahead of the clock, to be used.
+The age of inputs, and whether an input is too old, or too far in the future, to be used.
 
 An age is the time of use minus the time of the input, both in scenario time.  In lock-step and in one process
-it is 0; in real time an input may be late, stop, or come from another clock.
+it is 0; in real time an input may be late, stop coming, or come from another clock.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ _LEAST_PERIODS = 2.0
 
 
 def age_limit_s(max_age_s: float, period_s: float) -> float:
-    """Return the largest age of an input (s): what is asked for, and at least two control periods."""
+    """Return the largest age of an input (s): the given limit, but at least two control periods."""
     return max(max_age_s, _LEAST_PERIODS * period_s) + _ROUNDING_S
 
 
 def why_not_now(age_s: float, limit_s: float) -> str:
-    """Return why an input of this age (s) is of no use, or nothing where it is of use."""
+    """Return why an input of this age (s) cannot be used, or an empty text if it can."""
     if age_s > limit_s:
         return f"{age_s:.1f} s old, allowed: {limit_s:.3g} s"
     if age_s < -limit_s:
@@ -31,22 +31,22 @@ def why_not_now(age_s: float, limit_s: float) -> str:
 
 class Newest(Generic[T]):
     """
-    The newest of the inputs of one kind that come in real time, each with its tick.
+    The newest input of one kind in real time, with its tick.
 
-    The newest is the one that came last.  One from the future is dropped, since it would blind its reader
-    until then; an old one yields to a fresh one, so that a source that starts anew counts once it has caught
-    up with the clock.
+    The newest input is the one that arrived last. An input from the future is dropped, since it would block
+    all others until then. An old input is replaced by a fresh one, so that a restarted source counts once it
+    has caught up with the clock.
 
     Attributes
     ----------
     value
         The newest input, or None before the first.
     tick : int
-        Its tick; before the first, that of the start.
+        Its tick; before the first input, that of the start.
     dropped : int
         Number of inputs that were not used.
     dropped_words : str
-        Why the last of them was not.
+        Why the last of them was not used.
 
     """
 
@@ -59,12 +59,12 @@ class Newest(Generic[T]):
         self.dropped_words = ""
 
     def start(self, tick: int) -> None:
-        """Count the age from a tick on, where nothing came yet."""
+        """Count the age from this tick on, if there is no input yet."""
         if self.value is None:
             self.tick = tick
 
     def hear(self, value: T, tick: int, now_tick: int) -> bool:
-        """Take an input of a tick; return whether it is the newest one now."""
+        """Take an input of a tick; return whether it is now the newest one."""
         words = self.why_stale(now_tick, tick)
         if words and (tick > now_tick or (self.value is not None and not self.why_stale(now_tick))):
             self.drop(tick, now_tick, words)
@@ -73,10 +73,10 @@ class Newest(Generic[T]):
         return True
 
     def drop(self, tick: int, now_tick: int, words: str) -> None:
-        """Count an input of a tick that is not used, for the reason given."""
+        """Count an input of a tick that is not used, with the reason."""
         self.dropped += 1
         self.dropped_words = f"tick {tick} at tick {now_tick}: {words}"
 
     def why_stale(self, now_tick: int, tick: int | None = None) -> str:
-        """Return why the newest input, or one of `tick`, is of no use now, or nothing."""
+        """Return why the newest input, or one of `tick`, cannot be used now, or an empty text."""
         return why_not_now((now_tick - (self.tick if tick is None else tick)) * self._period_s, self.limit_s)

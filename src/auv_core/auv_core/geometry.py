@@ -1,9 +1,9 @@
 """
 Attitude and vectors on plain floats.
 
-Frames: world is NED (north, east, down), body is FRD (forward, right, down).  A quaternion ``(w, x, y, z)``
-is a unit quaternion that maps body to NED.  Everything here is written on tuples of floats, so that one
-vehicle steps fast without array overhead and Numba can compile the same source.
+Frames: world is NED (north, east, down), body is FRD (forward, right, down). A quaternion ``(w, x, y, z)`` is
+a unit quaternion that maps body to NED. All functions work on tuples of floats, so that one vehicle needs no
+arrays and Numba can compile the same source.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Box(NamedTuple):
 
 @inlined
 def body_to_ned(q: Quat, v: Vec3) -> Vec3:
-    """Return the body vector `v` in NED; the length is kept."""
+    """Return the body vector `v` in NED."""
     w, x, y, z = q
     tx, ty, tz = 2.0 * (y * v[2] - z * v[1]), 2.0 * (z * v[0] - x * v[2]), 2.0 * (x * v[1] - y * v[0])
     return (
@@ -84,7 +84,7 @@ def distance(a: Vec3, b: Vec3) -> float:
 
 @inlined
 def limited(v: Vec3, length: float) -> Vec3:
-    """Return `v`, shortened to `length` where it is longer; the direction is kept."""
+    """Return `v`, shortened to at most `length`; the direction is kept."""
     norm = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
     if norm <= length:
         return v
@@ -94,7 +94,7 @@ def limited(v: Vec3, length: float) -> Vec3:
 
 @inlined
 def clipped(value: float, most: float) -> float:
-    """Return `value`, brought to -`most` or `most` where it lies beyond."""
+    """Return `value`, limited to [-`most`, `most`]."""
     if value > most:
         return most
     return max(value, -most)

@@ -1,5 +1,5 @@
 """
-The records that cross components: plain, without ROS, and tuples, since many are made in every tick.
+The records that components exchange: without ROS, and tuples, since many are made in every tick.
 
 Positions are NED (m), attitudes are unit quaternions body to NED, nu is the body velocity [u, v, w, p, q, r]
 (m/s, rad/s, FRD).  `tick` counts control periods from the start of the scenario.
@@ -17,11 +17,11 @@ Vec6 = tuple[float, float, float, float, float, float]
 
 class VehicleState(NamedTuple):
     """
-    Pose and velocity of one vehicle at a tick: the truth, or what its own navigation believes.
+    Pose and velocity of one vehicle at a tick: the truth, or the estimate of its own navigation.
 
-    `is_valid` is false where the navigation has no solution; the numbers are then the last ones that it had.
-    `position_sd_m` (per horizontal axis, m) and `heading_sd_rad` are the standard deviations that the
-    navigation states of itself; the truth has none.
+    `is_valid` is false if the navigation has no solution; the numbers are then its last ones. `position_sd_m`
+    (per horizontal axis, m) and `heading_sd_rad` are the navigation's own standard deviations; the truth has
+    none.
     """
 
     tick: int
@@ -57,7 +57,9 @@ def command_numbers(command: Command) -> Vec6:
 
 
 class Packet(NamedTuple):
-    """What an agent hands to its modem. `destination` 0 means everybody; addresses count from 1."""
+    """
+    A packet that an agent passes to its modem. `destination` 0 means all vehicles; addresses count from 1.
+    """
 
     tick: int
     source: int
@@ -68,7 +70,7 @@ class Packet(NamedTuple):
 
 class Reception(NamedTuple):
     """
-    A packet that arrived: start of its transmission and end of its reception (s), SNR (dB; NaN where not
+    A packet that arrived: start of its transmission and end of its reception (s), SNR (dB; NaN if not
     modelled).
     """
 
@@ -80,7 +82,7 @@ class Reception(NamedTuple):
 
 class SonarContact(NamedTuple):
     """
-    Something that the sonar saw at a tick, it does not say what.
+    An unidentified object that the sonar saw at a tick.
 
     Range (m); bearing (rad) from the body's forward axis towards starboard, atan2(y, x) in the body frame
     FRD; elevation (rad) above the body's horizontal plane, atan2(-z, hypot(x, y)).
@@ -93,10 +95,10 @@ class SonarContact(NamedTuple):
 
 class Inbox(NamedTuple):
     """
-    What modem and sonar tell their vehicle at a tick.
+    Data from modem and sonar for their vehicle at a tick.
 
-    `transmit_ready`: the modem asks for data; a packet handed over in this tick is the next on the air.
-    `contacts`: what the sonar sees in this tick.
+    `transmit_ready`: the modem asks for data; a packet passed to it in this tick is transmitted next.
+    `contacts`: the sonar contacts of this tick.
     """
 
     tick: int
@@ -106,7 +108,7 @@ class Inbox(NamedTuple):
 
 
 class Outcome(enum.IntEnum):
-    """What became of a packet: sent, or at one receiver delivered, or lost and why."""
+    """Outcome of a packet: sent, or at one receiver delivered, or lost and why."""
 
     SENT = 0
     DELIVERED = 1
@@ -121,9 +123,9 @@ class AcousticEvent(NamedTuple):
     """
     One line of the acoustic log.
 
-    SENT stands once per transmission, with the packet's destination (0: everybody), from its first to its
-    last moment on the air.  The others stand once per packet and receiver, from the first to the last moment
-    of the signal at the receiver; `snr_db` is NaN where none is modelled.
+    SENT is logged once per transmission, with the packet's destination (0: all vehicles), from its first to
+    its last moment on the air. The other outcomes are logged once per packet and receiver, from the first to
+    the last moment of the signal at the receiver. `snr_db` is NaN if it is not modelled.
     """
 
     outcome: Outcome

@@ -1,4 +1,4 @@
-"""The frame `odom` of a vehicle: where its dead reckoning would be, had nothing corrected it (REP-105)."""
+"""The frame `odom` of a vehicle: the dead reckoning without corrections (REP-105)."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from auv_core.geometry import Quat, Vec3, quaternion_from_heading, quaternion_pr
 
 class OdomFrame(NamedTuple):
     """
-    Place of `odom` in the world: origin (m; NED) and turn about the down axis (rad).
+    Pose of `odom` in the world: origin (m; NED) and rotation about the down axis (rad).
 
-    A position fix moves the vehicle's estimate at once. REP-105 wants the pose in `odom` free of jumps, so a
-    fix moves this frame and not the pose in it.
+    A position fix moves the vehicle's estimate at once. REP-105 requires a pose in `odom` without jumps, so
+    a fix moves this frame and not the pose in it.
     """
 
     north_m: float = 0.0

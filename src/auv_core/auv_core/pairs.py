@@ -1,10 +1,10 @@
 """
 Pairs of points that are near each other, by cell lists.
 
-Space is cut into cubes hardly wider than the reach, so that a point's partners are in its own cube and the 26
-around it.  Cubes are found by a hash of their three indices and hold their points in one sorted array: time
-and memory grow with the number of points, however they are spread.  What comes out is ordered by the points'
-numbers and does not depend on the cubes, so that sums over near pairs are the same, to the last bit, as sums
+Space is divided into cubes slightly wider than the reach, so that a point's partners are in its own cube and
+the 26 around it. Cubes are found by a hash of their three indices, and their points are in one sorted array:
+time and memory grow with the number of points, however they are distributed. The result is ordered by the
+points' numbers and does not depend on the cubes, so that sums over near pairs equal, to the last bit, sums
 over all pairs.
 """
 
@@ -24,12 +24,12 @@ NEAR_PAIRS = "UniTuple(int64[::1], 2)(float64[:, ::1], float64)"
 
 _FARTHEST_CELL = 2**30
 _PAIRS_PER_POINT = 16
-_WIDER = 1.0 + 1e-6  # so that no rounding puts two near points two cells apart
+_WIDER = 1.0 + 1e-6  # so that rounding cannot put two near points two cells apart
 
 
 @inner
 def _cell(x_m: float, width_m: float) -> int:
-    """Return the index of a coordinate's cell; far outside, where an index would overflow, the last one."""
+    """Return the index of a coordinate's cell, limited to the largest index, so that it cannot overflow."""
     cells = x_m / width_m
     if cells >= _FARTHEST_CELL:
         return _FARTHEST_CELL
@@ -40,13 +40,13 @@ def _cell(x_m: float, width_m: float) -> int:
 
 @inner
 def _bucket(x: int, y: int, z: int, mask: int) -> int:
-    """Return where the points of a cell are kept; other cells may share the place."""
+    """Return the bucket of a cell; other cells may share it."""
     return (x * 73856093 ^ y * 19349663 ^ z * 83492791) & mask
 
 
 @inner
 def _longer(row: Ints) -> Ints:
-    """Return a copy with twice the room."""
+    """Return a copy with twice the capacity."""
     longer = np.empty(2 * len(row), np.int64)
     longer[: len(row)] = row
     return longer
@@ -64,7 +64,7 @@ def _cells(points: Floats, width_m: float) -> Ints:
 
 @inner
 def _by_bucket(cells: Ints, mask: int) -> tuple[Ints, Ints]:
-    """Return where the points of each bucket begin, and the points of one bucket after the other, rising."""
+    """Return where the points of each bucket begin, and the points bucket by bucket, in ascending order."""
     count = len(cells)
     start = np.zeros(mask + 2, np.int64)
     for i in range(count):
@@ -91,7 +91,10 @@ def _are_near(points: Floats, i: int, j: int, reach_m: float) -> bool:
 
 @inner
 def _smaller_partners(points: Floats, reach_m: float) -> tuple[Ints, Ints]:
-    """Return the partners i < j of one j after the other, with room behind them, and where each j's end."""
+    """
+    Return the partners i < j for one j after the other, with spare capacity at the end, and where those of
+    each j end.
+    """
     count = len(points)
     buckets = 8
     while buckets < 2 * count:
@@ -124,7 +127,7 @@ def _smaller_partners(points: Floats, reach_m: float) -> tuple[Ints, Ints]:
 
 @inner
 def _turned_round(smaller: Ints, ends: Ints) -> tuple[Ints, Ints]:
-    """Return the partners j > i of every i, as `near_pairs` does: since j rises, so do they."""
+    """Return the partners j > i of every i, as `near_pairs` does; they are in ascending order."""
     count = len(ends)
     found = ends[count - 1] if count else 0
     first = np.zeros(count + 1, np.int64)
@@ -152,16 +155,16 @@ def near_pairs(points: Floats, reach_m: float) -> tuple[Ints, Ints]:
     Parameters
     ----------
     points : (N, 3 or more) array
-        Points in the first three columns (m).  One that is not a number is near nobody.
+        Points in the first three columns (m).  A point that is not a number has no partners.
     reach_m : float
-        Distance from which on two points are no pair (m), finite and above zero.
+        Points at this distance or farther are no pair (m); finite and above zero.
 
     Returns
     -------
     first : (N + 1,) array of int64
         Where the partners of point i begin; they end where those of i + 1 begin.
     partners : (P,) array of int64
-        The j of each pair, of one i after the other, rising.
+        The j of each pair, for one i after the other, in ascending order.
 
     """
     smaller, ends = _smaller_partners(points, reach_m)

@@ -1,9 +1,9 @@
 """
-Plugin folders: a kind is the name of a file, and a new file is all that a new kind takes.
+Plugin folders: a kind is the name of a file, and a new file adds a new kind.
 
-Beside the folders of the packages, those named in the environment variable ``SHOAL_PLUGINS`` are searched
-(several are separated as in ``PATH``): ``<folder>/separation/gentle.py`` is the separation law ``gentle``,
-``<folder>/models/presets/kayak.yaml`` the vehicle ``kayak``.  Kinds of the packages come first.
+The folders of the packages are searched first, then those in the environment variable ``SHOAL_PLUGINS``
+(separated as in ``PATH``): ``<folder>/separation/gentle.py`` is the separation law ``gentle``,
+``<folder>/models/presets/kayak.yaml`` the vehicle ``kayak``. Kinds of the packages come first.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _WORD = re.compile(r"[a-z][a-z0-9_]*\Z")
 
 
 class PluginError(ValueError):
-    """No such plugin; the message says which there are."""
+    """Raised for an unknown plugin; the message lists the known ones."""
 
 
 def list_plugins(folder: str) -> list[str]:
@@ -43,7 +43,7 @@ def list_plugins(folder: str) -> list[str]:
 
 
 def plugin_places(folder: str) -> list[Path]:
-    """Return the directories of a plugin folder, the package's own first, and let Python import from them."""
+    """Return the directories of a plugin folder, the package's own first, and make them importable."""
     package = importlib.import_module(folder)
     name = folder.rpartition(".")[2]
     for root in os.environ.get(PLUGINS_VARIABLE, "").split(os.pathsep):
@@ -60,7 +60,7 @@ def find_plugin(folder: str, kind: object) -> ModuleType:
     Raises
     ------
     PluginError
-        When `kind` is not a word that names a file of the folder.
+        If `kind` is not the name of a file of the folder.
 
     """
     if isinstance(kind, str) and _WORD.match(kind):

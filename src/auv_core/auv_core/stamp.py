@@ -22,11 +22,11 @@ def nanoseconds(t_s: float) -> int:
 
 
 def whole_nanoseconds_s(t_s: float) -> float:
-    """Return a time (s) as it comes back from a message."""
+    """Return a time (s) rounded as in a message."""
     return nanoseconds(t_s) * 1e-9
 
 
 def read_stamp_s(data: bytes, at: int) -> float:
-    """Return the stamp (s) at a place of serialised bytes."""
+    """Return the stamp (s) at an offset of serialised bytes."""
     seconds, nanoseconds = STAMP_NUMBERS.unpack_from(data, at)
     return float(seconds + 1e-9 * nanoseconds)

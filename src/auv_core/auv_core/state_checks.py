@@ -1,4 +1,4 @@
-"""Whether numbers can be a state (valid, finite, in the range of a hull, with an attitude) or a command."""
+"""Checks of states (valid, finite, within the limits of a hull, with an attitude) and commands."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from auv_core.geometry import Quat
 from auv_core.messages import VehicleState
 
 LARGEST = 1e9
-"""No number of a state or of a command is larger, whatever its unit."""
+"""Largest number in a state or command, in any unit."""
 
 _EXACT_NORM = 1e-6
 _ALMOST_NORM = 0.02
 
 
 def is_command(numbers: Sequence[float]) -> bool:
-    """Return whether these numbers can be those of a command: finite, and of this world."""
+    """Return whether these numbers can be a command: finite and of plausible size."""
     return math.isfinite(sum(numbers)) and min(numbers) >= -LARGEST and max(numbers) <= LARGEST
 
 
@@ -24,12 +24,12 @@ def checked_state(
     state: VehicleState, *, position_max_m: float = LARGEST, speed_max_mps: float = LARGEST
 ) -> tuple[VehicleState | None, str]:
     """
-    Return a state with an attitude of length 1 and no words, or None and why it is none.
+    Return a state with a normalised attitude and an empty text, or None and the reason why it is not a state.
 
     Parameters
     ----------
     state : VehicleState
-        What a navigation or a vehicle says.
+        State from a navigation or a vehicle.
     position_max_m : float
         Largest coordinate of a position (m; NED).
     speed_max_mps : float

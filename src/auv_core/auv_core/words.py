@@ -1,4 +1,4 @@
-"""Names in lines for people."""
+"""Lists of names in messages."""
 
 from __future__ import annotations
 
@@ -8,6 +8,6 @@ _MOST_NAMES = 10
 
 
 def listed(names: Sequence[str]) -> str:
-    """Return names for people, the first few of many."""
+    """Return names as text, the first few if there are many."""
     more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
     return ", ".join(names[:_MOST_NAMES]) + more

@@ -1,1 +1,1 @@
-"""The manners of a command: one line for bad arguments, exit statuses, progress, output that lasts."""
+"""Common parts of commands: one-line errors for arguments, exit statuses, progress, robust output."""

@@ -1,4 +1,4 @@
-"""How a command ends when something goes wrong."""
+"""How a command ends after an error."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from auv_core.machine.interrupts import make_signals_interrupt
 from auv_core.machine.whole_files import WriteError, is_no_room, write_error
 
 DONE, FAILED, BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 0, 1, 2, 3, 130
-"""Exit statuses that all commands have; NOT_WRITTEN: a result cannot be written, as on a full disk."""
+"""Exit statuses of all commands; NOT_WRITTEN: a result cannot be written, as on a full disk."""
 
 
 def internal_error(error: BaseException, folder: Path | None = None) -> str:
     """
-    Write the traceback of an error that nobody expected into `folder`, or to a temporary file where that
-    cannot be; return one line about it.
+    Write the traceback of an unexpected error into `folder`, or into a temporary file if that fails; return
+    one line about it.
     """
     text = "".join(traceback.format_exception(error))
     try:
         place = _write_traceback(text, folder)
-    except OSError as problem:  # the disk that caused the error may be the one that takes no traceback
+    except OSError as problem:  # the disk that caused the error may not take the traceback either
         return (
             f"{one_line(error)}, at {_place_of(error)}; the traceback cannot be written ({problem.strerror})"
         )
@@ -64,20 +64,20 @@ def answered(
     failed: int = FAILED,
 ) -> int:
     """
-    Return the exit status of a command, and say in one line what went wrong.
+    Return the exit status of a command, and print one line about an error.
 
     Parameters
     ----------
     command : callable
         Does the work and returns the status.
     refused : tuple of exception types
-        Errors that are bad input.
+        Exceptions that mean bad input.
     interrupted : str
-        What to say after Ctrl-C; '' for nothing.
+        Text to print after Ctrl-C; '' for none.
     explained : callable
-        Returns what to say of any other error.
+        Returns the text for any other error.
     outlives_its_reader : bool
-        Whether the command goes on when nobody reads its output any more: a closed terminal, `| head`.
+        Whether the command continues when its output is closed: a closed terminal, `| head`.
     failed : int
         The status of any other error.
 

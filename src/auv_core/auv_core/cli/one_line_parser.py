@@ -1,4 +1,4 @@
-"""What the commands share to refuse their arguments in one line."""
+"""Command-line parser that reports bad arguments in one line."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from auv_core.params import shown
 T = TypeVar("T")
 
 BAD_ARGUMENTS = 2
-"""Exit status of a command whose arguments are not allowed."""
+"""Exit status for arguments that are not allowed."""
 MOST_WORKERS = 256
-"""Most processes that a command starts on this machine."""
+"""Largest number of processes that a command starts on this machine."""
 
 
 _SCRIPTS = "./scripts/"
@@ -23,37 +23,37 @@ _called_as = _SCRIPTS
 
 
 def call_commands(prefix: str) -> None:
-    """From now on say `prefix` before the name of a command where it is ``./scripts/`` otherwise."""
+    """From now on print `prefix` before the name of a command instead of ``./scripts/``."""
     global _called_as
     _called_as = prefix
 
 
 class OneLineParser(argparse.ArgumentParser):
-    """A parser whose complaints are one line; so are those of its subcommands."""
+    """A parser whose errors are one line; this holds for its subcommands, too."""
 
     def format_help(self) -> str:
         """Return the help."""
         return _named(super().format_help())
 
     def error(self, message: str) -> NoReturn:
-        """End the program with a complaint."""
+        """End the program with an error line."""
         self.exit(
             BAD_ARGUMENTS, f"error: {' '.join(message.split())} ({_named(self.prog)} --help says more)\n"
         )
 
 
 def _named(text: str) -> str:
-    """Return a text with the commands called as the user calls them."""
+    """Return a text with the commands' names as the user typed them."""
     return text.replace(_SCRIPTS, _called_as)
 
 
 def refusal(text: str, allowed: str) -> argparse.ArgumentTypeError:
-    """Return what an argument's type function raises: the value that was given, and what is allowed."""
+    """Return the error that an argument's type function raises: the given value, and what is allowed."""
     return argparse.ArgumentTypeError(f"{shown(text)} is not allowed; allowed: {allowed}")
 
 
 def read_argument(text: str, kind: Callable[[str], T], is_allowed: Callable[[T], bool], allowed: str) -> T:
-    """Return the value of an argument, or refuse it with what is allowed, in words."""
+    """Return the value of an argument, or refuse it with a text that says what is allowed."""
     try:
         value = kind(text)
     except ValueError:
@@ -64,12 +64,12 @@ def read_argument(text: str, kind: Callable[[str], T], is_allowed: Callable[[T],
 
 
 def whole_number(text: str, most: int) -> int:
-    """Return a whole number from 1 to `most`; for the type function of an argument."""
+    """Return a whole number from 1 to `most`; for an argument's type function."""
     return read_argument(text, int, lambda value: 1 <= value <= most, f"a whole number from 1 to {most}")
 
 
 def fail(status: int, line: str) -> int:
-    """Print a complaint of one line on standard error; return `status`, the exit status that it gives."""
+    """Print an error line on standard error; return `status`, the exit status for it."""
     sys.stderr.write(f"error: {printable(_named(line))}\n")
     sys.stderr.flush()
     return status

@@ -1,7 +1,7 @@
 """
-How far a flight is: simulated time, rate against real time, time left.
+Progress of a flight: simulated time, rate relative to real time, time left.
 
-A bar on a terminal; elsewhere a line now and then.
+It is a bar on a terminal, and otherwise an occasional line.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class Progress(TerminalBar):
     """
     Progress of one flight on standard error.
 
-    Messages go through it too, so that they do not tear the bar.
+    Messages are printed through it, too, so that they do not break the bar.
     """
 
     def __init__(self, duration_s: float, stream: TextIO | None = None, *, verb: str = "simulated") -> None:

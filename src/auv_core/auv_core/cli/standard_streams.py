@@ -1,4 +1,4 @@
-"""Standard output and error that end no command, whatever their encoding and whether anybody reads."""
+"""Standard output and error that never end a command, whatever their encoding and even if they are closed."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _NOBODY_READS = (errno.EPIPE, errno.EIO)
 
 class LastingStream:
     """
-    A text stream that no failing write ends: from then on, what is written is dropped.
+    A text stream that survives a failed write: after it, all text is dropped.
 
-    Everything else is the stream's own.
+    All other attributes are those of the stream.
 
     Attributes
     ----------
     error : OSError, optional
-        Why text was dropped, if not because the terminal or the pipe was closed.
+        Why text was dropped, unless the terminal or the pipe was closed.
 
     """
 
@@ -41,7 +41,7 @@ class LastingStream:
             return len(text)
 
     def flush(self) -> None:
-        """Flush, or drop what waits."""
+        """Flush, or drop the buffered text."""
         try:
             self._stream.flush()
         except OSError as error:
@@ -52,13 +52,15 @@ class LastingStream:
             self.error = error
         with suppress(OSError, ValueError):
             nowhere = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(nowhere, self._stream.fileno())  # where Python flushes the rest, at its end too
+            os.dup2(nowhere, self._stream.fileno())  # Python flushes the rest here, also at exit
             os.close(nowhere)
 
 
 @contextmanager
 def lasting_output() -> Iterator[LastingStream]:
-    """Let standard output, which is given, and standard error outlive their terminal, pipe or disk."""
+    """
+    Let standard output (the argument) and standard error survive the loss of their terminal, pipe or disk.
+    """
     before = sys.stdout, sys.stderr
     output, errors = LastingStream(sys.stdout), LastingStream(sys.stderr)
     sys.stdout, sys.stderr = cast(TextIO, output), cast(TextIO, errors)
@@ -71,7 +73,7 @@ def lasting_output() -> Iterator[LastingStream]:
 
 
 def make_output_printable() -> None:
-    """Let standard output and error escape what their encoding lacks, as in an ASCII terminal."""
+    """Let standard output and error escape characters that their encoding lacks, as in an ASCII terminal."""
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")

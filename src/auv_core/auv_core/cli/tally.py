@@ -1,4 +1,4 @@
-"""How far a set of jobs is: a bar on a terminal, elsewhere a line now and then."""
+"""Progress of a set of jobs: a bar on a terminal, and otherwise an occasional line."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LINE_EVERY_S = 15.0
 
 class Tally(TerminalBar):
     """
-    Progress of many jobs on standard error, weighed by their expected effort.
+    Progress of many jobs on standard error, weighted by their expected effort.
 
     A context manager; `what` names the jobs in the plural.
     """
@@ -29,17 +29,17 @@ class Tally(TerminalBar):
         self._started_s = self._line_at_s = 0.0
 
     def start(self, jobs: int, total: float, remark: str = "") -> None:
-        """Begin: so many jobs are to be done, of this effort together."""
+        """Begin with this number of jobs and this total effort."""
         self._jobs, self._total = jobs, total
         self._started_s = time.monotonic()
         self._line_at_s = self._started_s + _LINE_EVERY_S
         self.message(f"{self._what}: {jobs}{remark}")
         if jobs and self._stream.isatty():
-            tqdm.monitor_interval = 0  # no thread of its own: workers are forked after this
+            tqdm.monitor_interval = 0  # no monitor thread: workers are forked after this
             self._bar = self._make_bar(total)
 
     def advance(self, done: float) -> None:
-        """Show that so much of the effort is behind us."""
+        """Show that this part of the effort is done."""
         self._done = min(done, self._total)
         now_s = time.monotonic()
         if self._bar is not None:
@@ -53,7 +53,7 @@ class Tally(TerminalBar):
         self._finished += 1
 
     def failed(self, job: str, failure: Failure) -> None:
-        """Say that a job failed, and why."""
+        """Print that a job failed, and why."""
         self.message(f"error: {job}: {failure.line}")
 
     def _words(self, now_s: float) -> str:

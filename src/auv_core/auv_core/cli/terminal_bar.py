@@ -1,4 +1,4 @@
-"""What the progress displays share: a bar on a terminal, and lines that do not tear it."""
+"""Common part of the progress displays: a bar on a terminal, and lines that do not break it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from auv_core.cli.printable import printable
 
 
 class TerminalBar:
-    """A bar on standard error, drawn by its subclass where the stream is a terminal; a context manager."""
+    """A bar on standard error, drawn by a subclass if the stream is a terminal; a context manager."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = stream or sys.stderr
@@ -50,7 +50,7 @@ class TerminalBar:
         )
 
     def _show(self, done: float, words: str) -> None:
-        """Draw the bar, which must exist, at `done` of its total with `words` beside it."""
+        """Draw the bar, which must exist, at `done` of its total, with `words` beside it."""
         if self._bar is not None:
             self._bar.n = done
             self._bar.set_description_str(words, refresh=False)

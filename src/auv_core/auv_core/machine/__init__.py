@@ -1,1 +1,1 @@
-"""What a program does with the machine that it runs on: processes, signals, memory, whole files."""
+"""Use of the machine: processes, signals, memory, atomic writing of files."""

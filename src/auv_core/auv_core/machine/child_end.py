@@ -1,4 +1,4 @@
-"""How a child process ended, in words, and what it last said."""
+"""How a child process ended, as text, and its last output."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Exit:
-    """A child that has ended: its name and how (exit status, or minus the number of the signal)."""
+    """A child that has ended: its name and return code (exit status, or minus the signal number)."""
 
     name: str
     returncode: int
@@ -25,7 +25,7 @@ class Exit:
 
 
 def signal_name(number: int) -> str:
-    """Return 'SIGKILL' for 9, and so on."""
+    """Return the name of a signal: 'SIGKILL' for 9."""
     try:
         return signal.Signals(number).name
     except ValueError:

@@ -1,4 +1,4 @@
-"""How a child process begins: what it does between fork and exec, or as a fork alone."""
+"""The start of a child process: between fork and exec, or as a fork alone."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 
 class ForkedChild(multiprocessing.get_context("fork").Process):  # type: ignore[misc]
-    """A forked child in the words of `subprocess.Popen`."""
+    """A forked child with the interface of `subprocess.Popen`."""
 
     def poll(self) -> int | None:
         """Return the exit status, None while it runs."""
@@ -37,21 +37,22 @@ class ForkedChild(multiprocessing.get_context("fork").Process):  # type: ignore[
 
 def schedule_as_batch() -> None:
     """
-    Ask Linux not to interrupt this thread, nor what it starts, whenever it wakes another.
+    Ask Linux not to preempt this thread, or threads that it starts, when they wake another one.
 
-    A node of a flight in lock-step wakes others with every message that it publishes; they need all of them.
+    In lock-step a node wakes others with every message that it publishes, and these need all of its messages
+    before they can act.
     """
-    with suppress(OSError):  # not allowed here: the flight takes longer
+    with suppress(OSError):  # if not allowed here, the flight takes longer
         os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
 
 
 def threads_allow_fork() -> bool:
-    """Return whether this process has no Python thread but this one: a fork would lose the others."""
+    """Return whether this is the only Python thread of the process: a fork would lose the others."""
     return threading.active_count() == 1
 
 
 def run_forked(run: Callable[[], int], parent_pid: int, log: Path) -> NoReturn:
-    """Be a child: a session of its own, output to its log, this process's death its own."""
+    """Set up a child: its own session, output to its log, and death together with its parent."""
     os.setsid()
     child_setup(parent_pid)()
     with log.open("ab", buffering=0) as output, Path(os.devnull).open("rb") as nothing:
@@ -64,13 +65,13 @@ def run_forked(run: Callable[[], int], parent_pid: int, log: Path) -> NoReturn:
 
 
 def child_setup(parent_pid: int) -> Callable[[], None]:
-    """Return what a child does between fork and exec."""
+    """Return the function that a child runs between fork and exec."""
 
     def setup() -> None:
         _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         if os.getppid() != parent_pid:  # the parent died before the line above
             os._exit(1)
-        # A parent started in the background by a shell ignores SIGINT, and a child would inherit that.
+        # A parent that a shell started in the background ignores SIGINT, and a child would inherit that.
         for number in SIGNALS:
             signal.signal(number, signal.SIG_DFL)
 

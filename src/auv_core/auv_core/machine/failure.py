@@ -1,4 +1,4 @@
-"""What went wrong with one of many jobs, while the others go on."""
+"""The failure of one of many jobs, while the others continue."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Failure:
-    """A job that raised: what in one line, and its traceback."""
+    """A job that raised an exception: one line about it, and its traceback."""
 
     line: str
     traceback: str
 
     @classmethod
     def of(cls, error: BaseException) -> Failure:
-        """Return what to remember of an exception."""
+        """Return the failure for an exception."""
         return cls(one_line(error), "".join(traceback.format_exception(error)))
 
 
 class WorkersError(RuntimeError):
-    """There is nobody to make calls; the message is one line."""
+    """Raised if no worker can run; the message is one line."""
 
 
 def one_line(error: BaseException) -> str:

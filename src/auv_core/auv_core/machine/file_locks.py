@@ -1,4 +1,4 @@
-"""Locks of files that end with the process that holds them, on systems that have such (flock)."""
+"""File locks that end with the process that holds them, on systems that have them (flock)."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ except ImportError:
 
 def lock_file(descriptor: int) -> None:
     """
-    Hold an open file or folder against others until it is closed; do nothing on a system without such locks.
+    Lock an open file or folder until it is closed; do nothing on a system without such locks.
 
     Raises
     ------
     BlockingIOError
-        When another process holds it.
+        If another process holds the lock.
     OSError
-        On a file system that locks nothing.
+        On a file system without locks.
 
     """
     if fcntl is not None:

@@ -1,4 +1,4 @@
-"""How much memory this process may still take."""
+"""Free memory of this process."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ except ImportError:
     resource = None  # type: ignore[assignment]
 
 _RESERVED_BYTES = 200e6
-"""Addresses that libraries reserve beyond the memory that they use; they count against `ulimit -v`."""
+"""Address space that libraries reserve beyond the memory that they use; it counts against `ulimit -v`."""
 _CGROUPS = Path("/sys/fs/cgroup")
 _CGROUP_FILES = (("memory.max", "memory.current"), ("memory.limit_in_bytes", "memory.usage_in_bytes"))
 
 
 def free_bytes() -> float:
-    """Return how much memory this process may still take, by machine, control group and limits (bytes)."""
+    """Return the memory that this process may still take (bytes), by machine, control group and limits."""
     free = float(psutil.virtual_memory().available)
     for group in _control_groups():
         for limit, usage in _CGROUP_FILES:
@@ -31,7 +31,7 @@ def free_bytes() -> float:
 
 
 def _address_limit_bytes() -> float:
-    """Return how much address space this process may have (`ulimit -v`); infinity for no limit."""
+    """Return the limit of this process's address space (`ulimit -v`), infinity if there is none."""
     if resource is None:
         return math.inf
     limit_bytes, _ = resource.getrlimit(resource.RLIMIT_AS)
@@ -39,7 +39,7 @@ def _address_limit_bytes() -> float:
 
 
 def _control_groups() -> list[Path]:
-    """Return the folders of this process's control groups of memory, and those above them."""
+    """Return the folders of this process's memory control groups and of their parents."""
     try:
         lines = Path("/proc/self/cgroup").read_text().splitlines()
     except OSError:
@@ -54,7 +54,7 @@ def _control_groups() -> list[Path]:
 
 
 def _number(path: Path) -> float:
-    """Return the number in a file of a control group; what is not one, such as `max`, is no limit."""
+    """Return the number in a file of a control group; other content, such as `max`, means no limit."""
     try:
         return float(path.read_text())
     except (OSError, ValueError):
@@ -62,5 +62,5 @@ def _number(path: Path) -> float:
 
 
 def gigabytes(size_bytes: float) -> str:
-    """Return a size in words."""
+    """Return a size as text."""
     return f"{size_bytes / 1e9:.3g} GB"

@@ -9,23 +9,23 @@ from types import FrameType, TracebackType
 from typing import Any, NoReturn
 
 SIGNALS = tuple(signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
-"""What asks a command to end, as far as the system has it."""
+"""Signals that ask a command to end, as far as the system has them."""
 
 
 class Interrupted(KeyboardInterrupt):
     """
-    A signal asked for the end.
+    Raised when a signal asks the command to end.
 
-    Of its own class, since CPython remembers a plain KeyboardInterrupt that hits an exec() of text, as
-    dataclasses do while a module is imported, and then ends by SIGINT although it was caught.
+    It has its own class because of CPython: after a plain KeyboardInterrupt inside an exec() of text, which
+    dataclasses use at import, CPython ends by SIGINT although the exception was caught.
     """
 
 
 def heeded_signals() -> list[signal.Signals]:
     """
-    Return `SIGNALS` without those that were ignored when the command started: `nohup` and `trap '' HUP` hold.
+    Return `SIGNALS` without those that were ignored when the command started (`nohup`, `trap '' HUP`).
 
-    SIGINT is always obeyed, since a shell script ignores it for all that it starts in the background.
+    SIGINT is always obeyed, since a shell script sets it to ignored for all background commands.
     """
     return [
         number
@@ -47,8 +47,8 @@ def make_signals_interrupt() -> None:
 
 class Interrupts:
     """
-    Counts requests to end (Ctrl-C, SIGTERM, SIGHUP) while entered, in place of Python's own handling; what
-    was ignored at the start stays ignored.
+    Counts requests to end (Ctrl-C, SIGTERM, SIGHUP) while entered, in place of Python's own handling.
+    Signals that were ignored at the start stay ignored.
 
     The first asks for a clean end, the second for a quick one.
     """
@@ -79,7 +79,10 @@ class Interrupts:
 
 @contextmanager
 def held_interrupts() -> Iterator[None]:
-    """Let a signal that asks for the end raise only after the block: half-made objects of rclpy complain."""
+    """
+    Delay signals that ask for the end until after the block: rclpy objects that are only half made would
+    print errors.
+    """
     with Interrupts() as interrupts:
         yield
     if interrupts.count:

@@ -1,8 +1,8 @@
 """
 JSON files of kept runs, each with a checksum of its name and its content.
 
-What was changed, cut off or renamed since it was written is told from what was not; it is no seal against
-somebody who makes a new checksum, so what was read is still only data.
+The checksum reveals files that were changed, truncated or renamed. It does not protect against a person who
+computes a new checksum, so the content is treated as data only.
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ _MOST_BYTES = 1 << 24
 
 
 class KeptError(ValueError):
-    """A kept file that does not hold; the message is a few words that say why."""
+    """Raised for a damaged kept file; the message is a short reason."""
 
 
 def write_kept(path: Path, name: str, known: dict[str, Any]) -> None:
-    """Write what is known of the run `name`, whole or not at all; raise WriteError if that cannot be."""
+    """Write the data of the run `name` completely or not at all; raise WriteError if that fails."""
     text = json.dumps({**known, _CHECKSUM: _checksum(name, known)}, indent=1, allow_nan=False)
     write_text(path, text + "\n")
 
 
 def read_kept(path: Path, name: str) -> dict[str, Any]:
     """
-    Return what `write_kept` wrote.
+    Return the data that `write_kept` wrote.
 
     Raises
     ------
     FileNotFoundError
-        When there is nothing.
+        If there is no such file.
     KeptError
-        When it is not what was written under this name.
+        If it is not the file that was written under this name.
 
     """
     try:
@@ -59,7 +59,7 @@ def read_kept(path: Path, name: str) -> dict[str, Any]:
 
 
 def remove(path: Path) -> None:
-    """Remove a file, a link or a folder, if there is one; what cannot be removed stays."""
+    """Remove a file, a link or a folder if it exists; ignore failures."""
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path, ignore_errors=True)
     with suppress(OSError):
@@ -67,7 +67,7 @@ def remove(path: Path) -> None:
 
 
 def words_of_broken(files: Sequence[str]) -> str:
-    """Return one line about kept runs that do not hold, each named with the reason."""
+    """Return one line about damaged kept runs, each with the reason."""
     more = f" and {len(files) - 1} more" if len(files) > 1 else ""
     return f"kept runs were changed or damaged and are flown again: {files[0]}{more}"
 
@@ -84,7 +84,7 @@ def _checksum(name: str, known: dict[str, Any]) -> str:
 
 
 def _read(path: Path) -> bytes:
-    """Return what is in a plain file; whatever else lies there, as a FIFO, holds nobody up."""
+    """Return the content of a plain file; refuse anything else, such as a FIFO, without blocking."""
     with os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW), "rb") as stream:
         if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
             raise KeptError("not a plain file")

@@ -1,8 +1,8 @@
 """
-The end of a process in which the system clock was stepped.
+The end of a process after a step of the system clock.
 
-To end the middleware cleanly is to wait for its threads, which wait until times of the system clock.
-Where a step holds them, that has no end, and Python stands still.
+A clean end of the middleware waits for its threads, and these wait for times of the system clock. After a
+step of the clock this may take forever, and Python would hang.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import NoReturn
 
 
 def leave(status: int) -> NoReturn:
-    """End the process with an exit status, without an end of the middleware."""
+    """End the process with an exit status, without ending the middleware."""
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)

@@ -1,4 +1,4 @@
-"""What Linux says of other processes: whether they are stopped, and what they have started."""
+"""States of other processes on Linux: whether they are stopped, and which processes they have started."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 
 def is_stopped(pid: int) -> bool:
-    """Return whether a process is stopped by a signal (SIGSTOP, Ctrl-Z); one that is gone is not."""
+    """Return whether a process is stopped by a signal (SIGSTOP, Ctrl-Z); false if it has ended."""
     return _read(f"/proc/{pid}/stat").rpartition(b")")[2][1:2] == b"T"
 
 
 def children_of(pid: int) -> list[int]:
     """
-    Return the ids of the processes that the first thread of a process has started, without theirs.
+    Return the ids of the direct children of a process's first thread.
 
-    To go over all threads would take five times as long, and this is asked for every node twice a second.
+    To visit all threads would take five times as long, and this is called for every node twice a second.
     """
     return [int(word) for word in _read(f"/proc/{pid}/task/{pid}/children").split()]
 
 
 def family_of(pid: int) -> Iterator[int]:
-    """Yield the ids of a process and of all that descend from it."""
+    """Yield the ids of a process and of all its descendants."""
     yield pid
     for child in children_of(pid):
         yield from family_of(child)
@@ -43,15 +43,15 @@ def module_of(pid: int) -> str:
 
 
 def adopt_orphans() -> None:
-    """Become the parent of every descendant whose parent ends, so that none is lost from sight."""
+    """Become the parent of every descendant whose parent ends, so that none is lost."""
     _libc.prctl(_PR_SET_CHILD_SUBREAPER, 1)
 
 
 def orphans() -> list[int]:
     """
-    Return the ids of adopted processes that lead sessions of their own.
+    Return the ids of adopted processes that lead a session.
 
-    What this process has started itself is among them as long as it runs.
+    Running children of this process are among them.
     """
     own_session = os.getsid(0)
     found = []

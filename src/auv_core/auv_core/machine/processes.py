@@ -1,9 +1,9 @@
 """
 Child processes that never outlive their parent.
 
-Every child leads a session of its own: Ctrl-C in a terminal reaches only the parent, which then ends its
-children in order. If the parent is killed, the kernel kills the children (PR_SET_PDEATHSIG, Linux). Nothing
-here knows ROS.
+Every child leads its own session: Ctrl-C in a terminal reaches only the parent, which then ends its
+children. If the parent is killed, the kernel kills the children (PR_SET_PDEATHSIG, Linux). This module does
+not use ROS.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ class ChildProcesses:
     """
     The children of this process, by name.
 
-    A context manager: on leaving, whatever still runs is killed, and so is what children that have ended
-    have left running.
+    A context manager: on exit it kills all children that still run, and processes that ended children have
+    left running.
 
     Attributes
     ----------
     returncodes : dict
-        How each child has ended that was seen to, by name.
+        Return code of each child whose end was noticed, by name.
 
     """
 
@@ -74,7 +74,7 @@ class ChildProcesses:
 
     def fork(self, name: str, run: Callable[[], int], *, log: Path) -> None:
         """
-        Start a child that has imported already what this process has; `run` gives its exit status.
+        Start a child that has already imported the modules of this process; `run` returns its exit status.
 
         This process must have no threads that could hold a lock, see `child_start.threads_allow_fork`.
         """
@@ -85,7 +85,7 @@ class ChildProcesses:
 
     @property
     def running(self) -> list[str]:
-        """Names of the children that have not been seen to end."""
+        """Names of the children whose end was not noticed yet."""
         return list(self._running)
 
     def pid(self, name: str) -> int:
@@ -119,14 +119,14 @@ class ChildProcesses:
         Parameters
         ----------
         names : iterable of str
-            Children; those that have ended already are passed over.
+            Children; those that have already ended are skipped.
         grace_s : float
             Time between SIGINT and SIGTERM (s).
         sigterm_after_s : float, optional
-            Send SIGTERM so much after SIGINT (s), and then leave `grace_s` until SIGKILL: for children that
-            take SIGTERM as the word to wait for nobody.
+            Send SIGTERM this long after SIGINT (s), and SIGKILL `grace_s` later: for children that stop
+            waiting for others at SIGTERM.
         is_hurried : callable
-            Asked all the time; once True the graces shrink to `HURRY_GRACE_S`.
+            Called repeatedly; once it returns True the graces shrink to `HURRY_GRACE_S`.
 
         Returns
         -------
@@ -153,8 +153,8 @@ class ChildProcesses:
 
     def stopped(self) -> dict[str, str]:
         """
-        Return the running children that are stopped by a signal, or have started what is: by their names
-        what the latter is, '' for the child itself.
+        Return the running children that are stopped by a signal or have started a stopped process: by name
+        the stopped process, '' for the child itself.
         """
         found = {}
         for name, process in self._running.items():
@@ -166,19 +166,19 @@ class ChildProcesses:
 
     def end_orphans(self, *, grace_s: float, is_hurried: Callable[[], bool] = lambda: False) -> list[int]:
         """
-        Wait until what ended children have left running has ended, too; kill what takes longer or is stopped.
+        Wait for processes that ended children have left running; kill those that take longer or are stopped.
 
         Parameters
         ----------
         grace_s : float
             How long to wait (s).
         is_hurried : callable
-            Asked all the time; once True `HURRY_GRACE_S` is enough.
+            Called repeatedly; once it returns True the wait shrinks to `HURRY_GRACE_S`.
 
         Returns
         -------
         killed : list of int
-            Ids of those that had to be killed.
+            Ids of the killed processes.
 
         """
         start_s = time.monotonic()
@@ -216,7 +216,7 @@ class ChildProcesses:
         return left
 
     def _kill_stopped(self, names: Iterable[str]) -> None:
-        """Kill every process of some children that is stopped: it hears nothing else."""
+        """Kill the stopped processes of some children: they react to no other signal."""
         for name in names:
             pid = self._running[name].pid
             for member in list(family_of(pid)) if pid is not None else ():
@@ -227,12 +227,12 @@ class ChildProcesses:
     def _signal(self, names: Iterable[str], number: signal.Signals) -> None:
         for name in names:
             process = self._running.get(name)
-            # A child that was not reaped keeps its process id, so the group cannot be somebody else's.
+            # A child that was not reaped keeps its process id, so the group cannot belong to another process.
             if process is not None and process.poll() is None and process.pid is not None:
                 _signal_group(process.pid, number)
 
     def _wait(self, names: Iterable[str], grace_s: float, is_hurried: Callable[[], bool]) -> list[Exit]:
-        """Wait until the children have ended, at most `grace_s`; return those that did."""
+        """Wait for the children to end, at most `grace_s`; return those that ended."""
         exits = []
         start_s = time.monotonic()
         for name in names:
@@ -258,7 +258,7 @@ class ChildProcesses:
 
 
 def _signal_group(pid: int, number: signal.Signals) -> None:
-    """Signal a child and what it has started; a fork that has no session yet gets it alone."""
+    """Signal a child and the processes that it has started; a fork without a session is signalled alone."""
     try:
         os.killpg(pid, number)
     except ProcessLookupError:

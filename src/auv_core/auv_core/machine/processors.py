@@ -1,4 +1,4 @@
-"""How many processors this process may use."""
+"""Number of processors for this process."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import os
 
 
 def processor_count() -> int:
-    """Return how many processors this process may use: all of them where the system has no such set."""
+    """
+    Return the number of processors that this process may use: all, if the system does not restrict them.
+    """
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

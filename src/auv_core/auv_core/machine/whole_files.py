@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all: beside their place first, then renamed into it."""
+"""Files that are written completely or not at all: first beside their place, then renamed."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ _NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
 class WriteError(OSError):
-    """A file that cannot be written; the message is one line that names the file and the reason."""
+    """Raised if a file cannot be written; the message is one line with the file and the reason."""
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
     """
-    Give the path of a new file for the block to write; it becomes `path` when the block ends without error.
+    Yield the path of a new file for the block to write; it becomes `path` if the block ends without error.
 
-    After an error nothing is left, and what was at `path` before is still there. The new file has the suffix
-    of `path`, since some libraries choose the format by it.
+    After an error the new file is removed, and the old file at `path` is unchanged. The new file has the
+    suffix of `path`, since some libraries choose the format by it.
 
     Raises
     ------
     WriteError
-        When the block, or the renaming, ends with an OSError.
+        If the block or the renaming fails with an OSError.
 
     """
     unfinished = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
@@ -41,19 +41,19 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file (UTF-8) whole or not at all; raise WriteError if that cannot be."""
+    """Write a text file (UTF-8) completely or not at all; raise WriteError if that fails."""
     with whole_file(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all; raise WriteError if that cannot be."""
+    """Write a file completely or not at all; raise WriteError if that fails."""
     with whole_file(path) as unfinished:
         unfinished.write_bytes(data)
 
 
 def reserve(path: Path, room_bytes: int) -> None:
-    """Keep room beside `path` for `write_reserved`; raise WriteError if there is none."""
+    """Reserve disk space beside `path` for `write_reserved`; raise WriteError if there is none."""
     reserved = _reserved(path)
     try:
         with reserved.open("wb") as stream:
@@ -67,7 +67,9 @@ def reserve(path: Path, room_bytes: int) -> None:
 
 
 def write_reserved(path: Path, text: str) -> None:
-    """Write a text file as `write_text` does, in the room that was reserved for it: the disk may be full."""
+    """
+    Write a text file like `write_text`, in the disk space that was reserved for it: the disk may be full.
+    """
     data = text.encode()
     with whole_file(path) as unfinished:
         with suppress(FileNotFoundError):  # nothing was reserved
@@ -82,7 +84,7 @@ def _reserved(path: Path) -> Path:
 
 
 def write_error(path: Path | str, error: OSError) -> WriteError:
-    """Return an error that says in one line why `path` cannot be written."""
+    """Return an error with one line that says why `path` cannot be written."""
     if isinstance(error, FileNotFoundError):
         reason = "its folder is gone: it was moved or removed"
     else:
@@ -91,5 +93,5 @@ def write_error(path: Path | str, error: OSError) -> WriteError:
 
 
 def is_no_room(error: OSError) -> bool:
-    """Return whether an error says that the disk is full, or that a quota or a limit is reached."""
+    """Return whether an error means that the disk is full, or that a quota or a limit is reached."""
     return error.errno in _NO_ROOM

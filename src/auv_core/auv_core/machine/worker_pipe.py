@@ -1,4 +1,4 @@
-"""Messages of a worker to its parent, who never waits for the rest of one."""
+"""Messages from a worker to its parent, which never waits for an incomplete one."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _CHUNK_BYTES = 1 << 20
 
 
 def send(stream: socket.socket, message: Any) -> None:
-    """Send a message; raise what pickle raises when it cannot be sent, and send nothing then."""
+    """Send a message; if it cannot be pickled, raise pickle's error and send nothing."""
     body = pickle.dumps(message)
     stream.sendall(len(body).to_bytes(_LENGTH_BYTES, "little") + body)
 
@@ -26,7 +26,7 @@ class Inbox:
         self._buffer = bytearray()
 
     def read(self) -> Iterator[Any]:
-        """Yield the messages that are complete by now."""
+        """Yield the messages that are complete."""
         while chunk := self._chunk():
             self._buffer += chunk
         while len(self._buffer) >= _LENGTH_BYTES:

@@ -1,4 +1,4 @@
-"""Whether a busy process still runs, judged by its processor time."""
+"""Check whether a busy process still runs, by its processor time."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ _LOOKS_IDLE = 120
 
 class Watch:
     """
-    Looks at a process once a second.
+    Checks a process once a second.
 
-    It counts looks and not seconds: after Ctrl-Z and `fg` nobody is blamed for the time in between.
+    It counts checks and not seconds, so that the pause between Ctrl-Z and `fg` does not count.
     """
 
     def __init__(self, pid: int | None) -> None:
@@ -22,7 +22,7 @@ class Watch:
         self._looks = 0
 
     def look(self) -> str:
-        """Return what is wrong with the process, '' if nothing is."""
+        """Return the fault of the process, '' if there is none."""
         try:
             times = self._process.cpu_times()
             is_stopped = self._process.status() in _STOPPED

@@ -1,11 +1,12 @@
 """
-Calls spread over worker processes that never outlive their parent, and that may be killed or stopped.
+Calls in worker processes that never outlive their parent, and that may be killed or stopped.
 
-The workers are forked, so a call may be anything: it is inherited, only its result is sent back. Each worker
-has a socket pair of its own and shares no lock, so one that ends or stops in the middle of a message holds up
-nobody. A call whose worker ended is made again by another. Nothing listens: no other process can hand a
-call over. Ctrl-C in a terminal reaches only the parent, which ends its workers; if the parent is killed, the
-kernel kills them (PR_SET_PDEATHSIG, Linux). Nothing here knows runs or figures.
+The workers are forked, so a call may be any function: it is inherited, and only its result is sent back.
+Each worker has its own socket pair and shares no lock, so a worker that ends or stops in the middle of a
+message does not block the others. A call whose worker ended is repeated by another worker. No process
+listens, so no other program can send a call. Ctrl-C in a terminal reaches only the parent, which ends its
+workers; if the parent is killed, the kernel kills them (PR_SET_PDEATHSIG, Linux). This module knows neither
+runs nor figures.
 """
 
 from __future__ import annotations
@@ -31,7 +32,9 @@ from auv_core.machine.worker_watch import Watch
 _WAIT_SLICE_S = 0.25
 _LOOK_EVERY_S = 1.0
 _LONGEST_LOOK_S = 2.0
-"""After a longer pause all were stopped, as by Ctrl-Z: no call is blamed for that time."""
+"""
+After a longer pause all processes were stopped, as by Ctrl-Z, and the time does not count against a call.
+"""
 _JOIN_TIMEOUT_S = 5.0
 _TRIES_IN_COMPANY = 2
 _STARTS_PER_WORKER = 3
@@ -60,29 +63,30 @@ def spread(
     Parameters
     ----------
     calls : sequence of callables
-        Each gets a function `advance(amount)` for telling progress, and returns what can be pickled.
+        Each gets a function `advance(amount)` that reports progress, and returns an object that can be
+        pickled.
     n_workers : int
         Number of processes.
     on_result : callable
-        Told index and result of each call, or its `Failure`, as they end; runs in this process.
+        Receives index and result of each call, or its `Failure`, when it ends; runs in this process.
     on_progress : callable
-        Told now and then the sum of all amounts so far.
+        Receives the sum of all amounts so far, from time to time.
     on_message : callable
-        Told in one line when a worker does not run any more and is replaced.
+        Receives one line if a worker no longer runs and is replaced.
     limit_s : callable
-        Asked again and again how long the call of an index may take (s, wall).
+        Called repeatedly; returns how long the call of an index may take (s, wall).
 
     Raises
     ------
     WorkersError
-        When every worker ends before it is ready, or no process can be started.
+        If every worker ends before it is ready, or no process can be started.
 
     Notes
     -----
     A worker that is stopped, or that takes no processor time, is killed and replaced. A call whose worker
-    ended twice is made once more when nothing else is, so that only the call that kills its worker fails.
-    A call that takes longer than its limit is ended with its worker, and has failed.
-    When an exception (Ctrl-C) ends the wait, the workers are killed and gone when this returns.
+    ended twice is made once more, alone, so that only a call that kills its worker fails. A call that exceeds
+    its limit is ended with its worker and fails. If an exception (Ctrl-C) ends the wait, the workers are
+    killed and have ended when this returns.
 
     """
     pool = _Pool(calls, on_result, on_progress, on_message, limit_s)
@@ -117,20 +121,20 @@ class _Worker:
         return self.is_ready and self.call is None
 
     def give(self, index: int) -> None:
-        """Let it make a call."""
+        """Start a call."""
         self.call, self.amount, self.spent_s = index, 0.0, 0.0
-        with suppress(BrokenPipeError):  # it has just ended, which its sentinel tells
+        with suppress(BrokenPipeError):  # it has just ended, and its sentinel shows that
             self.stream.send(index.to_bytes(_INDEX_BYTES, "little"))
 
     def end(self) -> None:
-        """Kill it, whatever it does."""
+        """Kill it."""
         self.process.kill()
         self.process.join(_JOIN_TIMEOUT_S)
         self.stream.close()
 
 
 class _Pool:
-    """The workers that there are, and the calls that wait."""
+    """The workers and the waiting calls."""
 
     def __init__(
         self,
@@ -152,7 +156,7 @@ class _Pool:
         self._looked_at_s = time.monotonic()
 
     def make(self, indices: Iterable[int], n_workers: int) -> None:
-        """Make calls; those whose workers ended too often become suspects."""
+        """Make calls; a call whose workers ended too often becomes a suspect."""
         self._waiting.extend(indices)
         while busy := sum(worker.call is not None for worker in self._workers) + len(self._waiting):
             self._hire(min(n_workers, busy))
@@ -164,12 +168,12 @@ class _Pool:
             self._on_progress(self._done + sum(worker.amount for worker in self._workers))
 
     def take_suspects(self) -> list[int]:
-        """Return the calls that were given up since the last time."""
+        """Return the calls that were given up since the last call of this method."""
         suspects, self._suspects = self._suspects, []
         return suspects
 
     def end(self) -> None:
-        """Kill all workers and wait until they are gone."""
+        """Kill all workers and wait until they have ended."""
         for worker in self._workers:
             worker.process.kill()
         while self._workers:
@@ -187,7 +191,7 @@ class _Pool:
                 return
 
     def _listen(self) -> None:
-        """Wait a little for what workers say, and for workers that end."""
+        """Wait briefly for messages of workers, and for workers that end."""
         by_source: dict[Any, _Worker] = {}
         for worker in self._workers:
             by_source[worker.stream] = by_source[worker.process.sentinel] = worker
@@ -224,7 +228,7 @@ class _Pool:
             self._suspects.append(worker.call)
 
     def _look(self) -> None:
-        """Kill workers that do not run any more, or that take too long."""
+        """Kill workers that no longer run or take too long."""
         passed_s = time.monotonic() - self._looked_at_s
         if passed_s < _LOOK_EVERY_S:
             return
@@ -257,7 +261,7 @@ def _start(process: multiprocessing.process.BaseProcess) -> None:
 
 
 def _serve(calls: Sequence[Call], stream: socket.socket, parent_pid: int) -> None:
-    """Make one call after the other; the life of a worker."""
+    """Make one call after the other: the main loop of a worker."""
     _become_worker(parent_pid)
     send(stream, ("ready", None))
 
@@ -284,7 +288,7 @@ def _become_worker(parent_pid: int) -> None:
 
 
 def attempt(call: Call, advance: Advance) -> Any:
-    """Make a call; return its result, or the `Failure` that it ended in."""
+    """Make a call; return its result, or its `Failure`."""
     try:
         return call(advance)
     except Exception as error:

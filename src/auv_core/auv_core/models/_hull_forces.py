@@ -1,4 +1,4 @@
-"""The forces that `six_dof` has on a hull because it moves: momentum, Coriolis force and damping."""
+"""The motion-dependent forces of `six_dof`: momentum, Coriolis force and damping."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from auv_core.geometry import Vec3
 @record(", ".join(21 * ["float64"]))
 class Constants(NamedTuple):
     """
-    What `derivative` knows of a hull.
+    The constants of a hull for `derivative`.
 
-    surge_kg, ..., yaw_kgm2: mass and inertia with what is added.  static_moment_kgm: m z_G, as in M
+    surge_kg, ..., yaw_kgm2: mass and inertia, including added mass.  static_moment_kgm: m z_G, as in M
     and C.  linear_surge, ..., quadratic_yaw: damping (N s/m, N m s/rad; N s^2/m^2, N m s^2/rad^2).
     net_weight_n: W - B.  righting_nm: z_G W.
     """
@@ -77,7 +77,9 @@ def coriolis_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec
 
 @inlined
 def damping_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
-    """Return D(nu) nu as force (N) and moment (N m), body frame; nu . D(nu) nu >= 0: it only takes energy."""
+    """
+    Return D(nu) nu as force (N) and moment (N m), body frame; nu . D(nu) nu >= 0: it only removes energy.
+    """
     u, v, w = velocity
     p, q, r = rates
     return (

@@ -7,15 +7,15 @@ Level vehicle in surge, sway, heave and yaw, neutral and without roll and pitch 
 
 with d(a) = d_L + d_Q |a|, all relative to the water.  Chapter 2 is the same without heave.
 
-Two parameters select how the thesis itself simulated it, against what it prints:
+Two parameters select the thesis's simulation instead of its printed equations:
 
 * ``frame: flat`` takes J = I, so that eta' = nu: u, v, w are then the NED rates of the position, whatever the
   heading; ``body`` is eta' = J(psi) nu.
-* ``drag: thesis`` is d(a) = d_L + d_Q a, (2.10) as printed.  Below a = -d_L / d_Q it drives the vehicle on
+* ``drag: thesis`` is d(a) = d_L + d_Q a, (2.10) as printed. Below a = -d_L / d_Q it accelerates the vehicle
   instead of braking it, and a run may end without a finite solution; ``abs`` is the drag of a real hull.
 
-Deviation: thesis (2.10) counts the drag among the Coriolis terms; here C only turns momentum and does no
-work, and D only takes energy (both are tested; for `abs` and `body`).
+Deviation: thesis (2.10) counts the drag among the Coriolis terms; here C only rotates momentum and does no
+work, and D only removes energy (tests check both for `abs` and `body`).
 """
 
 from __future__ import annotations
@@ -36,23 +36,25 @@ Vec4 = tuple[float, float, float, float]
 class Params:
     """Numbers of a vehicle. Four-vectors are in the order surge, sway, heave, yaw."""
 
-    inertia: Vec4 = param("mass (kg) and moment of inertia (kg m^2) with what the water adds", above=0.0)
+    inertia: Vec4 = param("mass (kg) and moment of inertia (kg m^2), including added mass", above=0.0)
     linear_damping: Vec4 = param("linear damping d_L (N s/m, N m s/rad)", minimum=0.0)
     quadratic_damping: Vec4 = param("quadratic damping d_Q (N s^2/m^2, N m s^2/rad^2)", minimum=0.0)
     coriolis: bool = param("whether surge, sway and yaw are coupled by C(nu)", default=True)
     frame: str = param(
-        "nu in the body frame, or in NED as the thesis simulated", default="body", choices=("body", "flat")
+        "frame of nu: body, or NED as the thesis simulated (flat)", default="body", choices=("body", "flat")
     )
-    drag: str = param("|a| a, or a^2 as the thesis prints it", default="abs", choices=("abs", "thesis"))
-    max_force_n: float | None = param("actuator limit per axis (N); left out: none", default=None, above=0.0)
-    max_moment_nm: float | None = param(
-        "limit of the yaw moment (N m); left out: none", default=None, above=0.0
+    drag: str = param(
+        "quadratic drag with |a| a (abs), or with a^2 as printed (thesis)",
+        default="abs",
+        choices=("abs", "thesis"),
     )
+    max_force_n: float | None = param("actuator limit per axis (N); null: none", default=None, above=0.0)
+    max_moment_nm: float | None = param("limit of the yaw moment (N m); null: none", default=None, above=0.0)
     hull_radius_m: float = param("radius of the sphere around the hull (m)", default=0.3, above=0.0)
 
 
 class Model:
-    """A vehicle that takes a wrench, of which it feels X, Y, Z and N; integrated by RK4."""
+    """A vehicle that takes a wrench, of which only X, Y, Z and N act; integrated by RK4."""
 
     command = "wrench"
 
@@ -71,7 +73,7 @@ class Model:
         return self.speed_held_mps(math.inf)
 
     def speed_held_mps(self, max_force_n: float) -> float:
-        """Return the same for a controller that asks for at most so much along each axis (N)."""
+        """Return the same for a controller with this limit along each axis (N)."""
         p = self.params
         return min(
             steady_speed_mps(linear, quadratic, min(self._max_force_n, max_force_n))
@@ -84,7 +86,7 @@ class Model:
 
     def limited_command(self, tau: Vec6) -> Vec6:
         """
-        Return what the actuators give for the wrench asked: clipped axis by axis, no roll and pitch moment.
+        Return the wrench of the actuators for a command: clipped per axis, without roll and pitch moment.
         """
         f, m = self._max_force_n, self._max_moment_nm
         return (clipped(tau[0], f), clipped(tau[1], f), clipped(tau[2], f), 0.0, 0.0, clipped(tau[5], m))
@@ -131,7 +133,7 @@ class Model:
         )
 
     def _accelerations(self, water: Vec4, tau: Vec6) -> Vec4:
-        """Return the rates of nu relative to the water, turning frame included."""
+        """Return the rates of nu relative to the water, including the rotation of the frame."""
         p = self.params
         m11, m22, m33, m44 = p.inertia
         u, v, w, r = water

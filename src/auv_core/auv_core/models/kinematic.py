@@ -1,8 +1,8 @@
 """
-Single integrator: the position follows the commanded velocity at once (thesis ch. 5 and 6 simulate the flock
-so).
+Single integrator: the velocity follows the command at once, as in the thesis's simulations of chapters 5 and
+6.
 
-Deviation: a current is refused, since a velocity command here is over ground and nothing would drift.
+Deviation: a current is refused, since the velocity command is over ground and the vehicle would not drift.
 """
 
 from __future__ import annotations

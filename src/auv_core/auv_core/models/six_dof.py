@@ -10,13 +10,13 @@ below it. Added mass and damping are diagonal, z_G couples surge with pitch and 
 a unit quaternion, so that there is no singular pitch angle; the matrix of Euler rates, thesis Eqs.
 (2.6)-(2.7), which is singular at a pitch of 90 degrees, is nowhere used.
 
-``cog_couples: false`` leaves z_G out of M and C, but not out of g: the vehicle of thesis Eqs. (4.2) and
-(4.14), whose Table 4.1 has a mass and no coupling.  Deviation: it is a hull whose weight acts where its
-mass does not.
+``cog_couples: false`` leaves z_G out of M and C, but not out of g: this is the vehicle of thesis Eqs. (4.2)
+and (4.14), whose Table 4.1 has a mass and no coupling. Deviation: the weight of this hull does not act at its
+mass.
 
-Roll and pitch are states like any other, held by the righting moment z_G W and by whatever the controller
-adds: at the accelerations of a flock (a few cm/s^2) they stay within a degree, but a hull that is pushed
-harder does pitch, and a law should meet that.
+Roll and pitch are states, stabilised by the righting moment z_G W and by the controller. At the
+accelerations of a flock (a few cm/s^2) they stay within a degree, but a larger force makes the hull pitch,
+and a law should be tested with that.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Params:
     buoyancy_n: float = param("buoyancy (N)", above=0.0)
     hull_radius_m: float = param("radius of the sphere around the hull (m)", above=0.0)
     max_wrench: Vec6 | None = param(
-        "actuator limit per axis (N, N m; body); left out: none", default=None, above=0.0
+        "actuator limit per axis (N, N m; body); null: none", default=None, above=0.0
     )
     cog_couples: bool = param(
         "whether z_G couples surge with pitch and sway with roll in M; in g it always counts", default=True
@@ -69,12 +69,12 @@ class Params:
 
 
 def _static_moment_kgm(params: Params) -> float:
-    """Return m z_G as it enters M and C."""
+    """Return m z_G in M and C."""
     return params.mass_kg * params.cog_z_m if params.cog_couples else 0.0
 
 
 def constants(params: Params) -> Constants:
-    """Return what `derivative` knows of a hull with these parameters."""
+    """Return the constants of a hull with these parameters."""
     surge_kg, sway_kg, heave_kg = (params.mass_kg + added for added in params.added_mass[:3])
     roll_kgm2, pitch_kgm2, yaw_kgm2 = (
         inertia + added for inertia, added in zip(params.inertia_kgm2, params.added_mass[3:], strict=True)
@@ -90,7 +90,7 @@ def constants(params: Params) -> Constants:
 
 
 def limits(params: Params) -> Vec6:
-    """Return the actuator limit per axis (N, N m; body), infinite where there is none."""
+    """Return the actuator limit per axis (N, N m; body), infinite if there is none."""
     return (math.inf,) * 6 if params.max_wrench is None else params.max_wrench
 
 
@@ -127,7 +127,7 @@ def derivative(state: State, tau: Vec6, current: Vec3, c: Constants) -> State:
     Notes
     -----
     The water is irrotational and steady, so the equations hold for nu_r unchanged (Fossen 2021, property
-    10.1); the body sees the current turn with -omega x nu_c.
+    10.1); in the body frame the current changes by -omega x nu_c.
 
     """
     qw, qx, qy, qz = state[3:7]
@@ -200,7 +200,9 @@ def _rate(t_s: float, x: State, given: tuple[Vec6, Vec3, Constants]) -> State:
 
 @entry("TUPLE13(TUPLE13, TUPLE6, TUPLE3, TUPLE21, float64, int64)")
 def advance(x: State, tau: Vec6, current: Vec3, numbers: tuple[float, ...], dt_s: float, steps: int) -> State:
-    """Return a state after so many steps of `dt_s`, tau held; `numbers` are the hull's `Constants`."""
+    """
+    Return the state after `steps` steps of `dt_s` with constant tau; `numbers` are the hull's `Constants`.
+    """
     c = Constants(*numbers)
     for _ in range(steps):
         x = normalised(rk4(_rate, _along, 0.0, x, dt_s, (tau, current, c)))
@@ -225,7 +227,7 @@ class Model:
         return self.speed_held_mps(math.inf)
 
     def speed_held_mps(self, max_force_n: float) -> float:
-        """Return the same for a controller that asks for at most so much along each axis (N)."""
+        """Return the same for a controller with this limit along each axis (N)."""
         p = self.params
         return min(
             steady_speed_mps(linear, quadratic, min(force_n, max_force_n))
@@ -245,7 +247,7 @@ class Model:
         return (*position, *attitude, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     def limited_command(self, tau: Vec6) -> Vec6:
-        """Return the wrench that the actuators give for the wrench asked: clipped axis by axis, if at all."""
+        """Return the wrench of the actuators for a command: clipped per axis, if there are limits."""
         return self._limited(tau, self._limits)
 
     def step(self, state: State, command: Vec6, current: Vec3, dt_s: float, steps: int = 1) -> State:
