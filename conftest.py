@@ -22,7 +22,7 @@ def _half_duplex(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
     def taken(medium: AcousticMedium) -> list[AcousticEvent]:
         events = take_events(medium)
-        logs[medium] += events
+        logs.setdefault(medium, []).extend(events)  # a copy of a medium was not made by `made`
         return events
 
     monkeypatch.setattr(AcousticMedium, "__init__", made)

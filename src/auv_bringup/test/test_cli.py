@@ -122,15 +122,15 @@ def test_a_bad_option_is_one_line_and_status_2(tmp_path, capsys, arguments):
 
 def test_a_bad_ros_domain_is_bad_input(tmp_path, capsys, monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", "150")
-    monkeypatch.setattr(cli, "_check_ros", lambda: None)
-    assert run(tmp_path) == 2
+    monkeypatch.setattr(cli, "_check_ros", lambda _: None)
+    assert run(tmp_path, "--mode", "lockstep") == 2
     assert "150" in capsys.readouterr().err
     assert folders(tmp_path) == []
 
 
 def test_nodes_without_ros_are_bad_input(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(cli.importlib.util, "find_spec", lambda name: None)
-    assert run(tmp_path) == 2
+    assert run(tmp_path, "--mode", "lockstep") == 2
     assert "rclpy" in capsys.readouterr().err
     assert folders(tmp_path) == []
 
@@ -247,7 +247,7 @@ def test_touching_hulls_give_status_4_and_a_report(tmp_path):
 def test_the_provenance_of_a_flight_keeps_the_status_that_its_recording_gives(tmp_path, monkeypatch):
     flown = launcher.Flight(0, "", (), 650.0, 50.0, 1.0)
     touched = {"duration_s": 650.0, "collision": True}
-    monkeypatch.setattr(cli, "_check_ros", lambda: None)
+    monkeypatch.setattr(cli, "_check_ros", lambda _: None)
     monkeypatch.setattr(launcher, "fly", lambda *_, **__: flown)
     monkeypatch.setattr(results, "load_recording", lambda *_: None)
     monkeypatch.setattr(cli, "_show_results", lambda *_: touched)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import os
 import sys
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -19,15 +18,12 @@ class _Command(NamedTuple):
     module: str
     words: str
     needs_ros: bool = False
-    needs_fork: bool = False
 
 
 COMMANDS = {
     "run": _Command("auv_bringup.tools.run", "fly a scenario, then report the result"),
     "sweep": _Command("auv_experiment.sweeps.cli", "fly a grid or a sample of scenarios with many seeds"),
-    "reproduce": _Command(
-        "auv_thesis.cli", "redo the figures, tables and claims of the thesis", needs_fork=True
-    ),
+    "reproduce": _Command("auv_thesis.cli", "redo the figures, tables and claims of the thesis"),
     "replay": _Command("auv_bringup.tools.replay", "publish a recorded bag again", needs_ros=True),
     "topic": _Command("auv_bringup.tools.topic", "look at the topics of a running flock", needs_ros=True),
 }
@@ -48,19 +44,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return fail(BAD_INPUT, f"command: {shown(name)} is not allowed; allowed: {', '.join(COMMANDS)}")
     call_commands("shoal ")
     command = COMMANDS[name]
-    if not set(_HELP_WORDS) & set(words) and (missing := _what_is_missing(command)):
-        return fail(BAD_INPUT, f"shoal {name}: {missing}")
+    if command.needs_ros and importlib.util.find_spec("rclpy") is None and not set(_HELP_WORDS) & set(words):
+        needed = "allowed: where ROS 2 Jazzy and the workspace are sourced"
+        return fail(BAD_INPUT, f"shoal {name}: rclpy cannot be imported; {needed}")
     status: int = importlib.import_module(command.module).main(words[1:])
     return status
-
-
-def _what_is_missing(command: _Command) -> str:
-    """Return in words what a command needs and this machine lacks, '' for nothing."""
-    if command.needs_ros and importlib.util.find_spec("rclpy") is None:
-        return "rclpy cannot be imported; allowed: where ROS 2 Jazzy and the workspace are sourced"
-    if command.needs_fork and not hasattr(os, "fork"):
-        return "this system cannot fork processes; allowed: on Linux"
-    return ""
 
 
 def _help() -> str:

@@ -21,6 +21,7 @@ from auv_experiment.sweeps.plan import plan_runs
 from auv_experiment.sweeps.runner import run_sweep
 from auv_experiment.sweeps.study import Study, load_study, study_from_plain
 from auv_experiment.sweeps.table import read_table
+from shoal.plain import plain
 from shoal.result import Result
 from shoal.scenario import Scenario, load, resolve
 
@@ -155,7 +156,7 @@ def _study_of(
     """Return the study that flies a scenario over a grid; the scenario's file is put into `folder`."""
     scenario = what if isinstance(what, Scenario) else load(what)
     path = scenario.save(folder / "scenario.yaml")
-    plain: dict[str, Any] = {
+    raw: dict[str, Any] = {
         "schema": 1,
         "name": scenario["name"],
         "title": scenario["title"],
@@ -163,7 +164,7 @@ def _study_of(
         "seeds": seeds,
     }
     if grid:
-        plain["grid"] = {key: list(values) for key, values in grid.items()}
+        raw["grid"] = {key: list(values) for key, values in grid.items()}
     if duration_s is not None:
-        plain["duration_s"] = duration_s
-    return study_from_plain(plain)
+        raw["duration_s"] = duration_s
+    return study_from_plain(plain(raw))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterator, Mapping, MutableMapping
 from functools import reduce
 from pathlib import Path
@@ -13,6 +12,7 @@ from auv_core.params import ConfigError, dump
 from auv_experiment.scenario import loading, schema
 from auv_experiment.scenario.file import find_file, put, read_raw
 from auv_experiment.scenario.strict_yaml import to_yaml
+from shoal.plain import plain
 
 
 def scenarios() -> dict[str, str]:
@@ -84,7 +84,7 @@ class Scenario(MutableMapping[str, Any]):
     """
 
     def __init__(self, raw: Mapping[str, Any]) -> None:
-        self._raw: dict[str, Any] = copy.deepcopy(dict(raw))
+        self._raw: dict[str, Any] = plain(raw)
 
     def __getitem__(self, key: str) -> Any:
         keys = key.split(".")
@@ -94,7 +94,7 @@ class Scenario(MutableMapping[str, Any]):
             return reduce(_inner, keys, dump(self.resolved()))
 
     def __setitem__(self, key: str, value: Any) -> None:
-        put(self._raw, key, lambda: copy.deepcopy(value))
+        put(self._raw, key, lambda: plain(value))
 
     def __delitem__(self, key: str) -> None:
         *outer, last = key.split(".")
@@ -137,7 +137,7 @@ class Scenario(MutableMapping[str, Any]):
         """
         changes = {"seed": seed, "duration_s": duration_s}
         given = {key: value for key, value in changes.items() if value is not None}
-        return loading.scenario_from_raw({**copy.deepcopy(self._raw), **given})
+        return loading.scenario_from_raw(plain({**self._raw, **given}))
 
     def to_yaml(self) -> str:
         """Return the text of a file from which `load` makes an equal scenario."""

@@ -14,8 +14,10 @@ from auv_core.params import ConfigError, shown
 from auv_experiment.inprocess.stepwise import StepwiseRun
 from auv_experiment.run_memory import check_memory
 from auv_experiment.scenario import schema
+from auv_sim.vehicle import DivergedError
+from shoal.plain import plain
 from shoal.result import Result
-from shoal.scenario import Scenario, load
+from shoal.scenario import Scenario, load, resolve
 
 _LENGTHS = {True: 4, False: 6}
 
@@ -25,7 +27,7 @@ class Simulation:
     A flock between two ticks: look at it, replace commands, step.
 
     A scenario in continuous time is flown sampled, as nodes fly it. Flown to its end without commands from
-    outside, it gives what `run` gives, to the last bit.
+    outside, it gives what `run` gives, to the last bit. To look ahead, step a ``copy.deepcopy`` of it.
 
     Parameters
     ----------
@@ -33,6 +35,8 @@ class Simulation:
         What to fly, as `run` takes it.
     seed : int, optional
         Seed of every random number, in place of the scenario's.
+    duration_s : float, optional
+        Length of the flight (s), in place of the scenario's.
 
     Examples
     --------
@@ -46,10 +50,21 @@ class Simulation:
 
     """
 
-    def __init__(self, scenario: Scenario | str | Path, *, seed: int | None = None) -> None:
-        self._scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+    def __init__(
+        self,
+        scenario: Scenario | schema.Scenario | str | Path,
+        *,
+        seed: int | None = None,
+        duration_s: float | None = None,
+    ) -> None:
+        self._scenario = load(scenario) if isinstance(scenario, str | Path) else scenario
+        self._duration_s = duration_s
         use_compiler()
         self.reset(seed)
+
+    def __repr__(self) -> str:
+        run = self.scenario
+        return f"<shoal.Simulation {run.name}, seed {run.seed}, at {self.time_s:g} s of {run.duration_s:g} s>"
 
     def reset(self, seed: int | None = None) -> None:
         """
@@ -61,11 +76,13 @@ class Simulation:
             Seed of the new run; the scenario's, if left out.
 
         """
-        self.scenario: schema.Scenario = replace(self._scenario.resolved(seed=seed), sampling="sampled")
+        resolved = resolve(self._scenario, seed=seed, duration_s=self._duration_s)
+        self.scenario: schema.Scenario = replace(resolved, sampling="sampled")
         check_memory(self.scenario)
         self.vehicle_ids = tuple(vehicle.id for vehicle in self.scenario.vehicles)
         self._run = StepwiseRun(self.scenario)
         self._decided: list[Command] | None = None
+        self._has_diverged = False
 
     @property
     def time_s(self) -> float:
@@ -114,36 +131,46 @@ class Simulation:
         ConfigError
             For a vehicle that there is not, or numbers that are no command; nothing is then flown.
         DivergedError
-            Where a motion has no finite solution.
+            Where a motion has no finite solution; only `reset` helps then.
+        RuntimeError
+            At the end of the run.
 
         """
         decided = list(self._decisions())
+        if not isinstance(commands, Mapping | None):
+            raise ConfigError(f"commands: {shown(commands)} is not allowed; allowed: a mapping by vehicle")
         for name, given in (commands or {}).items():
             if name not in self.vehicle_ids:
                 raise ConfigError(
                     f"commands: {shown(name)} is not allowed; allowed: {', '.join(self.vehicle_ids)}"
                 )
             decided[self.vehicle_ids.index(name)] = _command(name, given, self.scenario.kinematic)
-        self._run.act(decided)
+        try:
+            self._run.act(decided)
+        except DivergedError:
+            self._has_diverged = True
+            raise
         self._decided = None
 
     def result(self) -> Result:
         """
-        Return what came of a run that has reached its end.
+        Return the result of what has been flown so far, as of a run that was stopped here.
+
+        Steps can follow.
 
         Raises
         ------
         RuntimeError
-            Before the end.
+            Before the first step.
 
         """
-        if not self.is_done:
-            raise RuntimeError(
-                f"flown for {self.time_s:g} s of {self.scenario.duration_s:g} s; no result yet"
-            )
-        return Result(self.scenario, self._run.finished(), mode="inprocess")
+        if self._run.tick == 0:
+            raise RuntimeError("nothing has been flown yet: step first")
+        return Result(self.scenario, self._run.recording(), mode="inprocess")
 
     def _decisions(self) -> list[Command]:
+        if self._has_diverged:
+            raise RuntimeError("a motion has no finite solution; reset begins anew")
         if self._decided is None:
             if self.is_done:
                 raise RuntimeError(f"the run has reached its end at {self.time_s:g} s; reset begins anew")
@@ -153,15 +180,14 @@ class Simulation:
 
 def _command(name: str, given: Command | Sequence[float], takes_velocity: bool) -> Command:
     """Return what was given for a vehicle as its kind of command."""
-    numbers: tuple[Any, ...] = tuple(given)
+    numbers: Any = plain(given)
     if isinstance(given, Wrench):
         numbers = given.tau
     elif isinstance(given, VelocityCommand):
         numbers = (*given.velocity, given.yaw_rate_radps)
     length = _LENGTHS[takes_velocity]
-    if len(numbers) != length or not all(
-        isinstance(each, int | float) and math.isfinite(each) for each in numbers
-    ):
+    are_numbers = isinstance(numbers, list | tuple) and all(isinstance(each, int | float) for each in numbers)
+    if not are_numbers or len(numbers) != length or not all(map(math.isfinite, numbers)):
         raise ConfigError(f"commands.{name}: {shown(given)} is not allowed; allowed: {length} finite numbers")
     values = [float(each) for each in numbers]
     if takes_velocity:

@@ -1,6 +1,8 @@
 """Scenario, result, simulation and command of the Python interface."""
 
+import copy
 import os
+import pickle
 import subprocess
 import sys
 
@@ -84,8 +86,64 @@ def test_a_simulation_left_alone_flies_what_run_flies():
         simulation.step()
     simulation.reset(seed=4)
     assert simulation.time_s == 0.0
-    with pytest.raises(RuntimeError, match="flown for 0 s of 3 s"):
+    with pytest.raises(RuntimeError, match="nothing has been flown yet"):
         simulation.result()
+
+
+def test_a_simulation_has_a_result_on_its_way_and_flies_on_as_if_there_were_none():
+    simulation = shoal.Simulation("flock_acoustic", seed=3, duration_s=6.0)
+    on_the_way = []
+    while not simulation.is_done:
+        simulation.step()
+        if round(10 * simulation.time_s) in (1, 33, 45):
+            on_the_way.append(simulation.result())
+    flown = shoal.run("flock_acoustic", seed=3, duration_s=6.0).recording
+    for result in (*on_the_way, simulation.result()):
+        recording, k = result.recording, result.recording.n_ticks
+        np.testing.assert_array_equal(recording.position_ned_m, flown.position_ned_m[: k + 1])
+        np.testing.assert_array_equal(recording.neighbour_covariance, flown.neighbour_covariance[:k])
+        np.testing.assert_array_equal(recording.law_state, flown.law_state[:k])
+        np.testing.assert_array_equal(recording.events, flown.events[flown.events[:, 0] < k])
+        assert result.metrics["duration_s"] == pytest.approx(k * 0.1)
+    assert len(on_the_way) == 3
+
+
+def test_a_copy_of_a_simulation_looks_ahead():
+    simulation = shoal.Simulation("flock_acoustic", seed=3)
+    simulation.step()
+    ahead = copy.deepcopy(simulation)
+    ahead.step({"auv_1": [50.0] * 6})
+    assert simulation.time_s < ahead.time_s
+    other = pickle.loads(pickle.dumps(simulation))
+    for each in (simulation, other):
+        each.step()
+    assert other.states == simulation.states != ahead.states
+
+
+def test_a_simulation_that_has_diverged_only_begins_anew():
+    simulation = shoal.Simulation("ch5_one_leader", seed=3)
+    with pytest.raises(shoal.DivergedError):
+        simulation.step({"auv_1": [1e308] * 4})
+    with pytest.raises(RuntimeError, match="reset begins anew"):
+        simulation.step()
+    simulation.reset()
+    simulation.step()
+
+
+@pytest.mark.parametrize("numbers", [np.full(6, 3, dtype) for dtype in (np.float32, np.float64, np.int64)])
+def test_numbers_of_numpy_are_numbers(numbers):
+    ours, numpys = (shoal.Simulation("flock_acoustic", seed=seed) for seed in (3, np.int64(3)))
+    ours.step({"auv_1": [3.0] * 6})
+    numpys.step({"auv_1": numbers})
+    assert ours.states == numpys.states
+
+
+def test_a_scenario_takes_numbers_of_numpy_and_saves_them():
+    scenario = shoal.load("flock_acoustic")
+    scenario["duration_s"] = np.float64(4.0)
+    scenario["environment.current_ned_mps"] = np.array([0.25, 0.0, 0.0])
+    assert scenario.resolved().environment.current_ned_mps == (0.25, 0.0, 0.0)
+    assert "duration_s: 4.0" in scenario.to_yaml()
 
 
 def test_a_command_from_outside_moves_its_vehicle_and_no_other():
@@ -104,6 +162,8 @@ def test_a_command_from_outside_moves_its_vehicle_and_no_other():
         ({"auv_9": [0.0] * 6}, "'auv_9' is not allowed; allowed: auv_1, auv_2, auv_3, auv_4"),
         ({"auv_1": [0.0] * 4}, r"commands\.auv_1: .* allowed: 6 finite numbers"),
         ({"auv_1": [float("nan")] * 6}, "allowed: 6 finite numbers"),
+        ({"auv_1": 5.0}, r"commands\.auv_1: 5\.0 is not allowed; allowed: 6 finite numbers"),
+        ([[0.0] * 6], "allowed: a mapping by vehicle"),
     ],
 )
 def test_what_is_no_command_is_refused_and_nothing_is_flown(commands, complaint):
@@ -114,8 +174,9 @@ def test_what_is_no_command_is_refused_and_nothing_is_flown(commands, complaint)
 
 
 def test_a_sweep_gives_the_runs_of_its_grid(tmp_path):
-    grid = {LOSS: [0.0, 1.0]}
-    table = shoal.sweep("flock_acoustic", grid=grid, seeds=[1, 2], duration_s=3.0, folder=tmp_path, workers=1)
+    grid = {LOSS: np.array([0, 1])}
+    seeds = np.arange(1, 3)
+    table = shoal.sweep("flock_acoustic", grid=grid, seeds=seeds, duration_s=3.0, folder=tmp_path, workers=1)
     assert list(table["seed"]) == [1, 2, 1, 2]
     assert set(table["status"]) == {"done"}
     assert (tmp_path / "runs.parquet").is_file()

@@ -51,9 +51,10 @@ def _run(options: argparse.Namespace, place: _TracebackPlace) -> int:
     if options.report is not None:
         place.folder = options.report / results.LOGS
         return _report_again(options.report, options)
+    missing = _missing_of_ros()
     plan = make_plan(
         options.scenario,
-        mode=options.mode,
+        mode=options.mode or ("inprocess" if missing else None),
         layout=options.layout,
         seed=options.seed,
         overrides=options.overrides,
@@ -63,11 +64,13 @@ def _run(options: argparse.Namespace, place: _TracebackPlace) -> int:
     with ExitStack() as stack:
         claim: DomainClaim | None = None
         if plan.mode in ROS_MODES:
-            _check_ros()
+            _check_ros(missing)
             claim = stack.enter_context(claim_domain(os.environ))
         folder = start_results(plan, options.out)
         place.folder = folder / results.LOGS
         try:
+            if missing and options.mode is None and plan.scenario.sampling == "sampled":
+                print(f"{missing} cannot be imported: this run has no nodes (--mode inprocess)")
             _introduce(plan, folder)
             if claim is None:
                 return _fly_in_process(plan, folder, options)
@@ -76,11 +79,15 @@ def _run(options: argparse.Namespace, place: _TracebackPlace) -> int:
             return _interrupted(folder)
 
 
-def _check_ros() -> None:
-    missing = [name for name in ("rclpy", "auv_msgs") if importlib.util.find_spec(name) is None]
+def _missing_of_ros() -> str:
+    """Return in words which packages of ROS nodes lack, '' for none."""
+    return " and ".join(name for name in ("rclpy", "auv_msgs") if importlib.util.find_spec(name) is None)
+
+
+def _check_ros(missing: str) -> None:
     if missing:
         raise ConfigError(
-            f"{' and '.join(missing)} cannot be imported, so no ROS 2 node can run; "
+            f"{missing} cannot be imported, so no ROS 2 node can run; "
             "start this through ./scripts/run, "
             "source the workspace (install/setup.bash), or use --mode inprocess"
         )

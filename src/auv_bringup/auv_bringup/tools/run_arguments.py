@@ -97,7 +97,8 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--mode",
         choices=MODES,
-        help="how to fly it (default: lockstep; inprocess for a scenario with sampling: continuous)",
+        help="how to fly it (default: lockstep; inprocess without ROS 2 and for a "
+        "scenario with sampling: continuous)",
     )
     parser.add_argument(
         "--layout",

@@ -41,8 +41,6 @@ _STARTS_PER_WORKER = 3
 _PR_SET_PDEATHSIG = 1
 _INDEX_BYTES = 8
 _KILLED = "its worker process died every time; was there memory enough?"
-_libc = ctypes.CDLL(None, use_errno=True)
-_fork = multiprocessing.get_context("fork")
 
 Advance = Callable[[float], None]
 Call = Callable[[Advance], Any]
@@ -83,12 +81,16 @@ def spread(
 
     Notes
     -----
+    If the system cannot fork, the calls are made in this process, one after the other, without limits.
     A worker that is stopped, or that takes no processor time, is killed and replaced. A call whose worker
     ended twice is made once more, alone, so that only a call that kills its worker fails. A call that exceeds
     its limit is ended with its worker and fails. If an exception (Ctrl-C) ends the wait, the workers are
     killed and have ended when this returns.
 
     """
+    if not hasattr(os, "fork"):
+        _make_in_turn(calls, on_result, on_progress)
+        return
     pool = _Pool(calls, on_result, on_progress, on_message, limit_s)
     try:
         pool.make(range(len(calls)), n_workers)
@@ -100,12 +102,27 @@ def spread(
         pool.end()
 
 
+def _make_in_turn(
+    calls: Sequence[Call], on_result: Callable[[int, Any], None], on_progress: Callable[[float], None]
+) -> None:
+    done = 0.0
+
+    def advance(amount: float) -> None:
+        nonlocal done
+        done += amount
+        on_progress(done)
+
+    for index, call in enumerate(calls):
+        on_result(index, attempt(call, advance))
+
+
 class _Worker:
     """A worker process, seen from its parent."""
 
     def __init__(self, calls: Sequence[Call]) -> None:
         self.stream, theirs = socket.socketpair()
-        self.process = _fork.Process(target=_serve, args=(calls, theirs, os.getpid()), daemon=True)
+        fork = multiprocessing.get_context("fork")
+        self.process = fork.Process(target=_serve, args=(calls, theirs, os.getpid()), daemon=True)
         with theirs:
             _start(self.process)
         self.inbox = Inbox(self.stream)
@@ -277,8 +294,9 @@ def _serve(calls: Sequence[Call], stream: socket.socket, parent_pid: int) -> Non
 
 
 def _become_worker(parent_pid: int) -> None:
-    if hasattr(_libc, "prctl"):
-        _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    libc = ctypes.CDLL(None, use_errno=True)
+    if hasattr(libc, "prctl"):
+        libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent_pid:  # the parent died before the line above
         os._exit(1)
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -11,6 +11,7 @@ import numpy as np
 from auv_core.messages import AcousticEvent, Command, Inbox, Packet, VehicleState, command_numbers
 from auv_core.stamp import nanoseconds, whole_nanoseconds_s
 from auv_experiment.recording import FloatArray, Recording
+from auv_experiment.recording_shapes import shapes_of
 from auv_experiment.scenario.schema import Scenario
 from auv_flocking.agent import Agent
 from auv_flocking.holding import cause_number
@@ -74,13 +75,6 @@ class RunLog:
             if agent.neighbours.addresses:
                 self._known.append((tick, index, agent.neighbours))
 
-    def last_states(self, states: Sequence[VehicleState]) -> None:
-        """Note the true states after the last tick."""
-        r = self._recording
-        r.position_ned_m[-1] = [state.position for state in states]
-        r.attitude_quat_wxyz[-1] = [state.attitude for state in states]
-        r.velocity_body[-1] = [state.nu for state in states]
-
     def water(
         self,
         tick: int,
@@ -107,22 +101,27 @@ class RunLog:
             times_s = whole_nanoseconds_s(e.start_s), whole_nanoseconds_s(e.end_s)
             rows["event_values"].extend((*times_s, e.snr_db))
 
-    def finished(self) -> Recording:
-        """Return the recording."""
+    def recording(self, n_ticks: int, states: Sequence[VehicleState]) -> Recording:
+        """Return the recording of the first ticks, all that were noted, which end in these true states."""
         r = self._recording
-        self._write(r.n_ticks)
-        r.law_state = self._law_table()
+        self._write(n_ticks)
+        r.position_ned_m[n_ticks] = [state.position for state in states]
+        r.attitude_quat_wxyz[n_ticks] = [state.attitude for state in states]
+        r.velocity_body[n_ticks] = [state.nu for state in states]
+        shapes = shapes_of(n_ticks + 1, r.n_vehicles)
+        arrays = {name: getattr(r, name)[: shape[0]] for name, shape in shapes.items()}
+        arrays["law_state"] = self._law_table(n_ticks)
         for name, rows in self._rows.items():
-            empty = getattr(r, name)
-            setattr(r, name, np.frombuffer(rows, dtype=empty.dtype).reshape(-1, *empty.shape[1:]))
-        return r
+            empty = arrays[name]
+            arrays[name] = np.array(rows, empty.dtype).reshape(-1, *empty.shape[1:])
+        return Recording(vehicle_ids=r.vehicle_ids, **arrays)
 
-    def _law_table(self) -> FloatArray:
+    def _law_table(self, n_ticks: int) -> FloatArray:
         """Return what the laws remembered, in the form of `Recording.law_state`."""
-        r = self._recording
-        table = np.full((r.n_ticks, r.n_vehicles, max(self._law_sizes)), np.nan)
+        n_vehicles = self._recording.n_vehicles
+        table = np.full((n_ticks, n_vehicles, max(self._law_sizes)), np.nan)
         for index, (numbers, size) in enumerate(zip(self._law_rows, self._law_sizes, strict=True)):
-            rows = np.frombuffer(numbers).reshape(-1, 1 + size)
+            rows = np.array(numbers).reshape(-1, 1 + size)
             table[rows[:, 0].astype(np.int64), index, :size] = rows[:, 1:]
         return table
 

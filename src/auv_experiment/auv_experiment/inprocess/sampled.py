@@ -60,4 +60,4 @@ def _run_sampled(scenario: Scenario, on_progress: Progress | None) -> Recording:
         run.act(run.decide())
         if on_progress is not None and run.tick % 100 == 0:
             on_progress(run.tick * scenario.period_s)
-    return run.finished()
+    return run.recording()

@@ -75,7 +75,6 @@ class StepwiseRun:
         self.navs = [vehicle.nav for vehicle in self.vehicles]
         self.tick += 1
 
-    def finished(self) -> Recording:
-        """Return the recording of a run that has flown all of its ticks."""
-        self._log.last_states(self.states)
-        return self._log.finished()
+    def recording(self) -> Recording:
+        """Return the recording of the ticks that are behind us."""
+        return self._log.recording(self.tick, self.states)

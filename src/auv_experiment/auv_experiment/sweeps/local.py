@@ -1,26 +1,18 @@
-"""
-Runs in processes of this machine; no process listens, so no other program can send work to them.
-
-If the system cannot fork, runs are flown in this process, one after the other.
-"""
+"""Runs in processes of this machine; no process listens, so no other program can send work to them."""
 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 from auv_core.machine.failure import Failure
+from auv_core.machine.workers import Advance, spread
 from auv_experiment.inprocess.evaluated_run import load_source
 from auv_experiment.run_key import source_version
 from auv_experiment.sweeps.patience import Patience
 from auv_experiment.sweeps.plan import PlannedRun
 from auv_experiment.sweeps.worker import Finished, fly_run
-
-if TYPE_CHECKING:
-    from auv_core.machine.workers import Advance
 
 
 def fly_here(
@@ -53,11 +45,6 @@ def fly_here(
         If no worker process can be started.
 
     """
-    if not hasattr(os, "fork"):
-        _fly_in_turn(runs, on_result)
-        return
-    from auv_core.machine.workers import spread
-
     load_source()
     calls = [partial(_fly, run.scenario_json, source_version()) for run in runs]
 
@@ -75,8 +62,3 @@ def fly_here(
 def _fly(scenario_json: str, source: str, advance: Advance) -> Finished:
     del advance
     return fly_run(scenario_json, source)
-
-
-def _fly_in_turn(runs: Sequence[PlannedRun], on_result: Callable[[PlannedRun, Finished], None]) -> None:
-    for run in runs:
-        on_result(run, fly_run(run.scenario_json, source_version()))
