@@ -25,6 +25,8 @@ unset PYTHONHOME
 export VIRTUAL_ENV=$venv PATH=$venv/bin:$PATH
 set +u
 source "$root/install/setup.bash"
+# The command `shoal`, which colcon puts where `ros2 run` looks for it.
+export PATH=$root/install/shoal/lib/shoal:$PATH
 # Ten processes import the same modules at every start: let Python keep what it compiled.
 unset PYTHONDONTWRITEBYTECODE
 # All matrices here are small: threads of the linear algebra would only wait for each other (on a busy machine the inverse

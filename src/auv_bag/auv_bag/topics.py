@@ -25,6 +25,16 @@ class TopicSpec:
         The stamp in its messages is the run's time; if not, it is the wall clock's.
     shared
         Several nodes publish it: the order of messages of one time means nothing.
+    publisher, readers
+        The kind of node that publishes it, and which nodes of a run read it.
+    every_ticks
+        Control periods from one message to the next; 0 where `comes` says it.
+    comes
+        When its messages come, in words; with `every_ticks` what is to be added.
+    fields
+        Which fields matter, in words.
+    silence
+        What it means that no message comes, in words.
     """
 
     name: str
@@ -32,36 +42,262 @@ class TopicSpec:
     latched: bool = False
     stamped: bool = True
     shared: bool = False
+    publisher: str = ""
+    readers: str = ""
+    every_ticks: int = 0
+    comes: str = ""
+    fields: str = ""
+    silence: str = ""
 
 
+_TOOLS = "tools"
 _VEHICLE_TOPICS = (
-    TopicSpec("state", "auv_msgs/msg/VehicleState"),
-    TopicSpec("nav", "auv_msgs/msg/VehicleState"),
-    TopicSpec("odom", "nav_msgs/msg/Odometry"),
-    TopicSpec("ground_truth/odom", "nav_msgs/msg/Odometry"),
-    TopicSpec("robot_description", "std_msgs/msg/String", latched=True),
-    TopicSpec("acoustic/tx", "auv_msgs/msg/AcousticOutbox"),
-    TopicSpec("acoustic/rx", "auv_msgs/msg/AcousticInbox"),
-    TopicSpec("reference", "geometry_msgs/msg/TwistStamped"),
-    TopicSpec("flocking_centre", "auv_msgs/msg/FlockingCentre"),
-    TopicSpec("control_status", "auv_msgs/msg/ControlStatus"),
-    TopicSpec("neighbours", "auv_msgs/msg/NeighbourEstimates"),
-    TopicSpec("path", "nav_msgs/msg/Path", latched=True),
+    TopicSpec(
+        "state",
+        "auv_msgs/msg/VehicleState",
+        publisher="vehicle_node",
+        readers="acoustic_relay_node",
+        every_ticks=1,
+        fields="The truth. `tick`, `pose` and `twist`; the deviations are 0.",
+        silence="Lock-step waits. In real time the relay puts no packet of this vehicle on the air after "
+        "`state_max_age_s`. After `answer_timeout_s` the vehicle is lost.",
+    ),
+    TopicSpec(
+        "nav",
+        "auv_msgs/msg/VehicleState",
+        publisher="vehicle_node, or a navigation",
+        readers="agent_node",
+        every_ticks=1,
+        fields="The estimate that the vehicle flies by. `tick` tells its age, `valid` whether there is one; "
+        "`position_sd_m` and `heading_sd_rad` go into reports and filters.",
+        silence="Lock-step waits. In real time the agent gives the safe command and sends nothing after "
+        "`agent.inputs.nav_max_age_s`.",
+    ),
+    TopicSpec(
+        "odom",
+        "nav_msgs/msg/Odometry",
+        publisher="vehicle_node",
+        readers=_TOOLS,
+        every_ticks=1,
+        fields="`pose` in `auv_i/odom` and `twist` in `auv_i/base_link`, each with its covariance.",
+        silence="The navigation has no valid solution.",
+    ),
+    TopicSpec(
+        "ground_truth/odom",
+        "nav_msgs/msg/Odometry",
+        publisher="vehicle_node",
+        readers=_TOOLS,
+        every_ticks=5,
+        fields="The truth: `pose` in `map`, `twist` in `auv_i/base_link_truth`; the covariances are 0.",
+        silence="The vehicle node has ended.",
+    ),
+    TopicSpec(
+        "robot_description",
+        "std_msgs/msg/String",
+        latched=True,
+        publisher="vehicle_node",
+        readers=_TOOLS,
+        comes="once, at the start",
+        fields="`data`: the hull as URDF.",
+        silence="The vehicle node has not started.",
+    ),
+    TopicSpec(
+        "acoustic/tx",
+        "auv_msgs/msg/AcousticOutbox",
+        publisher="agent_node",
+        readers="acoustic_relay_node, or a modem driver",
+        every_ticks=1,
+        comes="also with no packet in it",
+        fields="`packets`: what the agent hands to its modem in this tick; `payload` goes on the air.",
+        silence="Lock-step waits. After `answer_timeout_s` the vehicle is lost.",
+    ),
+    TopicSpec(
+        "acoustic/rx",
+        "auv_msgs/msg/AcousticInbox",
+        publisher="acoustic_relay_node, or a modem driver",
+        readers="agent_node",
+        every_ticks=1,
+        comes="also with nothing in it",
+        fields="`receptions`; `transmit_ready`: the modem asks for data; `contacts` of the sonar.",
+        silence="Lock-step waits. In real time the agent of a fleet gives the safe command after "
+        "`agent.inputs.inbox_max_age_s`.",
+    ),
+    TopicSpec(
+        "reference",
+        "geometry_msgs/msg/TwistStamped",
+        publisher="agent_node",
+        readers=_TOOLS,
+        every_ticks=1,
+        fields="`twist.linear`: the velocity that the flocking law asks for (m/s, map_ned).",
+        silence="The agent has ended.",
+    ),
+    TopicSpec(
+        "flocking_centre",
+        "auv_msgs/msg/FlockingCentre",
+        publisher="agent_node",
+        readers=_TOOLS,
+        every_ticks=1,
+        comes="of a flock",
+        fields="The agent's own estimate of the centre: `position`, `velocity`.",
+        silence="The vehicles follow a path or a region and do not flock.",
+    ),
+    TopicSpec(
+        "control_status",
+        "auv_msgs/msg/ControlStatus",
+        publisher="agent_node",
+        readers=_TOOLS,
+        comes="every tick of a law with a memory; of the others, in ticks with the safe command",
+        fields="`holding`: why the agent gives the safe command, empty while the law acts; `law_state`.",
+        silence="The law acts and has no memory.",
+    ),
+    TopicSpec(
+        "neighbours",
+        "auv_msgs/msg/NeighbourEstimates",
+        publisher="agent_node",
+        readers=_TOOLS,
+        every_ticks=1,
+        fields="`neighbours`: for each its `position`, `velocity`, `covariance`, `age_s` and `sonar_age_s`.",
+        silence="The agent has ended. An empty list means that it knows of no neighbour.",
+    ),
+    TopicSpec(
+        "path",
+        "nav_msgs/msg/Path",
+        latched=True,
+        publisher="agent_node",
+        readers=_TOOLS,
+        comes="once, of vehicles that know the path",
+        fields="`poses`: points of the path (m, map_ned).",
+        silence="The vehicle follows others.",
+    ),
 )
-_WRENCH_TOPIC = TopicSpec("cmd_wrench", "geometry_msgs/msg/WrenchStamped")
-_VELOCITY_TOPIC = TopicSpec("cmd_vel", "geometry_msgs/msg/TwistStamped")
+_RESTS = "Lock-step waits. In real time the actuators rest after `command_max_age_s`."
+_WRENCH_TOPIC = TopicSpec(
+    "cmd_wrench",
+    "geometry_msgs/msg/WrenchStamped",
+    publisher="agent_node",
+    readers="vehicle_node",
+    every_ticks=1,
+    comes="of vehicles with a mass",
+    fields="`wrench.force` (N) and `wrench.torque` (N m), body FRD; the stamp tells the tick.",
+    silence=_RESTS,
+)
+_VELOCITY_TOPIC = TopicSpec(
+    "cmd_vel",
+    "geometry_msgs/msg/TwistStamped",
+    publisher="agent_node",
+    readers="vehicle_node",
+    every_ticks=1,
+    comes="of kinematic vehicles",
+    fields="`twist.linear` (m/s, map_ned) and `twist.angular.z` (rad/s); the stamp tells the tick.",
+    silence=_RESTS,
+)
 _GLOBAL_TOPICS = (
-    TopicSpec("/acoustic/stats", "auv_msgs/msg/AcousticStats"),
-    TopicSpec("/acoustic/events", "auv_msgs/msg/AcousticEvents"),
-    TopicSpec("/tf", "tf2_msgs/msg/TFMessage", shared=True),
-    TopicSpec("/tf_static", "tf2_msgs/msg/TFMessage", latched=True, shared=True),
-    TopicSpec("/markers", "visualization_msgs/msg/MarkerArray", shared=True),
-    TopicSpec("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", shared=True),
+    TopicSpec(
+        "/acoustic/stats",
+        "auv_msgs/msg/AcousticStats",
+        publisher="acoustic_relay_node",
+        readers=_TOOLS,
+        every_ticks=10,
+        comes="and at the end",
+        fields="`links`: counters of each directed link since the start, by cause of loss; `delay_counts`.",
+        silence="The run waits, or the relay has ended.",
+    ),
+    TopicSpec(
+        "/acoustic/events",
+        "auv_msgs/msg/AcousticEvents",
+        publisher="acoustic_relay_node",
+        readers=_TOOLS,
+        comes="in ticks in which something became known",
+        fields="`events`: `outcome`, `source`, `destination`, `sequence`, `start`, `end`.",
+        silence="No modem has transmitted.",
+    ),
+    TopicSpec(
+        "/tf",
+        "tf2_msgs/msg/TFMessage",
+        shared=True,
+        publisher="vehicle_node",
+        readers=_TOOLS,
+        comes="every tick, of each vehicle",
+        fields="`map -> auv_i/odom -> auv_i/base_link`, and the truth `map -> auv_i/base_link_truth`.",
+        silence="The vehicle node has ended. Without a valid navigation the estimate does not move.",
+    ),
+    TopicSpec(
+        "/tf_static",
+        "tf2_msgs/msg/TFMessage",
+        latched=True,
+        shared=True,
+        publisher="clock_node, vehicle_node",
+        readers=_TOOLS,
+        comes="once, of each publisher",
+        fields="`map -> map_ned`, `auv_i/base_link -> auv_i/base_link_frd`.",
+        silence="The node has not started.",
+    ),
+    TopicSpec(
+        "/markers",
+        "visualization_msgs/msg/MarkerArray",
+        shared=True,
+        publisher="acoustic_relay_node, vehicle_node, agent_node",
+        readers=_TOOLS,
+        comes="every 5 ticks; path and obstacles every 50",
+        fields="Hulls, links of late, flocking centres, path, obstacles.",
+        silence="The nodes have ended.",
+    ),
+    TopicSpec(
+        "/diagnostics",
+        "diagnostic_msgs/msg/DiagnosticArray",
+        shared=True,
+        publisher="acoustic_relay_node, vehicle_node, agent_node",
+        readers=_TOOLS,
+        comes="every 10 ticks of relay and agents, every 20 of vehicles, and at each change",
+        fields="`status[].level` and `message`: inputs, neighbours, control law, commands, links; "
+        "in real time also other programs that publish on topics of the run.",
+        silence="The nodes have ended.",
+    ),
 )
-_CLOCK = TopicSpec(CLOCK_TOPIC, "rosgraph_msgs/msg/Clock")
-_STATUS = TopicSpec(STATUS_TOPIC, "auv_msgs/msg/FlockStatus", latched=True)
-_LOG = TopicSpec(LOG_TOPIC, "rcl_interfaces/msg/Log", latched=True, stamped=False)
+_CLOCK = TopicSpec(
+    CLOCK_TOPIC,
+    "rosgraph_msgs/msg/Clock",
+    publisher="clock_node",
+    readers="recorder_node, tools with use_sim_time",
+    every_ticks=1,
+    comes="in lock-step",
+    fields="`clock`: epoch + scenario time of the tick that begins.",
+    silence="In lock-step the run waits: `/flock/status` says for which node. In real time there is none.",
+)
+_STATUS = TopicSpec(
+    STATUS_TOPIC,
+    "auv_msgs/msg/FlockStatus",
+    latched=True,
+    publisher="clock_node",
+    readers="every node, launcher",
+    comes="every 20 ticks and at each change; in real time every 0.2 s",
+    fields="`state`, `tick`, `time_s`, `waiting_for`, `lost_vehicles`, `detail`.",
+    silence="The process of relay and clock has ended, and with it the run.",
+)
+_LOG = TopicSpec(
+    LOG_TOPIC,
+    "rcl_interfaces/msg/Log",
+    latched=True,
+    stamped=False,
+    publisher="every node",
+    readers=_TOOLS,
+    comes="with each log line",
+    fields="`level`, `name`, `msg`. Recorded in real time only.",
+    silence="There is nothing to say.",
+)
+RECORDER_TOPIC = TopicSpec(
+    "/recorder/status",
+    "auv_msgs/msg/RecorderStatus",
+    latched=True,
+    publisher="recorder_node",
+    readers="clock_node",
+    comes="about every 20 ticks and every second; not recorded",
+    fields="`ticks` written, `bytes` of the bag, `closed`.",
+    silence="There is no recorder. One that falls silent for `answer_timeout_s` ends the run.",
+)
 SHARED_TOPICS = frozenset(spec.name for spec in _GLOBAL_TOPICS if spec.shared)
+VEHICLE_TOPICS = (*_VEHICLE_TOPICS, _WRENCH_TOPIC, _VELOCITY_TOPIC)
+COMMON_TOPICS = (_CLOCK, _STATUS, *_GLOBAL_TOPICS, _LOG, RECORDER_TOPIC)
 
 
 def topics_of_graph(vehicle_ids: Sequence[str], *, kinematic: bool, lockstep: bool) -> list[TopicSpec]:

@@ -23,7 +23,7 @@ from rclpy.time import Time
 
 from auv_bag.link import BagLink, Batch, Opening
 from auv_bag.ros_types import message_class
-from auv_bag.topics import CLOCK_TOPIC, LOG_TOPIC, TopicSpec, topics_of_graph
+from auv_bag.topics import CLOCK_TOPIC, LOG_TOPIC, RECORDER_TOPIC, TopicSpec, topics_of_graph
 from auv_bag.writer import BagError
 from auv_core.params import ConfigError, param
 from auv_core.words import listed
@@ -69,7 +69,7 @@ class RecorderNode(Node):
         self._admits_strangers = config.publishers == "any"
         self._vehicle_ids = config.topics_vehicles
         self._own_loggers = (*_OWN_LOGGERS, *(f"{name}." for name in config.topics_vehicles))
-        self._status = self.create_publisher(RecorderStatus, "/recorder/status", LATCHED)
+        self._status = self.create_publisher(RecorderStatus, RECORDER_TOPIC.name, LATCHED)
         self._heard_ticks: list[bytes] = []
         self._topics_met: set[str] = set()
         lockstep = config.mode == "lockstep"

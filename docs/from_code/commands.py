@@ -1,0 +1,56 @@
+"""Every command, with what its --help says."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+
+_RUNS_PYTHON = re.compile(r"^exec python3? -P (-m \S+|\"\$\(dirname.*?/(\w+\.py)\")", re.MULTILINE)
+
+
+def commands(root: Path) -> str:
+    """Return all commands of the folder `scripts`, each with its help."""
+    files = commands_of(root)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        helps = list(pool.map(partial(help_of, root), files))
+    parts = [f"## {path.name}\n\n```text\n{text}```\n" for path, text in zip(files, helps, strict=True)]
+    return "\n".join(parts)
+
+
+def commands_of(root: Path) -> list[Path]:
+    """Return the commands of a checkout: the executable files of the folder `scripts`."""
+    files = sorted((root / "scripts").iterdir())
+    return [path for path in files if path.is_file() and os.access(path, os.X_OK)]
+
+
+def help_of(root: Path, path: Path) -> str:
+    """Return what a command prints for --help, without setting the checkout up."""
+    done = subprocess.run(
+        [*_words(path), "--help"],
+        env={**os.environ, "COLUMNS": "100", "PYTHONPATH": _packages(root)},
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    return done.stdout
+
+
+def _words(path: Path) -> Sequence[str]:
+    """Return the words that run a command: of one that ends in Python, without the set-up before it."""
+    found = _RUNS_PYTHON.search(path.read_text(encoding="utf-8"))
+    if found is None:
+        return [str(path)]
+    return [sys.executable, *([str(path.parent / found[2])] if found[2] else found[1].split())]
+
+
+def _packages(root: Path) -> str:
+    folders = [str(manifest.parent) for manifest in sorted(root.glob("src/*/package.xml"))]
+    return os.pathsep.join([*folders, os.environ.get("PYTHONPATH", "")])
