@@ -1,1 +1,1 @@
-"""What the group does: graph, consensus, neighbour filters, flocking laws, and the agent that joins them."""
+"""Control of the group: consensus, neighbour filters, flocking laws, and the agent that combines them."""

@@ -1,10 +1,10 @@
 """
-The agent: one vehicle's computer.  No clock, no ROS, no randomness; the same object runs in a node and in
-one process.
+The agent: the software of one vehicle. It has no clock, no ROS and no randomness; the same object runs in a
+node and in an in-process run.
 
-Once per control period: read the packets, carry the neighbours to now, do the task (a flocking law over a
-velocity controller with the consensus on the centre, or a law that gives the wrench by itself), and hand a
-report to the modem when it asks for one.
+Once per control period it reads the packets, extrapolates the neighbour estimates to the current time, does
+the task (a flocking law with a velocity controller and consensus on the centre, or a law that gives the
+wrench directly), and passes a report to the modem when the modem asks for one.
 """
 
 from __future__ import annotations
@@ -38,12 +38,13 @@ from auv_flocking.senses import Senses
 
 class Agent:
     """
-    One vehicle's computer; `flocks` tells whether it takes part in a flock and estimates its centre.
+    The software of one vehicle; `flocks` tells whether it is part of a flock and estimates the flock's
+    centre.
 
-    After a step, for people to look at: `centre` and `centre_rate` (own estimate of the flocking centre, m
-    and m/s; NED), `flock_velocity` (m/s; NED, with its stamp), `reference` (what the law asked, or the path's
-    velocity), `law_state` (what the law remembers), `neighbours` (the estimates that the step used) and
-    `holding` (why it gave the safe command instead of the law's, or nothing).
+    After a step it offers for inspection: `centre` and `centre_rate` (own estimate of the flocking centre, m
+    and m/s; NED), `flock_velocity` (m/s; NED, with its stamp), `reference` (the law's velocity, or the
+    path's), `law_state` (the state of the law), `neighbours` (the estimates that the step used) and `holding`
+    (why it gave the safe command instead of the law's, or an empty text).
     """
 
     def __init__(self, config: AgentConfig) -> None:
@@ -82,7 +83,7 @@ class Agent:
 
     @property
     def knows_path(self) -> bool:
-        """Whether this agent follows a path by itself, or leads a flock along one."""
+        """Whether this agent follows a path itself, or leads a flock along one."""
         return self._path is not None and (self._config.is_leader or not self.flocks)
 
     @property
@@ -97,17 +98,17 @@ class Agent:
 
     @property
     def flock_velocity(self) -> FlockVelocity:
-        """What this vehicle believes the flock's velocity to be (m/s; NED), and since when."""
+        """Estimate of the flock's velocity (m/s; NED), with its stamp."""
         return self.task.flock_velocity
 
     @property
     def reference(self) -> VelocityReference:
-        """What the flocking law asked, or velocity and heading of the path."""
+        """Velocity and heading of the flocking law, or of the path."""
         return self.task.reference
 
     @property
     def law_state(self) -> tuple[float, ...]:
-        """What the law remembered at the step, `()` for a law without memory."""
+        """The law's state at the step, `()` for a law without state."""
         return self.task.law_state
 
     @property
@@ -117,22 +118,22 @@ class Agent:
 
     @property
     def refusals(self) -> dict[int, Refusal]:
-        """Why the newest packet of a sender was refused, by its address; empty where all are heard."""
+        """Why the newest packet of a sender was refused, by address; empty if all packets are accepted."""
         return self._senses.packets.refusals
 
     @property
     def contacts_refused(self) -> int:
-        """Number of sonar contacts that can be none."""
+        """Number of implausible sonar contacts."""
         return self._senses.table.contacts_refused
 
     @property
     def outdated(self) -> int:
-        """Number of packets that came after a newer one of the same sender."""
+        """Number of packets that arrived after a newer one of the same sender."""
         return self._senses.table.outdated
 
     @property
     def saturated(self) -> int:
-        """Number of values that did not fit their field of a report and were sent as its bound."""
+        """Number of values that exceeded their field of a report and were sent as its bound."""
         return int(self._format.saturated)
 
     @property
@@ -142,21 +143,21 @@ class Agent:
 
     def step(self, t_s: float, nav: VehicleState | None, inbox: Inbox) -> tuple[Command, list[Packet]]:
         """
-        Return the command for one control period and the packets to hand to the modem.
+        Return the command for one control period and the packets for the modem.
 
-        The command is the safe one (no force, or no velocity) with a navigation that is missing, old, marked
-        as none or impossible; in a fleet, with a modem that has fallen silent or a position that no report
-        can carry; and where the law gives no finite command.  Then `holding` says why, and the law's memory
-        stays as it is.  In all of these cases but the last nothing is sent.
+        The command is the safe one (no force, or no velocity) if the navigation is missing, old, marked as
+        invalid or impossible; in a fleet, also if the modem is silent or no report can carry the position;
+        and if the law gives no finite command. Then `holding` says why, and the law's state does not change.
+        In all of these cases but the last nothing is sent.
 
         Parameters
         ----------
         t_s : float
             Scenario time of the tick (s).
         nav : VehicleState, optional
-            The newest that the vehicle's own navigation said, if anything; its tick tells its age.
+            Newest output of the vehicle's own navigation, if any; its tick gives its age.
         inbox : Inbox
-            What the modem received since the last tick; its tick tells its age.
+            Data from the modem since the last tick; its tick gives its age.
 
         """
         packets = [each.packet for each in inbox.receptions]
@@ -198,11 +199,11 @@ class Agent:
         return Wrench((0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 
     def path_point(self, t_s: float) -> PathPoint | None:
-        """Return the reference at `t_s`, or None where there is no path."""
+        """Return the reference at `t_s`, or None if there is no path."""
         return None if self._path is None else self._path.at(t_s)
 
     def _packets(self, tick: int, t_s: float, nav: VehicleState) -> list[Packet]:
-        """Return the packet that the modem asks for, or none where its numbers cannot be sent."""
+        """Return the packet that the modem asks for, or none if its numbers cannot be sent."""
         velocity = body_to_ned(nav.attitude, (nav.nu[0], nav.nu[1], nav.nu[2]))
         report = Report(
             self._config.address,

@@ -1,9 +1,9 @@
 """
-Separation laws that act along the line between two points: one number says how strongly.
+Separation laws that act along the line between two points with one strength.
 
 Such a law is a function ``strength(square_m2, spacing_m, numbers)``, marked as an `entry` with `STRENGTH`: of
 the squared distance (m^2), the safety distance (m) and the law's own numbers it gives the factor (1/s) on
-(own - other).  Compiled loops over all pairs of a flock call the same function as a single vehicle does.
+(own - other).  Compiled loops over all pairs of a flock call the same function as a single vehicle.
 """
 
 from __future__ import annotations
@@ -32,5 +32,5 @@ def along(own: Vec3, other: Vec3, spacing_m: float, strength: Strength, numbers:
 
 @entry(STRENGTH)
 def no_strength(square_m2: float, spacing_m: float, numbers: Numbers) -> float:
-    """Return the factor of a law without force."""
+    """Return zero: the strength of a law without force."""
     return 0.0

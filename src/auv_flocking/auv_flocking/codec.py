@@ -1,15 +1,15 @@
 """
 Numbers in few bits: bounded fields with a resolution, packed without gaps.
 
-A `Field` says what values a number can have: multiples of a resolution between two bounds, or, where it
-`wraps`, such multiples modulo its range.  That fixes its bits, and the error of a round trip: at most half
-a resolution inside the bounds.  Values outside saturate at the bound and are counted; NaN, and infinity where
-a field wraps, are refused.  A `Layout` is a row of fields, the first in the most significant bits of the
-first byte; the last byte is filled up with zeros.
+A `Field` defines the possible values of a number: multiples of a resolution between two bounds, or, if it
+`wraps`, multiples modulo its range. This determines its number of bits, and the error of a round trip: at
+most half a resolution inside the bounds. Values outside saturate at the bound and are counted. NaN, and
+infinity if a field wraps, are refused. A `Layout` is a sequence of fields, the first in the most significant
+bits of the first byte; the last byte is padded with zeros.
 
 The idea is that of the Dynamic Compact Control Language (Schneider & Schmidt, "The Dynamic Compact Control
-Language: A compact marshalling scheme for acoustic communications", OCEANS 2010), without its compiler:
-the description is data of the program.
+Language: A compact marshalling scheme for acoustic communications", OCEANS 2010), without its compiler: the
+description is data in the program.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ _MOST_STEPS = 2**40
 @dataclass(frozen=True, slots=True)
 class Field:
     """
-    What values one number can have.
+    The possible values of one number.
 
     Parameters
     ----------
     name : str
         Its name, unique in a layout; with the unit as suffix.
     minimum, maximum : float
-        Smallest and largest value; where the field `wraps`, `maximum` is the first value that reads as
+        Smallest and largest value; if the field `wraps`, `maximum` is the first value that is decoded as
         `minimum` again.
     resolution : float
-        Step between neighbouring values. The bounds are whole multiples of it, so that zero stays zero. With
-        a resolution that is a power of two, values are exact in floating point.
+        Step between neighbouring values. The bounds are whole multiples of it, so that zero stays zero. If
+        the resolution is a power of two, values are exact in floating point.
     wraps : bool
         Whether values are taken modulo the range.
 
@@ -76,13 +76,13 @@ class Field:
 
     def level(self, value: float) -> int:
         """
-        Return which multiple from the minimum is nearest to `value`; outside 0 .. `levels` - 1 it is out of
-        bounds.
+        Return the number of the level nearest to `value`, counted from the minimum; outside 0 .. `levels` -
+        1 it is out of bounds.
 
         Raises
         ------
         ReportError
-            For NaN, and for infinity where the field wraps.
+            For NaN, and for infinity if the field wraps.
 
         """
         steps = value / self.resolution
@@ -94,17 +94,17 @@ class Field:
         return -1 if steps < 0.0 else self.levels
 
     def value(self, level: int) -> float:
-        """Return the number that `level` stands for."""
+        """Return the value of a level."""
         return (level + self.lowest) * self.resolution
 
     def rounded(self, value: float) -> float:
-        """Return what `value` is after a round trip."""
+        """Return `value` after a round trip."""
         return self.value(min(max(self.level(value), 0), self.levels - 1))
 
 
 class Layout:
     """
-    A row of fields, and the number of values that have saturated in it so far.
+    A sequence of fields, and the number of values that have saturated so far.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ class Layout:
         Raises
         ------
         ReportError
-            For a wrong length, for bits that stand for no value, and for padding that is not zero.
+            For a wrong length, for bits without a value, and for padding that is not zero.
 
         """
         if len(payload) != self.payload_bytes:

@@ -1,9 +1,9 @@
 """
 The thesis's flock as one system: flocking law ``potential`` and consensus filter ``thesis`` over arrays.
 
-The arithmetic is that of the laws themselves, in the order in which one vehicle's agent would do it, so that
-a compiled flock and agents that know everything give the same numbers.  A pair of vehicles is visited once:
-what pushes one pushes the other the other way.
+The arithmetic is that of the laws themselves, in the order of a single vehicle's agent, so that a compiled
+flock and agents with perfect information give the same numbers. A pair of vehicles is visited once: the force
+on one is the opposite of the force on the other.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ FLOCK_RATES = (
 @record("float64[:, ::1], " + ", ".join(7 * ["float64"]) + ", float64[::1], float64[::1], float64[:, ::1]")
 class LawNumbers(NamedTuple):
     """
-    The numbers of a flock's laws.
+    The parameters of a flock's laws.
 
     shares : (N, 2) array
         Per vehicle: gain towards the path (1/s) and share of the path's velocity.
     push_m, talk_m : float
-        Distances from which on vehicles do not push each other and do not hear each other's estimates (m).
+        Distances beyond which vehicles do not repel each other, and do not hear each other's estimates (m).
     rate_ps : float
         Rate of the consensus filter (1/s).
     strength_numbers, obstacle_numbers : arrays
-        Of separation between vehicles, and from obstacles; see `auv_flocking.central`.
+        Parameters of the separation between vehicles and from obstacles; see `auv_flocking.central`.
     obstacles : (M, 4) array
         Positions and safety distances (m; NED).
 
@@ -64,7 +64,7 @@ class LawNumbers(NamedTuple):
 
 @record("int64, int64")
 class Instant(NamedTuple):
-    """Which row of `Paths` holds now, and which stage of an RK4 step it is."""
+    """The current row of `Paths`, and the stage of an RK4 step."""
 
     row: int
     stage: int
@@ -107,7 +107,7 @@ class Scene(NamedTuple):
 
 @dataclass(frozen=True)
 class FlockLaw:
-    """Numbers of the laws; separation between vehicles and from obstacles, ready to be called."""
+    """Parameters of the laws, and callable separation laws between vehicles and from obstacles."""
 
     numbers: LawNumbers
     strength: Strength
@@ -118,7 +118,7 @@ def flock_law(
     laws: Sequence[Any], law_params: Any, separation: Any, consensus: Any, obstacles: Obstacles
 ) -> FlockLaw:
     """
-    Return the numbers of a flock.
+    Return the parameters of a flock.
 
     Parameters
     ----------
@@ -174,18 +174,19 @@ def flock_rates(
     all_rates: Floats,
 ) -> None:
     """
-    Write what the law asks of every vehicle into `velocities`, and the rates of the estimates into `rates`.
+    Write the velocity commands of all vehicles into `velocities`, and the rates of the estimates into
+    `rates`.
 
     Parameters
     ----------
     scene, near, now : Scene, NearPairs, Instant
-        What the laws look at.
+        Inputs of the laws.
     law, strength, obstacle_strength
         Of `FlockLaw`.
     velocities : (N, 3) array
-        Where to write the velocities over ground that the law asks for (m/s; NED).
+        Output: commanded velocities over ground (m/s; NED).
     all_rates : (4, N, 3) array
-        Where to write the rates of the estimates (m/s; NED), by stage.
+        Output: rates of the estimates (m/s; NED), by stage.
 
     """
     points, centres, obstacles = scene.points, scene.centres, law.obstacles

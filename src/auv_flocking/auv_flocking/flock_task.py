@@ -1,4 +1,4 @@
-"""The task of a vehicle in a flock: a velocity by the flocking law, a centre by consensus."""
+"""The task of a vehicle in a flock: a velocity from the flocking law, a centre from consensus."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class FlockTask:
     Flocking law, consensus filter and the velocity controller under them.
 
     After a step: `centre` and `centre_rate` (own estimate of the flocking centre, m and m/s; NED),
-    `flock_velocity` (m/s; NED, with its stamp) and `reference` (what the law asked).
+    `flock_velocity` (m/s; NED, with its stamp) and `reference` (the law's velocity).
     """
 
     law_state: tuple[float, ...] = ()
@@ -50,7 +50,7 @@ class FlockTask:
         *,
         is_waiting: bool,
     ) -> Command:
-        """Return the command of one control period; while `is_waiting` the vehicle holds its station."""
+        """Return the command of one control period; while `is_waiting` the vehicle holds station."""
         law, consensus, period_s = self._law, self._consensus, self._period_s
         position, estimates = nav.position, Estimates.of(neighbours)
         law.hear(estimates, period_s)
@@ -67,7 +67,7 @@ class FlockTask:
         return command
 
     def shared(self) -> tuple[float, ...]:
-        """Return what the consensus filter adds to a packet that is handed over after this step."""
+        """Return the numbers that the consensus filter adds to a packet after this step."""
         numbers: tuple[float, ...] = self._consensus.shared()
         return numbers
 
@@ -75,7 +75,7 @@ class FlockTask:
         self, path: PathPoint, position: Vec3, centre: Vec3, others: Sequence[tuple[Vec3, Vec3]]
     ) -> tuple[Vec3, Vec3]:
         """
-        Return what the law asks of this vehicle and the rate of its estimate of the centre (m/s; NED).
+        Return the velocity of the law and the rate of the estimate of the centre (m/s; NED).
 
         The law and the filter of a `step`, at one instant of continuous time: the caller keeps the estimate
         `centre` (m; NED), and `others` are the positions and the estimates of all others (m; NED).

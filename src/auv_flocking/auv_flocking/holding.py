@@ -1,8 +1,8 @@
 """
-Why an agent holds: gives the safe command (no force, or no velocity) in place of its law's.
+Causes why an agent holds, that is gives the safe command (no force, or no velocity) instead of its law's.
 
-The words of a hold begin with its cause, so that a recorded text can be counted by cause.  A vehicle without
-a fresh command rests, which comes to the same; what a bag shows of it is the last cause.
+The text of a hold begins with its cause, so that recorded texts can be counted by cause. A vehicle without a
+fresh command rests, which has the same effect; in a bag this is the last cause.
 """
 
 from __future__ import annotations
@@ -25,7 +25,10 @@ CAUSES = (
 
 
 def cause_number(holding: str) -> int:
-    """Return 0 for an agent that acts, else the place of its cause in `CAUSES` from 1; others are last."""
+    """
+    Return 0 for an agent that acts, otherwise the position of its cause in `CAUSES` from 1; unknown causes
+    are last.
+    """
     if not holding:
         return 0
     known = (number for number, cause in enumerate(CAUSES, start=1) if holding.startswith(cause))

@@ -1,4 +1,4 @@
-"""What comes for an agent in real time between its steps: the newest navigation, and many inboxes as one."""
+"""Inputs of an agent in real time between its steps: the newest navigation, and several inboxes as one."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from auv_flocking.input_limits import InputLimits
 
 class Mail:
     """
-    Collects navigations and inboxes, and hands them to the next step.
+    Collects navigations and inboxes for the next step.
 
-    `navs` and `inboxes` say what was dropped.  A packet is used however late it comes, since it carries its
-    own time; contacts and the modem's asking are of use only in their time.
+    `navs` and `inboxes` tell what was dropped. A packet is used at any age, since it carries its own time.
+    Sonar contacts and requests of the modem are only used while they are fresh.
     """
 
     def __init__(self, limits: InputLimits, period_s: float) -> None:
@@ -24,16 +24,16 @@ class Mail:
 
     @property
     def nav(self) -> VehicleState | None:
-        """The newest navigation, if one came."""
+        """The newest navigation, if any."""
         return self.navs.value
 
     def start(self, tick: int) -> None:
-        """Begin to wait for inputs at a tick."""
+        """Start to wait for inputs at a tick."""
         self.navs.start(tick)
         self.inboxes.start(tick)
 
     def awaits_first(self, tick: int) -> bool:
-        """Return whether no navigation came yet and it is not late."""
+        """Return whether no navigation has come yet and it is not late."""
         return self.navs.value is None and not self.navs.why_stale(tick)
 
     def hear_inbox(self, inbox: Inbox, now_tick: int) -> None:
@@ -47,7 +47,9 @@ class Mail:
             self._ready_tick = inbox.tick
 
     def take_inbox(self) -> Inbox:
-        """Return what came since the last time as one inbox, of the newest tick in which the modem asks."""
+        """
+        Return the data since the last call as one inbox, of the newest tick with a request of the modem.
+        """
         tick = self.inboxes.tick if self._ready_tick is None else self._ready_tick
         inbox = Inbox(tick, self._ready_tick is not None, tuple(self._receptions), self._contacts)
         self._receptions, self._contacts, self._ready_tick = [], (), None

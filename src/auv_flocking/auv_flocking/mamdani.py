@@ -3,13 +3,13 @@ Mamdani inference with five triangular sets on one input and one output, thesis 
 (6.32)-(6.33).
 
 Sets NB, N, Z, P, PB are triangles between the peaks of their neighbours; "if the input is NB, so is the
-output", and so on for all five; min implication, max aggregation, centre of gravity.  scikit-fuzzy gives the
-membership functions and the centre of gravity.  Inference takes some 100 microseconds, so a `Curve` tabulates
-it once in every interval between input peaks, however narrow, and interpolates; its points stand closer near
-the peaks, where a set that has just begun to hold moves the centre of gravity fastest.
+output", and so on for all five; min implication, max aggregation, centre of gravity. scikit-fuzzy gives the
+membership functions and the centre of gravity. Inference takes about 100 microseconds, so a `Curve`
+tabulates it once in every interval between input peaks and interpolates. The points are denser near the
+peaks, where a set that starts to apply moves the centre of gravity fastest.
 
-Where output peaks are evenly spaced, more in never gives less out.  Where they are not, the curve can fall by
-some thousandths of its range.
+If the output peaks are evenly spaced, the curve never decreases. Otherwise it can decrease by a few
+thousandths of its range.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def infer(x: float, input_peaks: Peaks, output_peaks: Peaks) -> float:
     Parameters
     ----------
     x : float
-        Input; beyond the outer peaks the outer sets hold fully.
+        Input; beyond the outer peaks the outer sets apply fully.
     input_peaks, output_peaks : (5,) tuple
         Peaks of NB, N, Z, P, PB in the units of input and output, ascending.
 
@@ -58,7 +58,7 @@ def infer(x: float, input_peaks: Peaks, output_peaks: Peaks) -> float:
 
 @inner
 def interpolated(x: float, table: NDArray[np.float64]) -> float:
-    """Return the output at an input by a curve's table; beyond it the output stays what it is there."""
+    """Return the output at an input from a curve's table; beyond the table the output is constant."""
     count = len(table) // 2
     if x < table[0]:
         return float(table[count])
@@ -78,7 +78,7 @@ def interpolated(x: float, table: NDArray[np.float64]) -> float:
 
 class Curve:
     """
-    Output over input, tabulated with so many steps between input peaks.
+    Output against input, tabulated with `steps` steps between input peaks.
 
     With `FINE_STEPS`, `at` agrees with `infer` to 2e-4 of the output's range.  `table` (2 k,) has k inputs,
     then their outputs, for `interpolated`.
@@ -95,7 +95,7 @@ class Curve:
         self.table = np.array((*self._x, *self._y))
 
     def at(self, x: float) -> float:
-        """Return the output at an input; beyond the table it stays what it is at the end."""
+        """Return the output at an input; beyond the table it is constant."""
         return interpolated(x, self.table)
 
     def integral(self, x: float) -> float:
@@ -111,7 +111,7 @@ def curve(input_peaks: Peaks, output_peaks: Peaks, steps_per_set: int = FINE_STE
 
 
 def _memberships(x: NDArray[np.float64], peaks: Peaks) -> NDArray[np.float64]:
-    """Return the (5, n) degrees to which n numbers belong to the five sets."""
+    """Return the (5, n) degrees of membership of n numbers in the five sets."""
     from skfuzzy.membership import trimf
 
     feet = (peaks[0], *peaks, peaks[4])
@@ -122,8 +122,8 @@ def _corners(degrees: list[float], peaks: Peaks) -> NDArray[np.float64]:
     """
     Return the outputs at which the aggregated set has a corner, so that its centre of gravity is exact.
 
-    These are the peaks, and on both flanks of every triangle the heights at which a rule cuts (there a cut
-    triangle begins to be flat, or a neighbour's flat top ends), and one half, where flanks cross.
+    These are the peaks and, on both flanks of every triangle, the heights at which a rule cuts (where a cut
+    triangle becomes flat, or a neighbour's flat top ends), and one half, where flanks cross.
     """
     heights = sorted({0.0, 0.5, 1.0, *degrees})
     spans = pairwise(peaks)

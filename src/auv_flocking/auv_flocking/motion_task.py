@@ -1,4 +1,4 @@
-"""The task of a vehicle by itself: a law that goes from its path or its region straight to a wrench."""
+"""The task of a single vehicle: a law that computes the wrench directly from its path or region."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _ZERO: Vec3 = (0.0, 0.0, 0.0)
 
 class MotionTask:
     """
-    A motion control law and what it remembers.
+    A motion control law and its state.
 
-    After a step: `law_state` (what the law remembered at the step) and `reference` (velocity and heading of
-    the path). A vehicle with this task believes in no flocking centre of its own: `centre` is its position.
+    After a step: `law_state` (the law's state at the step) and `reference` (velocity and heading of the
+    path). A vehicle with this task estimates no flocking centre: `centre` is its position.
     """
 
     def __init__(self, law: Any, obstacles: Obstacles, period_s: float) -> None:
@@ -46,7 +46,7 @@ class MotionTask:
         *,
         is_waiting: bool,
     ) -> Command:
-        """Return the wrench of one control period; while `is_waiting` the actuators rest."""
+        """Return the wrench of one control period; zero while `is_waiting`."""
         view = self.view(t_s, nav, path, Estimates.of(neighbours).positions())
         self.centre = nav.position
         self.law_state = self.law.initial_state(view) if self._next_state is None else self._next_state
@@ -68,5 +68,5 @@ class MotionTask:
     def view(
         self, t_s: float, nav: VehicleState, path: PathPoint | None, neighbours: tuple[Vec3, ...]
     ) -> MotionView:
-        """Return what the law sees when the others are at `neighbours` (m; NED)."""
+        """Return the input of the law for other vehicles at `neighbours` (m; NED)."""
         return MotionView(t_s, nav, path, neighbours, self._obstacles)

@@ -1,4 +1,4 @@
-"""What an agent makes of the packets that its modem received: reports, and refusals by sender."""
+"""Checks the packets that an agent's modem received: accepted reports, and refusals by sender."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _CLOCK_SLACK_S = 1.0
 
 @dataclass(slots=True)
 class Refusal:
-    """Why packets of one sender are refused since a time (s), and how many in a row."""
+    """Why packets of one sender are refused, since when (s), and how many in a row."""
 
     words: str
     since_s: float
@@ -24,9 +24,9 @@ class Refusal:
 
 
 def why_refused(report: Report, own_address: int, fleet_size: int, limits: InputLimits, t_s: float) -> str:
-    """Return why a report is not one of another vehicle of the fleet in this run, or nothing."""
+    """Return why a report is not from another vehicle of the fleet in this run, or an empty text."""
     if report.address == own_address:
-        return "it speaks as this vehicle"
+        return "it has this vehicle's own address"
     if report.address > fleet_size:
         return f"address {report.address}, allowed: 1 to {fleet_size}"
     if report.time_s > t_s + _CLOCK_SLACK_S:
@@ -44,10 +44,10 @@ def why_refused(report: Report, own_address: int, fleet_size: int, limits: Input
 
 class PacketJudge:
     """
-    Decodes and judges packets.
+    Decodes and checks packets.
 
-    `rejected` counts what was refused so far; `refusals` has, by the sender's address, why its newest packet
-    was refused, until one is good again.
+    `rejected` counts the refused packets; `refusals` has, by the sender's address, why its newest packet was
+    refused, until one is accepted again.
     """
 
     def __init__(self, report_format: Any, own_address: int, fleet_size: int, limits: InputLimits) -> None:
@@ -59,7 +59,7 @@ class PacketJudge:
         self.refusals: dict[int, Refusal] = {}
 
     def reports(self, t_s: float, packets: Iterable[Packet]) -> list[Report]:
-        """Return the good reports among the packets received until `t_s` (s), in the order of arrival."""
+        """Return the accepted reports of the packets received until `t_s` (s), in the order of arrival."""
         good = []
         for packet in packets:
             report, words = self._read(t_s, packet)
@@ -76,7 +76,7 @@ class PacketJudge:
         except ReportError as error:
             return None, str(error)
         if report.address != packet.source:
-            return None, f"it speaks as address {report.address}"
+            return None, f"its report has address {report.address}"
         words = why_refused(report, self._own_address, self._fleet_size, self._limits, t_s)
         return (None, words) if words else (report, "")
 
@@ -88,7 +88,9 @@ class PacketJudge:
 
 
 def refusal_words(refusals: dict[int, Refusal], fleet_ids: Sequence[str], t_s: float) -> list[str]:
-    """Return a line for every sender whose packets are refused at `t_s` (s): who, why, how long, how many."""
+    """
+    Return a line for every sender whose packets are refused at `t_s` (s): name, reason, duration, number.
+    """
     return [
         f"{vehicle_name(address, fleet_ids)}: {refusal.words}, for {t_s - refusal.since_s:.1f} s, "
         f"{refusal.packets} packet{'s' if refusal.packets > 1 else ''}"
@@ -97,5 +99,5 @@ def refusal_words(refusals: dict[int, Refusal], fleet_ids: Sequence[str], t_s: f
 
 
 def vehicle_name(address: int, fleet_ids: Sequence[str]) -> str:
-    """Return the name of the vehicle with an acoustic address, or the address where no name is known."""
+    """Return the name of the vehicle with an acoustic address, or the address if no name is known."""
     return fleet_ids[address - 1] if 0 < address <= len(fleet_ids) else f"address {address}"

@@ -1,6 +1,5 @@
 """
-The report that a vehicle broadcasts: the record itself.  Its bytes are made by a format of the folder
-``reports``.
+The report that a vehicle broadcasts, as a record. A format of the folder ``reports`` converts it to bytes.
 """
 
 from __future__ import annotations
@@ -14,17 +13,17 @@ NEVER = -math.inf
 
 
 class ReportError(ValueError):
-    """Bytes that are not a report, or numbers that cannot be sent as one."""
+    """Raised for bytes that are not a report, or numbers that cannot be sent in one."""
 
 
 class Report(NamedTuple):
     """
     State of one vehicle at its time tag.
 
-    position, centre: m; velocity, centre_rate, flock_velocity: m/s; all NED.  `flock_stamp_s`: when a leader
-    made this flock velocity, on its way from vehicle to vehicle never later than a time tag; `NEVER` where
-    none was heard.  `position_sd_m`: what the sender's navigation says of itself, per horizontal axis (1
-    sigma).  `shared`: the numbers that the sender's consensus filter adds.
+    position, centre: m; velocity, centre_rate, flock_velocity: m/s; all NED. `flock_stamp_s`: time at which
+    a leader set this flock velocity, never later than the time tag; `NEVER` if none was received.
+    `position_sd_m`: standard deviation of the sender's navigation, per horizontal axis. `shared`: the numbers
+    that the sender's consensus filter adds.
     """
 
     address: int
@@ -44,7 +43,7 @@ _AXES = ("north", "east", "down")
 
 
 def why_not_carried(position: Vec3, carried: Box) -> str:
-    """Return which coordinate of a position (m; NED) is outside of what a format carries, or nothing."""
+    """Return which coordinate of a position (m; NED) a format cannot carry, or an empty text."""
     (north, east, down), (least, most) = position, carried
     if least[0] <= north <= most[0] and least[1] <= east <= most[1] and least[2] <= down <= most[2]:
         return ""

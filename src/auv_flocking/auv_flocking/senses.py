@@ -1,8 +1,8 @@
 """
-What one vehicle makes of its inputs: whether it may use its navigation, and where its neighbours are.
+Inputs of one vehicle: checks its navigation and updates its neighbour estimates.
 
-The agent takes its inputs in here, and so does the repetition of a recorded run
-(`auv_experiment.re_estimate`): which packets and contacts count is said once.
+The agent and the repetition of a recorded run (`auv_experiment.re_estimate`) both use it, so that the rule
+for accepted packets and contacts exists once.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from auv_flocking.packet_judge import PacketJudge
 
 
 class Sensed(NamedTuple):
-    """Navigation that may be used, or None and why not; estimates of the neighbours."""
+    """Usable navigation, or None and why not; neighbour estimates."""
 
     nav: VehicleState | None
     why_no_nav: str
@@ -28,12 +28,12 @@ class Sensed(NamedTuple):
 
 class Senses:
     """
-    The inputs of one vehicle, judged, and the filters of its neighbours.
+    Checks the inputs of one vehicle and keeps the filters of its neighbours.
 
     Attributes
     ----------
     inputs, packets : InputJudge, PacketJudge
-        Which navigation, modem and packets count.
+        Decide which navigation, modem data and packets are accepted.
     table : NeighbourTable
         The filters.
 
@@ -60,18 +60,18 @@ class Senses:
         contacts: Sequence[SonarContact],
     ) -> Sensed:
         """
-        Return what the inputs of one control period amount to.
+        Return the result of the inputs of one control period.
 
         Parameters
         ----------
         t_s : float
             Scenario time (s).
         nav : VehicleState, optional
-            The newest navigation, if any came; its tick tells its age.
+            The newest navigation, if any; its tick gives its age.
         packets : sequence of Packet
-            What the modem received since the last period, in the order of arrival.
+            Packets that the modem received since the last period, in the order of arrival.
         contacts : sequence of SonarContact
-            What the sonar sees.
+            Sonar contacts.
 
         """
         if packets:

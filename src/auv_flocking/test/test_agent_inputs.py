@@ -147,10 +147,10 @@ def test_skewed_clocks_are_named_with_sender_reason_duration_and_count():
     ("reception", "words"),
     [
         (packet(-3.0), "auv_2: time tag 3.0 s before the start of the run"),
-        (packet(0.0, address=1, source=1), "auv_1: it speaks as this vehicle"),
+        (packet(0.0, address=1, source=1), "auv_1: it has this vehicle's own address"),
         (packet(0.0, address=9, source=9), "address 9: address 9, allowed: 1 to 2"),
         (packet(0.0, position=(1e8, 0.0, 0.0)), "auv_2: a place 1e+08 m from the origin, allowed: 1e+06 m"),
-        (packet(0.0, address=2, source=1), "auv_1: it speaks as address 2"),
+        (packet(0.0, address=2, source=1), "auv_1: its report has address 2"),
         (Reception(Packet(0, 2, 0, 1, b"noise"), 0.0, 0.0, math.nan), "auv_2: a report has 86 bytes"),
     ],
 )

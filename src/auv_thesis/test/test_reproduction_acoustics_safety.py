@@ -91,8 +91,8 @@ def test_navigations_that_drift_have_bars_in_every_cell():
     assert [row.verdict for row in rows[:12]] == [DIFFERS] * 6 + [AGREES, DIFFERS] + [AGREES] * 4
     sonar, fixes = acoustics_safety.CLAIMS[2:]
     assert sonar.judge(drifting).holds == fixes.judge(drifting).holds == HOLDS
-    assert "bars kept in 0 of 6 cells" in sonar.judge(swapped).evidence
-    assert "bars kept in 5 of 6 cells" in fixes.judge(swapped).evidence
+    assert "limits kept in 0 of 6 cells" in sonar.judge(swapped).evidence
+    assert "limits kept in 5 of 6 cells" in fixes.judge(swapped).evidence
 
 
 def test_law_without_a_part_is_compared_in_the_same_seeds():
@@ -108,7 +108,7 @@ def test_claims_count_cells_and_contacts():
     verdict = thesis.judge(_runs(study.THESIS, ever_m=0.2))
     assert verdict.holds == DOES_NOT_HOLD
     assert "hulls touch in 600" in verdict.evidence
-    assert "bars kept in 0 of 6 cells" in verdict.evidence
+    assert "limits kept in 0 of 6 cells" in verdict.evidence
 
 
 def test_every_run_of_the_study_resolves():

@@ -127,6 +127,6 @@ def test_every_item_can_be_made_and_the_main_verdicts_stand():
         verdicts[claim.text] = verdict.holds
     for table in ch3_tables.TABLES:
         assert table.rows([runs[spec] for spec in table.runs])
-    assert verdicts["Adaptation makes up for unknown hydrodynamics."] == DOES_NOT_HOLD
+    assert verdicts["Adaptation compensates for unknown hydrodynamics."] == DOES_NOT_HOLD
     assert verdicts["The law is stable, since V of (3.21) falls."] == HOLDS_IN_PART
     assert verdicts["AUV1 and AUV2, AUV2 and AUV3 stay 10 m apart, circle."] == HOLDS

@@ -1,8 +1,8 @@
 """
-The mean of the own position and of the neighbours' positions as believed: no consensus, no memory.
+The mean of the own position and of the estimated positions of the neighbours: no consensus, no state.
 
-In a fleet that all hear each other it is the flocking centre, as late and as wrong as the estimates of the
-neighbours are.  Of a neighbour that is not heard it knows nothing: then the mean is that of the others.
+If all vehicles hear each other, it is the flocking centre with the delay and the error of the neighbour
+estimates. A neighbour that is not heard is missing from the mean.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from auv_flocking.neighbours.estimates import Neighbours, position_rows
 
 @dataclass(frozen=True)
 class Params:
-    """The mean itself has nothing to choose."""
+    """Parameters of the rate only; the mean has none."""
 
     follow_flock: bool = param(
-        "say that the centre moves with the flock's velocity, instead of not at all", default=True
+        "whether the rate of the estimate is the flock's velocity instead of zero", default=True
     )
 
     @property
     def uses_flock_velocity(self) -> bool:
-        """Whether the filter needs what packets say of the flock's velocity."""
+        """Whether the filter needs the flock's velocity from packets."""
         return self.follow_flock
 
 
@@ -57,7 +57,7 @@ class Consensus:
         return self._mean(own, position_rows(heard))
 
     def advance(self, own: Vec3, heard: Neighbours, flock_velocity: Vec3, dt_s: float) -> Vec3:
-        """Return the flock's velocity (m/s; NED), or zero where the filter does not look at it."""
+        """Return the flock's velocity (m/s; NED), or zero if the filter does not use it."""
         return flock_velocity if self._follow else (0.0, 0.0, 0.0)
 
     def shared(self) -> tuple[float, ...]:

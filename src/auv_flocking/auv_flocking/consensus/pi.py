@@ -2,33 +2,34 @@
 Proportional-integral dynamic-average consensus: no steady-state error for inputs at rest.
 
 Freeman, Yang & Lynch, "Stability and convergence properties of dynamic average consensus estimators", CDC
-2006, with weights a_ij = 1/n for a fleet of n, L the Laplacian of who hears whom and eta the positions:
+2006, with weights a_ij = 1/n for a fleet of n, L the Laplacian of the communication graph and eta the
+positions:
 
     c_dot = g (eta - c) - k_p L c + k_i L^T q,      q_dot = -k_i L c
 
-At rest L c = 0, so all estimates agree, and summed over the vehicles g (sum eta - sum c) = 0: they agree on
-the mean.  That holds on every connected graph that is balanced, whatever q began with, so a lost packet or a
-new start leaves no error behind.  Every packet carries q (three numbers).
+At rest L c = 0, so all estimates agree, and the sum over the vehicles is g (sum eta - sum c) = 0: they agree
+on the mean. This holds on every connected balanced graph and for any initial q, so a lost packet or a restart
+leaves no error. Every packet carries q (three numbers).
 
-What is heard is seconds old, and that bounds the gains.  With the neighbours' terms late by tau, L becomes
+Received data are seconds old, which bounds the gains. If the neighbours' terms are delayed by tau, L becomes
 l(s) = d - a exp(-s tau), d = (n - 1)/n the degree and a an eigenvalue of the weights, |a| <= d, and a mode
 has
 
     s + g + k_p l + k_i^2 l^2 / s = 0.
 
-For the mean, a = d: where Re s >= 0, |1 - exp(-s tau)| <= min(2, |s| tau), so the last term is at most
-2 k_i^2 d^2 tau while the rest has a real part of at least g: it is stable if 2 k_i^2 d^2 tau < g
-(sufficient), which `Params` asks for at `oldest_s`.  The other modes have room to spare: tests count their
-unstable roots, none for gains at that limit, and with the defaults none up to 24 s.  The mean of what moves
-within the flock is followed at a rate of about g / (1 + k_p d tau), slower the older the news; `follow_flock`
-adds the flock's velocity to every c_dot, so that the loop has only that to follow.
+For the mean, a = d: for Re s >= 0, |1 - exp(-s tau)| <= min(2, |s| tau), so the last term is at most 2 k_i^2
+d^2 tau while the rest has a real part of at least g: it is stable if 2 k_i^2 d^2 tau < g (sufficient), which
+`Params` requires at `oldest_s`. The other modes have a larger margin: tests count their unstable roots and
+find none for gains at that limit, and none up to 24 s with the defaults. The mean of motions within the flock
+is tracked at a rate of about g / (1 + k_p d tau), so more slowly with older data. `follow_flock` adds the
+flock's velocity to every c_dot, so that the loop only has to track motions within the flock.
 
-Own terms are stepped implicitly (backward Euler, the neighbours held), stable for every step and with the
-same rest points.  Only differences of q count, and their mean may drift with losses and rounding: q is sent
-and kept modulo 2048 m.
+Own terms are integrated implicitly (backward Euler, constant neighbours), which is stable for every step and
+has the same equilibria. Only differences of q count, and their mean may drift with losses and rounding: q is
+sent and kept modulo 2048 m.
 
-Deviation: the rate that is handed out is the flock's velocity (or zero) and not c_dot: a transient of
-a second carried on over the seconds between packets would be amplified instead of settled.
+Deviation: the rate that others use for extrapolation is the flock's velocity (or zero) and not c_dot:
+extrapolation over the seconds between packets would amplify a transient of one second.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ _AXES = ("north", "east", "down")
 
 @dataclass(frozen=True)
 class Params:
-    """The defaults settle with news up to `oldest_s` old."""
+    """With the defaults the filter settles with data up to `oldest_s` old."""
 
     input_rate_ps: float = param("rate g towards the own position (1/s)", default=0.5, above=0.0)
     agreement_rate_ps: float = param(
@@ -55,21 +56,22 @@ class Params:
     )
     integral_rate_ps: float = param("integral rate k_i (1/s)", default=0.17, above=0.0)
     oldest_s: float = param(
-        "age of the neighbours' news up to which the gains must be stable (s)", default=8.0, minimum=0.0
+        "age of the neighbours' data up to which the gains must be stable (s)", default=8.0, minimum=0.0
     )
-    follow_flock: bool = param("add the flock's velocity to the estimate's rate", default=True)
+    follow_flock: bool = param("whether to add the flock's velocity to the estimate's rate", default=True)
 
     def __post_init__(self) -> None:
         most_ps = (0.5 * self.input_rate_ps / self.oldest_s) ** 0.5 if self.oldest_s > 0.0 else float("inf")
         if self.integral_rate_ps > most_ps:
             raise ValueError(
                 f"integral_rate_ps: {self.integral_rate_ps!r} is not allowed; allowed: at most "
-                f"{most_ps:.4g}, the root of input_rate_ps / (2 oldest_s); old news may make it unstable"
+                f"{most_ps:.4g}, the square root of input_rate_ps / (2 oldest_s); above it old data may make "
+                "the filter unstable"
             )
 
     @property
     def uses_flock_velocity(self) -> bool:
-        """Whether the filter needs what packets say of the flock's velocity."""
+        """Whether the filter needs the flock's velocity from packets."""
         return self.follow_flock
 
 
@@ -99,7 +101,7 @@ class Consensus:
         return self._centre
 
     def advance(self, own: Vec3, heard: Neighbours, flock_velocity: Vec3, dt_s: float) -> Vec3:
-        """Move the estimate on; return the flock's velocity (m/s; NED), or zero where it is not looked at."""
+        """Update the estimate; return the flock's velocity (m/s; NED), or zero if it is not used."""
         centre = self.centre(own, heard)
         rate = flock_velocity if self._params.follow_flock else (0.0, 0.0, 0.0)
         moved = [self._axis(axis, own[axis], centre[axis], heard, dt_s) for axis in range(3)]

@@ -1,38 +1,40 @@
 """
-Push-sum with running sums: an average that lost packets cannot bias.
+Push-sum with running sums: lost packets do not bias the average.
 
 Hadjicostis, Vaidya & Dominguez-Garcia, "Robust distributed average consensus via exchange of running sums",
-IEEE TAC 61(6), 2016, after Kempe, Dobra & Gehrke (FOCS 2003); the inputs and what moves are ours.
+IEEE TAC 61(6), 2016, after Kempe, Dobra & Gehrke (FOCS 2003); changing inputs and motion are our extension.
 
-A vehicle holds a mass, coordinates y (m) and weight z; it begins with its own position and weight 1.  With
-every packet it gives an n-th of the mass to each of the other n - 1 vehicles, but keeps a weight of at least
-`least_weight`.  The packet does not carry the gift but the sum of all gifts to one receiver so far; a
-receiver takes the difference to the sum that it saw last, and so what lost packets brought comes with the
-next one that arrives.  Mass is never lost nor made: sum y / sum z over vehicles and gifts on their way is the
-mean of the inputs at any loss, and all y / z converge to it as long as every link delivers now and then (any
-loss below 100 %).
+A vehicle has a mass, that is coordinates y (m) and a weight z; it starts with its own position and weight 1.
+With every packet it gives 1/n of the mass to each of the other n - 1 vehicles, but keeps a weight of at least
+`least_weight`. The packet does not carry this share but the running sum of all shares to one receiver. A
+receiver takes the difference to the last sum that it received, so the shares of lost packets arrive with the
+next packet. Mass is neither lost nor created: sum y / sum z over vehicles and shares in transit is the mean
+of the inputs at any loss, and all y / z converge to it as long as every link delivers packets from time to
+time (any loss below 100 %).
 
-* Inputs that change enter as increments.  They wait in a store r of their own, of which every packet gives an
-  n-th to each too, and count in the own estimate with r / n, which is what the mean will feel.  Put into y,
-  with a weight z far from 1 between packets, a vehicle's own motion would move its estimate by 1 / z.
-* What is averaged is q = eta - p, where p is a frame that each vehicle carries on with the flock's velocity
-  w (`follow_flock`) and draws towards the frames of the others, p_dot = w + k_f sum_j (p_j - p_i) / n; the
-  estimate is y / z + r / n + p.  It settles at mean(eta) + p_i - mean(p): exact where frames agree, however
-  they came to, and in a flock that moves as one q stands still.  Frames are drawn together stably with news
-  of any age, since each moves to a weighted mean.  Without `follow_flock` p is zero, packets are shorter, and
-  estimates lag by the mixing: metres, in a moving flock with losses.
-* Gifts are rounded to the resolution of their fields (2^-12 m, 2^-20) and the rest stays with the giver; sums
-  go modulo the fields' ranges.  Both are powers of two, so packets carry the sums exactly and, rounded or
-  not, sum y and sum z are kept to floating-point accuracy.  What rounding costs is agreement: coordinates and
-  weight of a gift are rounded each on its own, so an estimate can be wrong by a few times (2^-13 m + 2^-21
-  |y / z|) / z; measured: 2 mm.  Without rounding (`quantise: false`, for reports of kind `exact`) errors go
-  to zero.  Frames are sent to 2^-7 m; agreement of frames ends there.
+* Changing inputs enter as increments. They are collected in a separate store r, of which every packet also
+  gives 1/n to each receiver, and count in the own estimate with r / n, their later effect on the mean. If
+  they were added to y, whose weight z may be far from 1 between packets, a vehicle's own motion would move
+  its estimate by 1 / z.
+* The averaged quantity is q = eta - p, where p is a frame that each vehicle moves with the flock's velocity
+  w (`follow_flock`) and towards the frames of the others, p_dot = w + k_f sum_j (p_j - p_i) / n; the estimate
+  is y / z + r / n + p. It settles at mean(eta) + p_i - mean(p), which is exact if the frames agree. In a
+  flock that moves as one body q is constant. The frames converge stably with data of any age, since each
+  moves to a weighted mean. Without `follow_flock` p is zero, packets are shorter, and estimates lag by the
+  mixing time: by metres in a moving flock with losses.
+* Shares are rounded to the resolution of their fields (2^-12 m, 2^-20), and the remainder stays with the
+  sender; sums are taken modulo the fields' ranges. Both are powers of two, so packets carry the sums exactly,
+  and sum y and sum z are kept to floating-point accuracy. Rounding limits the agreement: coordinates and
+  weight of a share are rounded separately, so an estimate can be wrong by a few times (2^-13 m + 2^-21 |y /
+  z|) / z; measured: 2 mm. Without rounding (`quantise: false`, for reports of kind `exact`) errors go to
+  zero. Frames are sent with a resolution of 2^-7 m, which limits their agreement.
 
-Limits.  Differences of sums are taken as less than half a range: gifts missed in a row must stay under 2^16 m
-and 32 in weight.  A gift is at most |y| / n: thousands of packets within 100 m of the origin, fifty at 5 km
-and n = 4.  `fleet_size` must be the number of vehicles that hear: the share of one that never does piles
-up on the way to it until all others are down to `least_weight`; then they give nothing more, and estimates
-no longer mix.  A vehicle that starts anew in a running fleet takes old gifts again: a fleet starts together.
+Limits. Differences of sums are assumed to be less than half a range: the shares of consecutive lost packets
+must stay below 2^16 m and 32 in weight. A share is at most |y| / n: this allows thousands of packets within
+100 m of the origin, and fifty at 5 km with n = 4. `fleet_size` must be the number of vehicles that receive:
+the shares of a vehicle that never does accumulate until all others are down to `least_weight`; then they give
+no more, and estimates no longer mix. A vehicle that restarts in a running fleet takes old shares again, so a
+fleet must start together.
 """
 
 from __future__ import annotations
@@ -57,26 +59,28 @@ _AXES = ("north", "east", "down")
 
 @dataclass(frozen=True)
 class Params:
-    """Push-sum itself has little to choose."""
+    """Parameters of push-sum."""
 
     least_weight: float = param(
-        "weight that a vehicle keeps for itself, of 1 that it begins with",
+        "weight that a vehicle always keeps, of its initial weight 1",
         default=0.5,
         above=0.0,
         maximum=0.9,
     )
-    follow_flock: bool = param("carry the frame of the average on with the flock's velocity", default=True)
+    follow_flock: bool = param(
+        "whether to move the frame of the average with the flock's velocity", default=True
+    )
     frame_rate_ps: float = param(
-        "rate k_f at which the frames of the average are drawn together (1/s)", default=0.5, minimum=0.0
+        "rate k_f at which the frames of the average converge (1/s)", default=0.5, minimum=0.0
     )
     quantise: bool = param(
-        "round what is given to what packets can carry; without it only exact reports keep the mean",
+        "whether to round shares to the resolution of packets; without it only exact reports keep the mean",
         default=True,
     )
 
     @property
     def uses_flock_velocity(self) -> bool:
-        """Whether the filter needs what packets say of the flock's velocity."""
+        """Whether the filter needs the flock's velocity from packets."""
         return self.follow_flock
 
 
@@ -101,7 +105,7 @@ class Consensus:
 
     @property
     def shared_fields(self) -> tuple[Field, ...]:
-        """Sums of the gifts to one receiver; with `follow_flock` also the own frame."""
+        """Running sums of the shares to one receiver; with `follow_flock` also the own frame."""
         half_m, half_frame_m = 0.5 * _LENGTH_RANGE_M, 0.5 * _FRAME_RANGE_M
         given = [Field(f"given_{a}_m", -half_m, half_m, _LENGTH_STEP_M, wraps=True) for a in _AXES]
         weight = Field("given_weight", -0.5 * _WEIGHT_RANGE, 0.5 * _WEIGHT_RANGE, _WEIGHT_STEP, wraps=True)
@@ -109,7 +113,7 @@ class Consensus:
         return (*given, weight, *(frame if self._params.follow_flock else ()))
 
     def centre(self, own: Vec3, heard: Neighbours) -> Vec3:
-        """Take what is new in packets and in the own position; return the estimate (m; NED)."""
+        """Take new shares from packets and the change of the own position; return the estimate (m; NED)."""
         inputs = [own[axis] - self._frame[axis] for axis in range(3)]
         if self._input is None:
             self._mass[:3] = inputs
@@ -139,7 +143,7 @@ class Consensus:
         )
 
     def advance(self, own: Vec3, heard: Neighbours, flock_velocity: Vec3, dt_s: float) -> Vec3:
-        """Move the frame on; return the flock's velocity (m/s; NED), or zero where it is not looked at."""
+        """Update the frame; return the flock's velocity (m/s; NED), or zero if it is not used."""
         if not self._params.follow_flock:
             return (0.0, 0.0, 0.0)
         self._frame_at_tag = tuple(self._frame)
@@ -154,7 +158,10 @@ class Consensus:
         return flock_velocity
 
     def shared(self) -> tuple[float, ...]:
-        """Give: return the sums of all gifts to one receiver, this packet's included, and the own frame."""
+        """
+        Give shares: return the running sums to one receiver, including this packet's share, and the own
+        frame.
+        """
         mass, others = self._mass, self._fleet_size - 1
         weight = mass[3]
         spare = max(0.0, weight - self._params.least_weight)
@@ -170,5 +177,5 @@ class Consensus:
         return (*self._given, *(self._frame_at_tag if self._params.follow_flock else ()))
 
     def _rounded(self, amount: float, step: float) -> float:
-        """Return the multiple of `step` nearest to an amount, or the amount where nothing is rounded."""
+        """Return the multiple of `step` nearest to an amount, or the amount itself without rounding."""
         return step * round(amount / step) if self._params.quantise else amount

@@ -5,16 +5,16 @@ Proportional dynamic-average consensus, thesis Eqs. (5.10)-(5.11) and (6.4)-(6.5
 
 For vehicles at rest c -> (L + I)^-1 eta: the mean of the estimates is exact, each estimate is biased towards
 its own vehicle (on a complete graph of n by (eta_i - mean) / (n + 1)).  The proof (6.7)-(6.18) bounds the
-error, V_dot <= -|e|^2 + |e| n rho; it does not make it vanish, and neither does the filter.
+error, V_dot <= -|e|^2 + |e| n rho; neither the proof nor the filter makes it vanish.
 
-A packet is carried on to now with the rate that it states.  With c_dot as that rate and news of age tau a
-mode of the weights' eigenvalue a has s + k (n - a (1 + s tau) exp(-s tau)) = 0 on a complete graph: a neutral
-delay equation, whose fast modes grow without bound where k (n - 1) tau > 1: from 0.33 s on for four vehicles
-and k = 1.  `carried_by: flock` states the flock's velocity instead (zero without `follow_flock`); the filter
-is then a chain of weighted means and stable with news of any age.
+A received estimate is extrapolated to the current time with the rate in its packet. With c_dot as that rate
+and data of age tau, a mode of the weights' eigenvalue a has s + k (n - a (1 + s tau) exp(-s tau)) = 0 on a
+complete graph. This is a neutral delay equation whose fast modes grow without bound if k (n - 1) tau > 1,
+which is above 0.33 s for four vehicles and k = 1. `carried_by: flock` sends the flock's velocity instead
+(zero without `follow_flock`); the filter is then a chain of weighted means and stable with data of any age.
 
-Deviation: `follow_flock` adds the flock's velocity to every c_i_dot, which takes away the lag of 1 / k
-behind a moving flock.
+Deviation: `follow_flock` adds the flock's velocity to every c_i_dot, which removes the lag of 1 / k behind a
+moving flock.
 """
 
 from __future__ import annotations
@@ -37,26 +37,26 @@ class Params:
 
     rate_ps: float = param("rate k of the filter (1/s)", default=1.0, above=0.0)
     reach_m: float | None = param(
-        "only a vehicle nearer than this is a neighbour in the filter (m); left out: every one that is heard",
+        "only vehicles nearer than this are neighbours in the filter (m); null: all that are heard",
         default=None,
         above=0.0,
     )
-    follow_flock: bool = param("add the flock's velocity to the estimate's rate", default=False)
+    follow_flock: bool = param("whether to add the flock's velocity to the estimate's rate", default=False)
     carried_by: str = param(
-        "the rate that packets state, to carry the estimate on with: its own, or only the flock's velocity",
+        "rate in packets, for extrapolation of the estimate: its own rate, or only the flock's velocity",
         default="rate",
         choices=("rate", "flock"),
     )
 
     @property
     def uses_flock_velocity(self) -> bool:
-        """Whether the filter needs what packets say of the flock's velocity."""
+        """Whether the filter needs the flock's velocity from packets."""
         return self.follow_flock
 
 
 @inlined
 def towards(pull: Vec3, other: Vec3, centre: Vec3) -> Vec3:
-    """Return what pulls the estimate `centre`, with `other` added to it (m; NED)."""
+    """Return `other` plus the terms that pull the estimate `centre` (m; NED)."""
     return (
         pull[0] + other[0] - centre[0],
         pull[1] + other[1] - centre[1],
@@ -65,7 +65,7 @@ def towards(pull: Vec3, other: Vec3, centre: Vec3) -> Vec3:
 
 
 class Consensus:
-    """One vehicle's filter; in continuous time the estimate is kept by the caller."""
+    """One vehicle's filter; in continuous time the caller keeps the estimate."""
 
     shared_fields: tuple[Field, ...] = ()
 
@@ -85,7 +85,7 @@ class Consensus:
         return self._centre
 
     def advance(self, own: Vec3, heard: Neighbours, flock_velocity: Vec3, dt_s: float) -> Vec3:
-        """Move the estimate on by `dt_s`; return the rate to carry it on with (m/s; NED)."""
+        """Update the estimate by `dt_s`; return the rate for its extrapolation (m/s; NED)."""
         centre = self.centre(own, heard)
         centres = centres_within(self.reach_m, own, [(other.position, other.centre) for other in heard])
         rate = self.derivative(own, centre, centres, flock_velocity)
@@ -96,7 +96,7 @@ class Consensus:
         return (f * flock_velocity[0], f * flock_velocity[1], f * flock_velocity[2])
 
     def shared(self) -> tuple[float, ...]:
-        """Return nothing: a packet's centre is all that this filter needs."""
+        """Return nothing: this filter needs only the centre in packets."""
         return ()
 
     def derivative(

@@ -1,8 +1,8 @@
 """
 The correction of `communication_aware` in numbers: cohesion, repulsion by age and uncertainty, the barrier.
 
-Symbols, reasons and sources are in that module; this is its arithmetic, for one vehicle and all that it
-knows of, in a form that also compiles.
+Symbols, reasons and sources are in that module. This is its arithmetic, for one vehicle and its neighbours,
+in a form that also compiles.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ Known = tuple[Matrix, NDArray[np.int64], Matrix, Matrix]
 
 
 class Gains(NamedTuple):
-    """Numbers of the law, named as its parameters; `barrier` is 1 with a barrier and 0 without."""
+    """Parameters of the law, with the same names; `barrier` is 1 with a barrier and 0 without."""
 
     spacing_m: float
     cohesion_gain_ps: float
@@ -52,7 +52,7 @@ class Gains(NamedTuple):
 
 class Outlook(NamedTuple):
     """
-    What an estimate means for the own vehicle.
+    A neighbour estimate relative to the own vehicle.
 
     normal: direction from the neighbour; sigma_m: deviation sigma_j; spacing_m: d_j; gain: g_j.
     """
@@ -73,7 +73,7 @@ _NO_AGE_S = 1e-3
 
 @inner
 def matched(lag_budget_rad: float, age_s: float) -> float:
-    """Return the factor that brings a gain down to what information of this age allows."""
+    """Return the factor that reduces a gain to what information of this age allows."""
     return min(1.0, lag_budget_rad / max(age_s, _NO_AGE_S))
 
 
@@ -82,18 +82,18 @@ def remember_ages(
     rows: Matrix, addresses: NDArray[np.int64], usual_s: Matrix, running_s: float, share: float
 ) -> float:
     """
-    Move what the ages of packets usually are on by one period; return the sum of the ages that count (s).
+    Update the average ages of packets by one period; return the sum of the effective ages (s).
 
     Parameters
     ----------
     rows, addresses : (n, WIDTH), (n,) array
         The neighbours.
     usual_s : (256,) array
-        What the age of the packets has been of late, by address (s); negative before the first. Changed.
+        Recent average age of the packets, by address (s); negative before the first. Updated.
     running_s : float
-        How long nothing was heard of somebody new (s).
+        Time since the last new neighbour (s).
     share : float
-        Weight of the age of now.
+        Weight of the current age.
 
     """
     total_s = 0.0
@@ -110,7 +110,7 @@ def remember_ages(
 
 @entry("int64(float64[:, ::1], float64)", allocates=False)
 def newer_stamp(rows: Matrix, stamp_s: float) -> int:
-    """Return whose flock velocity is the newest of those stamped later than `stamp_s` (s); -1: nobody's."""
+    """Return the row with the newest flock velocity, if stamped later than `stamp_s` (s); -1: none."""
     newest, newest_s = -1, stamp_s
     for k in range(len(rows)):
         if rows[k, FLOCK_STAMP] > newest_s:
@@ -120,7 +120,7 @@ def newer_stamp(rows: Matrix, stamp_s: float) -> int:
 
 @inner
 def _direction(own: Vec3, other: Vec3) -> tuple[Vec3, float]:
-    """Return the unit vector from `other` to `own`, and the distance (m); up where there is no direction."""
+    """Return the unit vector from `other` to `own`, and the distance (m); up if there is no direction."""
     x, y, z = own[0] - other[0], own[1] - other[1], own[2] - other[2]
     distance_m = math.sqrt(x * x + y * y + z * z)
     if distance_m < _NO_DIRECTION_M:
@@ -130,7 +130,7 @@ def _direction(own: Vec3, other: Vec3) -> tuple[Vec3, float]:
 
 @inner
 def _believed_m2(row: Matrix, normal: Vec3) -> float:
-    """Return how uncertain the distance to a neighbour is by its filter, a variance (m^2)."""
+    """Return the variance of the distance to a neighbour by its filter (m^2)."""
     nx, ny, nz = normal
     xx, xy, xz = float(row[COVARIANCE]), float(row[COVARIANCE + 1]), float(row[COVARIANCE + 2])
     yy, yz, zz = float(row[COVARIANCE + 7]), float(row[COVARIANCE + 8]), float(row[COVARIANCE + 14])
@@ -143,18 +143,18 @@ def _believed_m2(row: Matrix, normal: Vec3) -> float:
 @inner
 def outlook(row: Matrix, usual_s: float, own: Vec3, flock: Vec3, gains: Gains) -> Outlook:
     """
-    Return what an estimate means for the own vehicle.
+    Return a neighbour estimate relative to the own vehicle.
 
     Parameters
     ----------
     row : (WIDTH,) array
         The estimate.
     usual_s : float
-        What the age of its packets has been of late (s).
+        Recent average age of its packets (s).
     own, flock : (3,) tuple
         Own position (m) and the flock's velocity (m/s; NED).
     gains : Gains
-        The law's numbers.
+        The law's parameters.
 
     """
     other = (float(row[POSITION]), float(row[POSITION + 1]), float(row[POSITION + 2]))
@@ -170,7 +170,7 @@ def outlook(row: Matrix, usual_s: float, own: Vec3, flock: Vec3, gains: Gains) -
     moved_m = gains.closing_ratio * age_s * math.sqrt(vx * vx + vy * vy + vz * vz)
     sigma_m = math.sqrt(believed_m2 + moved_m * moved_m)
     lasting_m = min(math.sqrt(believed_m2), float(row[NAVIGATION_SD]))
-    # Gains go by what ages usually are; what the sonar sees is as old as the hull's own lag.
+    # Gains use average ages; a sonar contact counts as old as the hull's own lag.
     gain_age_s = max(sonar_s, gains.response_s) if sonar_s < packet_s else max(packet_s, usual_s)
     wider_m = gains.spacing_sigmas * sigma_m + gains.navigation_sigmas * lasting_m
     spacing_m = gains.spacing_m + min(wider_m, gains.widening_limit_m)
@@ -180,7 +180,9 @@ def outlook(row: Matrix, usual_s: float, own: Vec3, flock: Vec3, gains: Gains) -
 
 @inner
 def _neighbour_bound(view: Outlook, limit_mps: float, gains: Gains) -> float:
-    """Return the least velocity along the direction from a neighbour (m/s), in the flock's frame."""
+    """
+    Return the smallest allowed velocity along the direction from a neighbour (m/s), in the flock's frame.
+    """
     rate_ps = 0.5 * min(gains.barrier_rate_ps, 1.0 / max(view.age_s, _NO_AGE_S))
     unsure_m = min(gains.barrier_sigmas * view.sigma_m, gains.widening_limit_m)
     return min(-rate_ps * (view.distance_m - gains.barrier_distance_m - unsure_m), limit_mps)
@@ -188,7 +190,9 @@ def _neighbour_bound(view: Outlook, limit_mps: float, gains: Gains) -> float:
 
 @inner
 def _obstacle_bound(normal: Vec3, distance_m: float, safety_m: float, flock: Vec3, gains: Gains) -> float:
-    """Return the same for an obstacle: it does not move with the flock, and all of the way is ours."""
+    """
+    Return the same for an obstacle: it does not move with the flock, and the vehicle must avoid it alone.
+    """
     flock_mps = normal[0] * flock[0] + normal[1] * flock[1] + normal[2] * flock[2]
     keep_m = gains.barrier_distance_m * safety_m / gains.spacing_m
     return min(-gains.barrier_rate_ps * (distance_m - keep_m) - flock_mps, gains.correction_limit_mps)
@@ -209,25 +213,25 @@ def correction(
     pushes: Matrix,
 ) -> Vec3:
     """
-    Return the velocity that a vehicle asks for beside the flock's (m/s; NED).
+    Return the velocity that a vehicle adds to the flock's (m/s; NED).
 
-    `strength` and `obstacle_strength` are those of the separation law that this function is specialised for.
+    `strength` and `obstacle_strength` belong to the separation law for which this function is specialised.
 
     Parameters
     ----------
     own, centre, flock : (3,) tuple
         Own position and estimate of the flock's centre (m), and the flock's velocity (m/s); NED.
     known : tuple of four arrays
-        The neighbours, (n, WIDTH), and their addresses, (n,); what the age of the packets has been of late,
-        by address, (256,) (s); positions and safety distances of the obstacles, (k, 4) (m; NED).
+        The neighbours, (n, WIDTH), and their addresses, (n,); the recent average age of their packets, by
+        address, (256,) (s); positions and safety distances of the obstacles, (k, 4) (m; NED).
     age_s : float
-        Mean age A of what is known (s).
+        Mean age A of the information (s).
     numbers : (14,) tuple
         The law's `Gains`.
     strength_numbers : tuple of two arrays
-        Of the separation law, for neighbours and for obstacles; see `auv_flocking.central`.
+        Parameters of the separation law for neighbours and for obstacles; see `auv_flocking.central`.
     pushes : (n + k, 3) or (0, 3) array
-        What another kind of separation law asks because of neighbours and obstacles (m/s), instead.
+        Velocities from another kind of separation law, for neighbours and obstacles (m/s).
 
     """
     gains = Gains(*numbers)

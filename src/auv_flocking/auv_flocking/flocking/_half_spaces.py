@@ -1,8 +1,8 @@
 """
-A velocity that must keep to one side of several planes, brought there with little change.
+A velocity that must lie on one side of several planes, moved there with little change.
 
 A half-space is a pair (n, b) of a unit vector and a bound (m/s): velocities v with n . v >= b are allowed.
-That is what a barrier function asks for: with h = distance - smallest distance, h_dot >= -rate h is one
+A barrier function gives such conditions: with h = distance - smallest distance, h_dot >= -rate h is one
 half-space for each neighbour (Ames et al. 2019, Control Barrier Functions: Theory and Applications).
 """
 
@@ -24,14 +24,14 @@ def into_half_spaces(velocity: Vec3, half_spaces: HalfSpaces) -> Vec3:
     """
     Return a velocity near `velocity` that lies in all half-spaces (m/s; same frame).
 
-    The planes are projected on in turn, over and over (Kaczmarz; projections onto convex sets), no more than
-    `_PASSES` times each: a velocity that is allowed comes back as it is, one plane is met exactly, several
-    as nearly as the passes allow, and bounds that contradict each other end in a compromise.
+    The velocity is projected onto the planes in turn (Kaczmarz; projections onto convex sets), at most
+    `_PASSES` times each. An allowed velocity is returned unchanged. A single plane is met exactly, several
+    are met approximately, and contradictory bounds give a compromise.
 
     Parameters
     ----------
     velocity : (3,) tuple
-        What is wanted (m/s).
+        Desired velocity (m/s).
     half_spaces : (k, 4) array
         Unit normals n, and least velocities b along them (m/s).
 

@@ -1,5 +1,5 @@
 """
-Flocking that is no faster than its information: the thesis's law on a real modem.
+Flocking that is no faster than its information: the thesis's law for a real modem.
 
     u   = w + barrier( limited( g k_c (c - eta) + sum_j g_j F(eta - eta_j, d_j),  min(u_max, l / A) ) )
     w   = eta_d_dot + limited( g k_l (eta_d - c),  w_max )          leader; followers: the newest they heard
@@ -7,31 +7,32 @@ Flocking that is no faster than its information: the thesis's law on a real mode
     d_j = d + min(k_s sigma_j + k_n q_j, m),   sigma_j^2 = n_j . P_j n_j + (k_v a_j |v_j - w|)^2
     barrier:  n_j . (u - w) >= -1/2 min(alpha, 1 / a_j) (r_j - D - min(k_b sigma_j, m))     for every j
 
-eta, eta_j: own position and the neighbour's as believed, r_j their distance, n_j the direction from the
-neighbour; c: own estimate of the flock's centre; F: the separation law; P_j: covariance of the relative
-position; v_j: the neighbour's velocity as believed; a_j: age of what is known of it, since its newest packet
-or since the own sonar saw it; A_j: age of its newest packet, or what that has been of late if it is more,
-and the hull's lag where the sonar sees it; A: mean of the packets' A_j over the neighbours.
+eta, eta_j: own position and the neighbour's estimated position, r_j their distance, n_j the direction from
+the neighbour; c: own estimate of the flock's centre; F: the separation law; P_j: covariance of the relative
+position; v_j: the neighbour's estimated velocity; a_j: age of the estimate, since the newest packet or sonar
+contact; A_j: age of the newest packet or its recent average, whichever is larger, and the hull's lag if the
+sonar sees the neighbour; A: mean of the packets' A_j over the neighbours.
 
-1. A feedback of gain g on information of age A turns by g A (rad) at its crossover; phi bounds that, so the
-   loop stays as well damped at 20 s as at 1 s.  The ages are measured, packet by packet, never configured:
-   a slot length, a loss rate or a collision in the water need not be known.
-2. A neighbour whose place is uncertain is kept at a greater distance: by its filter's covariance, which has
-   both navigations in it, and by what its velocity in the flock could carry it since it was heard.  The part
-   q_j of it that navigations make, the smaller of (n_j . P_j n_j)^1/2 and what the neighbour states, counts
-   more: it stays for minutes, where the rest is new with every packet.
-3. A neighbour that the sonar sees is as old as the contact, and so is repelled with a fast gain.  Gains go by
-   what ages usually are: with the age of the moment the force would jump with every packet.
-4. w carries the flock; all else is a correction in the frame that moves with it.  A leader brings the
-   centre to the path (thesis: "the average centre of the group will follow the desired trajectory"); w goes
-   from vehicle to vehicle with the leader's time stamp, so that the newest wins and who does not hear the
-   leader still follows.
-5. The barrier bounds the approach to every neighbour, each vehicle taking half, so that two that keep to it
-   do not come closer than D plus margin whatever the sum of attractions asks
+1. A feedback of gain g on information of age A has a phase lag of g A (rad) at its crossover frequency. phi
+   bounds this lag, so the loop is as well damped at 20 s as at 1 s. The ages are measured, packet by packet,
+   and never configured: slot length, loss rate and collisions need not be known.
+2. A neighbour with an uncertain position is kept at a larger distance. The uncertainty is its filter's
+   covariance, which includes both navigations, and the distance that its velocity in the flock could have
+   covered since the last packet. The part q_j due to navigation, the smaller of (n_j . P_j n_j)^1/2 and the
+   deviation that the neighbour states, counts more: it lasts for minutes, while the rest changes with every
+   packet.
+3. For a neighbour that the sonar sees, the age is that of the contact, so it is repelled with a high gain.
+   Gains use average ages: with the current age the force would jump with every packet.
+4. w moves the flock; all other terms are a correction in the frame that moves with w. A leader brings the
+   centre to the path (thesis: "the average centre of the group will follow the desired trajectory"). Vehicles
+   pass w on with the leader's time stamp, so that the newest one is used, and vehicles that do not hear the
+   leader still follow.
+5. The barrier bounds the approach to every neighbour. Each vehicle takes half, so that two vehicles that
+   obey it do not come closer than D plus margin, whatever the sum of the attractions is
    (`auv_flocking.flocking._half_spaces`).
 
 Deviation: thesis Eqs. (5.22)-(5.24) have g = g_j = 1 and d_j = d, a leader that steers itself, and followers
-that are not told w.  With all information fresh, one leader and no margin this law is that law with u_max.
+that do not know w. With fresh information, one leader and no margin this law equals that law with u_max.
 docs/explanation/safe_flocking.md measures what each part is worth.
 """
 
@@ -70,7 +71,7 @@ _NO_PUSHES, _NO_NUMBERS = np.empty((0, 3)), np.empty(0)
 
 @dataclass(frozen=True)
 class Params:
-    """The defaults are those of the safety study; the symbols are the module's."""
+    """The defaults are those of the safety study; the module explains the symbols."""
 
     spacing_m: float = param("distance d at which neighbours begin to repel (m)", default=2.0, above=0.0)
     cohesion_gain_ps: float = param("gain k_c towards the flocking centre (1/s)", default=1.0, minimum=0.0)
@@ -78,7 +79,7 @@ class Params:
         "gain k_l with which a leader brings the centre to the path (1/s)", default=2.0, minimum=0.0
     )
     lag_budget_rad: float = param(
-        "largest product phi of a gain and the age of what it works on (rad); 1e9: gains as they are",
+        "largest product phi of a gain and the age of its information (rad); 1e9: no reduction of gains",
         default=0.3,
         above=0.0,
     )
@@ -87,40 +88,46 @@ class Params:
     )
     correction_limit_mps: float = param("largest correction u_max (m/s)", default=0.25, above=0.0)
     reach_m: float = param(
-        "farthest l that a correction may carry within one age of information (m)", default=2.0, above=0.0
+        "largest distance l that a correction may cover within one age of information (m)",
+        default=2.0,
+        above=0.0,
     )
     steering_limit_mps: float = param(
-        "largest w_max that a leader adds to the path's velocity (m/s)", default=0.15, minimum=0.0
+        "largest speed w_max that a leader adds to the path's velocity (m/s)", default=0.15, minimum=0.0
     )
     spacing_sigmas: float = param(
         "standard deviations k_s by which the spacing is widened", default=2.0, minimum=0.0
     )
     navigation_sigmas: float = param(
-        "further deviations k_n for the part of them that navigations make", default=1.5, minimum=0.0
+        "further standard deviations k_n for the part due to navigation", default=1.5, minimum=0.0
     )
     widening_limit_m: float = param("largest widening m (m)", default=3.0, minimum=0.0)
     closing_ratio: float = param(
-        "share k_v of a neighbour's velocity in the flock that counts as uncertainty",
+        "fraction k_v of a neighbour's velocity in the flock that counts as uncertainty",
         default=0.3,
         minimum=0.0,
     )
     barrier: bool = param("whether the approach to neighbours and obstacles is bounded", default=True)
     barrier_distance_m: float = param("distance D that the barrier keeps (m)", default=1.3, minimum=0.0)
-    barrier_rate_ps: float = param("fastest decay alpha of the distance left (1/s)", default=0.5, above=0.0)
+    barrier_rate_ps: float = param(
+        "fastest decay alpha of the remaining distance (1/s)", default=0.5, above=0.0
+    )
     barrier_sigmas: float = param(
         "standard deviations k_b by which the barrier's distance is widened", default=1.0, minimum=0.0
     )
     response_s: float = param(
-        "age of what is always known, such as obstacles: the hull's own lag (s)", default=1.0, above=0.0
+        "age of information that is always known, such as obstacles: the hull's own lag (s)",
+        default=1.0,
+        above=0.0,
     )
     relay: str = param(
-        "which flock velocity a follower takes: the newest, or the mean of all it heard",
+        "flock velocity that a follower uses: the newest, or the mean of all received",
         default="newest",
         choices=("newest", "mean"),
     )
 
     def __post_init__(self) -> None:
-        """Refuse a barrier outside the spacing: it would hold vehicles where the law pulls them together."""
+        """Refuse a barrier outside the spacing: it would act where the law pulls vehicles together."""
         if self.barrier and self.barrier_distance_m >= self.spacing_m:
             raise ValueError(
                 f"barrier_distance_m: {self.barrier_distance_m!r} is not allowed; "
@@ -134,7 +141,7 @@ class Params:
 
     @property
     def largest_correction_mps(self) -> float:
-        """Most that is added to the velocity of the path (m/s)."""
+        """Largest speed that the law adds to the velocity of the path (m/s)."""
         return self.correction_limit_mps + self.steering_limit_mps
 
     @property
@@ -144,7 +151,7 @@ class Params:
 
 
 class Flocking:
-    """The law of one vehicle; it remembers how old its packets have been, and nothing else."""
+    """The law of one vehicle; its only state is the average age of its packets."""
 
     def __init__(self, params: Params, separation: SeparationLaw, is_leader: bool) -> None:
         self._params = params
@@ -171,10 +178,10 @@ class Flocking:
 
     def hear(self, estimates: Sequence[NeighbourEstimate], dt_s: float) -> None:
         """
-        Measure the age A of what is known (`age_s`), once per control period of `dt_s`.
+        Measure the age A of the information (`age_s`), once per control period of `dt_s`.
 
         A neighbour counts with the age of its newest packet or with the average of the last `age_memory_s`,
-        whichever is more; the average starts with the time that it took to hear the neighbour at all.
+        whichever is larger; the average starts with the time until the first packet of the neighbour.
         """
         share = min(1.0, dt_s / self._params.age_memory_s)
         known = Estimates.of(estimates)
@@ -191,20 +198,20 @@ class Flocking:
         estimates: Sequence[NeighbourEstimate],
     ) -> FlockVelocity:
         """
-        Return this vehicle's belief of the flock's velocity w (m/s; NED).
+        Return this vehicle's estimate of the flock's velocity w (m/s; NED).
 
         Parameters
         ----------
         t_s : float
-            Scenario time (s); a leader stamps its belief with it.
+            Scenario time (s); a leader stamps its estimate with it.
         path : PathPoint
-            The reference; only a leader looks at it.
+            The reference; only a leader uses it.
         centre : (3,) tuple
             Own estimate of the flocking centre (m; NED).
         own : FlockVelocity
-            Own latest belief.
+            Own latest estimate.
         estimates : sequence of NeighbourEstimate
-            The neighbours with their beliefs.
+            The neighbours with their estimates of the flock's velocity.
 
         """
         if self._is_leader:
@@ -229,7 +236,7 @@ class Flocking:
         return (path.velocity[0] + steer[0], path.velocity[1] + steer[1], path.velocity[2] + steer[2])
 
     def velocity(self, view: View) -> Vec3:
-        """Return the velocity over ground that the vehicle asks of itself (m/s; NED)."""
+        """Return the commanded velocity over ground (m/s; NED)."""
         flock, estimates = view.flock_velocity, Estimates.of(view.estimates)
         x, y, z = self._correction(
             view.position,
@@ -244,13 +251,13 @@ class Flocking:
         return (flock[0] + x, flock[1] + y, flock[2] + z)
 
     def adapt(self, view: View, dt_s: float) -> None:
-        """Let a separation law with a memory learn from one control period of `dt_s`; see `potential`."""
+        """Update a separation law with a state for one control period of `dt_s`; see `potential`."""
         if self._learn is not None:
             distances_m = [math.dist(view.position, other) for other in view.neighbours]
             self._learn(distances_m, self._params.spacing_m, dt_s)
 
     def _pushes(self, view: View, estimates: Estimates) -> Matrix:
-        """Return what a separation law that has no `strength` asks because of neighbours and obstacles."""
+        """Return the velocities from neighbours and obstacles for a separation law without `strength`."""
         own, flock, usual_s = view.position, view.flock_velocity, self._usual_age_s[estimates.who]
         spacings_m = [
             outlook(row, usual, own, flock, self._gains).spacing_m
@@ -281,5 +288,5 @@ def _correction(separation: Any) -> Callable[..., Vec3]:
 
 
 def _gains(params: Params) -> Gains:
-    """Return the numbers of `auv_flocking.flocking._correction`."""
+    """Return the parameters for `auv_flocking.flocking._correction`."""
     return Gains(*(float(getattr(params, name)) for name in Gains._fields))

@@ -10,16 +10,16 @@ Deviations, each behind a parameter whose default is the thesis's form:
 
 * printed (5.25), (5.43) and (6.31) give followers F_d although the text says that they do not know the path:
   ``followers``;
-* k_c = k_d = 1, not the 10 that the extracted text reads: only 1 gives the printed distances;
-* ``bandwidth_ratio`` g scales the whole position feedback.  A law may not be faster than its information: at
-  the update rates of acoustic modems g = 1 collides;
+* k_c = k_d = 1, not the 10 of the extracted text: only 1 gives the printed distances;
+* ``bandwidth_ratio`` g scales the whole position feedback. A law must not be faster than its information: at
+  the update rates of acoustic modems g = 1 leads to collisions;
 * ``leader_steers: centre`` makes the leader bring its estimate of the flock's centre to the path, F_d = -k_d
-  (c - eta_d), as the text asks ("the average centre of the group will follow the desired trajectory"),
+  (c - eta_d), as the text says ("the average centre of the group will follow the desired trajectory"),
   instead of itself;
 * ``feedforward: flock`` gives every vehicle the flock's velocity w: the leader sets it, followers take the
-  mean of what they and their neighbours believe, so that a blind flock does not trail its leader;
-* ``correction_limit_mps`` bounds the length of the position feedback and of the leader's steering, which a
-  hull of 190 kg needs.
+  mean of their own and their neighbours' estimates, so that a blind flock does not lag behind its leader;
+* ``correction_limit_mps`` limits the position feedback and the leader's steering, which is necessary for a
+  hull of 190 kg.
 """
 
 from __future__ import annotations
@@ -47,15 +47,21 @@ class Params:
     cohesion_gain_ps: float = param("gain k_c towards the flocking centre (1/s)", default=1.0, minimum=0.0)
     path_gain_ps: float = param("gain k_d towards the path (1/s)", default=1.0, minimum=0.0)
     bandwidth_ratio: float = param("factor g on the position feedback", default=1.0, above=0.0, maximum=1.0)
-    followers: str = param("whether followers feel the path", default="printed", choices=("printed", "blind"))
+    followers: str = param(
+        "whether followers are attracted to the path (printed) or not (blind)",
+        default="printed",
+        choices=("printed", "blind"),
+    )
     leader_steers: str = param(
-        "what a leader brings to the path", default="itself", choices=("itself", "centre")
+        "what a leader steers to the path", default="itself", choices=("itself", "centre")
     )
     feedforward: str = param(
-        "who is given which velocity ahead", default="leader", choices=("leader", "flock")
+        "feed-forward: the path's velocity for the leader only, or the flock's velocity for all",
+        default="leader",
+        choices=("leader", "flock"),
     )
     correction_limit_mps: float = param(
-        "longest position feedback, and longest steering of a leader (m/s)", default=UNLIMITED_MPS, above=0.0
+        "limit of the position feedback, and of a leader's steering (m/s)", default=UNLIMITED_MPS, above=0.0
     )
 
     @property
@@ -65,12 +71,12 @@ class Params:
 
     @property
     def largest_correction_mps(self) -> float:
-        """Most that feedback and steering add to the velocity of the path (m/s; inf: no limit)."""
+        """Largest speed that feedback and steering add to the velocity of the path (m/s; inf: no limit)."""
         return 2.0 * self.correction_limit_mps if self.correction_limit_mps < UNLIMITED_MPS else math.inf
 
     @property
     def uses_flock_velocity(self) -> bool:
-        """Whether the law needs what packets say of the flock's velocity."""
+        """Whether the law needs the flock's velocity from packets."""
         return self.feedforward == "flock"
 
 
@@ -95,7 +101,7 @@ def attraction(own: Vec3, centre: Vec3, path: Vec3, cohesion_gain_ps: float, pat
 def asked(
     feedback: Vec3, ahead: Vec3, share: float, bandwidth_ratio: float, correction_limit_mps: float
 ) -> Vec3:
-    """Return the velocity of the law (m/s; NED): its feedback, slowed and limited, and a share of `ahead`."""
+    """Return the velocity of the law (m/s; NED): its scaled and limited feedback, and a share of `ahead`."""
     slowed = (bandwidth_ratio * feedback[0], bandwidth_ratio * feedback[1], bandwidth_ratio * feedback[2])
     kept = limited(slowed, correction_limit_mps)
     return (kept[0] + share * ahead[0], kept[1] + share * ahead[1], kept[2] + share * ahead[2])
@@ -105,8 +111,8 @@ class Flocking:
     """
     The law of one vehicle.
 
-    `path_gain_ps` is its gain towards the path, zero where it does not feel it, and `feedforward_share` what
-    it takes of the velocity given ahead, 1 or 0.
+    `path_gain_ps` is its gain towards the path, zero if it is not attracted to it; `feedforward_share` is
+    the used share of the feed-forward velocity, 1 or 0.
     """
 
     def __init__(self, params: Params, separation: SeparationLaw, is_leader: bool) -> None:
@@ -120,7 +126,7 @@ class Flocking:
         self.feedforward_share = 1.0 if is_leader or params.feedforward == "flock" else 0.0
 
     def hear(self, estimates: Sequence[NeighbourEstimate], dt_s: float) -> None:
-        """Do nothing: this law does not ask how old its information is."""
+        """Do nothing: this law does not use the age of its information."""
 
     def flock_velocity(
         self,
@@ -131,20 +137,20 @@ class Flocking:
         estimates: Sequence[NeighbourEstimate],
     ) -> FlockVelocity:
         """
-        Return this vehicle's belief of the flock's velocity (m/s; NED).
+        Return this vehicle's estimate of the flock's velocity (m/s; NED).
 
         Parameters
         ----------
         t_s : float
-            Scenario time (s); a leader stamps its belief with it.
+            Scenario time (s); a leader stamps its estimate with it.
         path : PathPoint
-            The reference; only a leader looks at it.
+            The reference; only a leader uses it.
         centre : (3,) tuple
             Own estimate of the flocking centre (m; NED).
         own : FlockVelocity
-            Own latest belief, which a follower averages with its neighbours'.
+            Own latest estimate, which a follower averages with those of its neighbours.
         estimates : sequence of NeighbourEstimate
-            The neighbours with their beliefs.
+            The neighbours with their estimates of the flock's velocity.
 
         """
         p = self._params
@@ -163,7 +169,7 @@ class Flocking:
         return FlockVelocity(added(path.velocity, limited(error, p.correction_limit_mps)), t_s)
 
     def velocity(self, view: View) -> Vec3:
-        """Return the velocity over ground that the vehicle asks of itself (m/s; NED)."""
+        """Return the commanded velocity over ground (m/s; NED)."""
         p = self._params
         feedback = attraction(
             view.position, view.centre, view.path.position, p.cohesion_gain_ps, self.path_gain_ps
@@ -177,10 +183,10 @@ class Flocking:
 
     def adapt(self, view: View, dt_s: float) -> None:
         """
-        Let a separation law with a memory learn from one control period of `dt_s`; others have nothing to do.
+        Update a separation law with a state for one control period of `dt_s`; do nothing for others.
 
         The agent calls it once per control period, after `velocity` with the same view, and not while it
-        holds its station.
+        holds station.
         """
         if self._learn is not None:
             distances_m = [math.dist(view.position, other) for other in view.neighbours]

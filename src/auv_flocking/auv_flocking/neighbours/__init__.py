@@ -1,1 +1,3 @@
-"""What a vehicle knows of its neighbours: one filter for each, fed by packets, sonar and own fixes."""
+"""
+Neighbour estimates: one filter per neighbour, updated by packets, sonar contacts and own position fixes.
+"""

@@ -1,4 +1,4 @@
-"""Which sonar contact is which neighbour: gated, and at most one of each for one of the other."""
+"""Association of sonar contacts with neighbours: gated, and one to one."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ _FORBIDDEN = 1e6
 
 
 def chi_square_gate(probability: float) -> float:
-    """Return the squared Mahalanobis distance that a true contact (three numbers) stays under so often."""
+    """
+    Return the squared Mahalanobis distance that a true contact (three numbers) does not exceed with this
+    probability.
+    """
     from scipy.stats import chi2
 
     return float(chi2.ppf(probability, 3))
@@ -23,9 +26,10 @@ def associate(
     """
     Return pairs (contact, neighbour), by global nearest neighbour.
 
-    Among all ways to pair with as many pairs inside the gate as possible, the one with the smallest sum of
-    d^2 + ln det S, that is the most likely one.  What is not inside the gate of anything stays alone, which
-    costs nothing: a neighbour may be out of the sonar's reach or missed, and a contact may be a stranger.
+    Among all pairings with the largest possible number of pairs inside the gate, this is the one with the
+    smallest sum of d^2 + ln det S, that is the most likely one. Contacts and neighbours outside every gate
+    stay unpaired at no cost: a neighbour may be out of the sonar's range or missed, and a contact may be an
+    unknown object.
 
     Parameters
     ----------

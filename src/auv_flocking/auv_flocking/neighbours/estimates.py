@@ -1,8 +1,8 @@
 """
-The neighbours as believed at one instant: a row of numbers for each, which laws read.
+The neighbour estimates at one instant: a row of numbers for each neighbour, which laws read.
 
-A track changes with a measurement, its estimate at every tick.  What the estimate is made of therefore lies
-in one row per track (its source), and `carried_to` makes all rows of an instant from all sources in one call.
+A track changes with a measurement, its estimate at every tick. Therefore one row per track (its source) has
+the data for the estimate, and `carried_to` computes all rows of an instant from all sources in one call.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from auv_flocking.neighbours.motion import carried, grown
 
 Matrix = NDArray[np.float64]
 
-# Columns of an estimate; vectors and the covariance (36 numbers) begin there. The first PUBLISHED columns are
-# those of auv_msgs/NeighbourEstimate, in its order.
+#  Columns of an estimate; for vectors and the covariance (36 numbers) the first column. The first PUBLISHED
+# columns are those of auv_msgs/NeighbourEstimate, in its order.
 POSITION, VELOCITY, COVARIANCE, AGE, SONAR_AGE, CENTRE, FLOCK_VELOCITY = 0, 3, 6, 42, 43, 44, 47
 FLOCK_STAMP, NAVIGATION_SD, TIME = 50, 51, 52
 WIDTH = 53
@@ -36,14 +36,14 @@ SOURCE_WIDTH = 65
 
 class NeighbourEstimate(NamedTuple):
     """
-    A neighbour as believed at one instant.
+    The estimate of a neighbour at one instant.
 
     position (m), velocity (m/s), centre (m), flock_velocity (m/s): NED, in the frame of the own navigation;
     covariance (6, 6) of position relative to the own vehicle, and of velocity; age_s: time since the time tag
-    `time_s` of its newest packet.  flock_stamp_s: when a leader made this flock velocity (-inf: never heard
-    of one); sonar_age_s: time since the own sonar saw it (inf: never); navigation_sd_m: what the neighbour
-    states of its own navigation, per axis (the covariance has it in it); shared: what its consensus filter
-    added to the packet.
+    `time_s` of its newest packet. flock_stamp_s: time at which a leader set this flock velocity (-inf: never
+    received); sonar_age_s: time since the own sonar saw it (inf: never); navigation_sd_m: standard deviation
+    of the neighbour's own navigation, per axis, as it states (the covariance includes it); shared: numbers
+    that its consensus filter added to the packet.
     """
 
     address: int
@@ -70,11 +70,11 @@ class Estimates(Sequence[NeighbourEstimate]):
     Attributes
     ----------
     addresses : list of int
-        Who they are.
+        Acoustic addresses.
     rows : (n, WIDTH) array
         Their numbers, in the columns of this module.
     shared : list of tuple
-        What their consensus filters added to their packets.
+        Numbers that their consensus filters added to their packets.
     who : (n,) array of int
         The addresses as an array.
 
@@ -94,7 +94,7 @@ class Estimates(Sequence[NeighbourEstimate]):
 
     @classmethod
     def of(cls, estimates: Sequence[NeighbourEstimate]) -> Estimates:
-        """Return estimates as rows; those that are rows already come back as they are."""
+        """Return estimates as rows; rows are returned unchanged."""
         if isinstance(estimates, cls):
             return estimates
         rows = [
@@ -128,7 +128,7 @@ class Estimates(Sequence[NeighbourEstimate]):
         return numbers
 
     def positions(self) -> tuple[Vec3, ...]:
-        """Return where they are (m; NED)."""
+        """Return their positions (m; NED)."""
         if self._positions is None:
             self._positions = tuple([(x, y, z) for x, y, z in self.rows[:, :3].tolist()])
         return self._positions
@@ -161,7 +161,7 @@ def _object(address: int, row: Matrix, shared: tuple[float, ...]) -> NeighbourEs
 
 
 class Positions(Sequence[Vec3]):
-    """Where the neighbours of an instant are (m; NED), made when somebody looks."""
+    """Positions of the neighbours at an instant (m; NED), computed at first use."""
 
     def __init__(self, estimates: Estimates) -> None:
         self._estimates = estimates
@@ -183,7 +183,7 @@ class Positions(Sequence[Vec3]):
 
 
 def position_rows(heard: Sequence[Any]) -> Matrix:
-    """Return rows that begin with where neighbours are (m; NED)."""
+    """Return rows that begin with the neighbours' positions (m; NED)."""
     if isinstance(heard, Estimates):
         return heard.rows
     return np.array([other.position for other in heard], dtype=np.float64).reshape(-1, 3)
@@ -204,22 +204,22 @@ def write_source(
     seen_s: float,
 ) -> None:
     """
-    Write what a track believes into its source row.
+    Write the estimate of a track into its source row.
 
     Parameters
     ----------
     source : (SOURCE_WIDTH,) array
         The row.
     time_s : float
-        Time of the belief (s).
+        Time of the estimate (s).
     state, covariance : (6,) or (10,), (6, 6) or (10, 10) array
-        The belief; see `filter.Belief`.
+        The estimate; see `filter.Belief`.
     psd : float
         Spectral density of the neighbour's acceleration (m^2/s^3).
     towards : (3,) tuple
-        Velocity that its own comes back to (m/s; NED).
+        Velocity to which its own relaxes (m/s; NED).
     report : (12,) tuple
-        Of its newest packet: time tag, centre, its rate, flock velocity, its stamp, stated deviation.
+        Data of its newest packet: time tag, centre, its rate, flock velocity, its stamp, stated deviation.
     seen_s : float
         Time of the newest sonar contact (s).
 
@@ -242,19 +242,19 @@ def carried_to(
     t_s: float, memory_s: float, timeout_s: float, sources: Matrix, rows: Matrix, who: NDArray[np.int64]
 ) -> int:
     """
-    Carry tracks to `t_s`: write the rows of those heard or seen within `timeout_s`; return how many they are.
+    Extrapolate tracks to `t_s`: write the rows of those heard or seen within `timeout_s`; return their
+    number.
 
     Parameters
     ----------
     t_s, memory_s, timeout_s : float
-        Time, time in which a velocity comes back to the flock's (0: never), and the silence that ends a track
-        (s).
+        Time, relaxation time of a velocity to the flock's (0: never), and the silence that ends a track (s).
     sources : (n, SOURCE_WIDTH) array
-        What is believed.
+        The source rows.
     rows : (n, WIDTH) array
-        Written from the first row on.
+        Output, from the first row on.
     who : (n,) array
-        Written: which source a row is of.
+        Output: the source of each row.
 
     """
     count = 0

@@ -1,12 +1,12 @@
 """
-The extended Kalman filter of a neighbour, thesis Eqs. (5.29)-(5.35): one belief in, the next belief out.
+The extended Kalman filter of a neighbour, thesis Eqs. (5.29)-(5.35), as functions from one estimate to the
+next.
 
-While both navigations state that they do not err, the state is position and velocity (m, m/s; NED); with the
-first one that does, the four states of `navigation_offset` are added. The arithmetic of predicting and
-updating is in `kalman`. The spectral density of the acceleration is fixed, or follows what the neighbour's
-own packets show: the mean square change of the reported velocity per second, with a fading memory. Nothing is
-remembered here: a belief is never changed, so that a track can go back to an earlier one when a packet comes
-late.
+If both navigations state that they have no error, the state is position and velocity (m, m/s; NED);
+otherwise the four states of `navigation_offset` are added. `kalman` predicts and updates. The spectral
+density of the acceleration is fixed, or follows the neighbour's packets: the mean square change of the
+reported velocity per second, with a fading memory. The filter has no state: an estimate is never changed, so
+that a track can go back to an earlier one when a packet arrives late.
 """
 
 from __future__ import annotations
@@ -38,23 +38,23 @@ _SENSELESS = 60.0  # squared Mahalanobis distance that six numbers exceed once i
 
 @dataclass(frozen=True)
 class NeighbourConfig:
-    """Noise that the filter assumes, and how long silence is believed."""
+    """Noise that the filter assumes, and how long an estimate outlives silence."""
 
     acceleration_psd: float = param(
         "spectral density of a neighbour's acceleration (m^2/s^3)", default=1e-3, above=0.0
     )
     acceleration_memory_s: float = param(
-        "time over which that density follows a neighbour's changes of velocity, 0 for a fixed one (s)",
+        "time over which that density adapts to a neighbour's changes of velocity, 0 for a fixed density (s)",
         default=0.0,
         minimum=0.0,
     )
     velocity_memory_s: float = param(
-        "time in which a neighbour's velocity comes back to its flock's, 0 for never (s)",
+        "relaxation time of a neighbour's velocity to its flock's, 0 for never (s)",
         default=0.0,
         minimum=0.0,
     )
     position_std_m: float = param(
-        "standard deviation of a reported position, per axis, beside what its sender states (m)",
+        "standard deviation of a reported position, per axis, in addition to the sender's own (m)",
         default=0.02,
         above=0.0,
     )
@@ -62,7 +62,7 @@ class NeighbourConfig:
         "standard deviation of a reported velocity, per axis (m/s)", default=0.01, above=0.0
     )
     timeout_s: float = param(
-        "silence, and time out of the sonar's sight, after which a neighbour no longer counts (s)",
+        "time without packets and sonar contacts after which a neighbour is dropped (s)",
         default=30.0,
         above=0.0,
     )
@@ -77,7 +77,7 @@ class NeighbourConfig:
         "standard deviation of a sonar bearing and elevation (rad)", default=0.0174533, above=0.0
     )
     gate_prob: float = param(
-        "probability that a contact of a neighbour is taken for one",
+        "probability that a true contact of a neighbour is accepted",
         default=0.999,
         minimum=0.5,
         maximum=0.999999,
@@ -86,8 +86,8 @@ class NeighbourConfig:
 
 def with_rounding(config: NeighbourConfig, report_format: Any) -> NeighbourConfig:
     """
-    Return the noise that a filter assumes, at least what the format of the reports adds by rounding: a step
-    over the square root of twelve.
+    Return the noise that a filter assumes: at least the rounding error of the report format, a step over the
+    square root of twelve.
     """
     return replace(
         config,
@@ -100,8 +100,8 @@ def with_rounding(config: NeighbourConfig, report_format: Any) -> NeighbourConfi
 
 class Unrest(NamedTuple):
     """
-    How much a neighbour has changed its velocity, by its packets: the newest one's time tag (s) and velocity
-    (m/s; NED), and the fading sums of squared changes per axis (m^2/s^2) and of the times that they took (s).
+    Velocity changes of a neighbour, from its packets: time tag (s) and velocity (m/s; NED) of the newest
+    one, and the fading sums of squared changes per axis (m^2/s^2) and of their durations (s).
     """
 
     time_s: float
@@ -111,7 +111,7 @@ class Unrest(NamedTuple):
 
     @property
     def psd(self) -> float:
-        """Spectral density of an acceleration that changes the velocity so much (m^2/s^3)."""
+        """Spectral density of the acceleration that causes these changes (m^2/s^3)."""
         return self.squares / self.duration_s
 
     def after(self, report: Report, memory_s: float) -> Unrest:
@@ -124,12 +124,12 @@ class Unrest(NamedTuple):
 
 class Belief(NamedTuple):
     """
-    What is believed of a neighbour at one time.
+    The estimate of a neighbour at one time.
 
     Attributes
     ----------
     time_s : float
-        That time (s).
+        Time of the estimate (s).
     x : (6,) or (10,) array
         Position (m) and velocity (m/s), NED; then offset (m) and rate (m/s), north and east.
     P : (6, 6) or (10, 10) array
@@ -137,13 +137,13 @@ class Belief(NamedTuple):
     psd : float
         Spectral density of its acceleration (m^2/s^3).
     flock_velocity : tuple of 3 float
-        Velocity of the flock that the neighbour believes in (m/s; NED).
+        The neighbour's estimate of the flock's velocity (m/s; NED).
     unaided : Unaided or None
-        What would be known of the offset without sonar; None where there is no offset.
+        Knowledge of the offset without sonar; None without an offset.
     unrest : Unrest or None
-        Where the density comes from; None where it is fixed.
+        Source of the density; None if it is fixed.
     innovation, precision : arrays
-        Of the measurement that led here, and the inverse of its covariance; None where there was none.
+        Innovation of the last measurement, and the inverse of its covariance; None if there was none.
 
     """
 
@@ -159,7 +159,7 @@ class Belief(NamedTuple):
 
     @property
     def nis(self) -> float:
-        """Normalised innovation squared of the measurement that led here; 0 where there was none."""
+        """Normalised innovation squared of the last measurement; 0 if there was none."""
         if self.innovation is None or self.precision is None:
             return 0.0
         return float(self.innovation @ self.precision @ self.innovation)
@@ -172,7 +172,7 @@ class Belief(NamedTuple):
 def _ahead(
     x: Matrix, P: Matrix, dt_s: float, psd: float, rate_psd: float, memory_s: float, flock_velocity: Vec3
 ) -> tuple[Matrix, Matrix]:
-    """Return x and P after an interval: of the neighbour alone (6,), or with the offset (10,)."""
+    """Return x and P after an interval, without (6,) or with (10,) the offset."""
     if len(x) == 6:
         x, P = predicted(x, P, transition_matrix(dt_s, memory_s), process_noise(dt_s, psd, memory_s))
     else:
@@ -184,7 +184,7 @@ def _ahead(
 
 
 class NeighbourFilter:
-    """The filter of all neighbours of one vehicle; it keeps nothing between calls."""
+    """The filter for all neighbours of one vehicle; it has no state."""
 
     def __init__(self, config: NeighbourConfig) -> None:
         self._config = config
@@ -193,7 +193,7 @@ class NeighbourFilter:
         self._ahead, self._updated_by = fastest(_ahead), fastest(updated)
 
     def first(self, report: Report, stated: Stated) -> Belief:
-        """Return the belief after the first packet: what it says."""
+        """Return the estimate after the first packet: its content."""
         z, psd, unrest = _numbers(report), self._config.acceleration_psd, None
         if self._config.acceleration_memory_s > 0.0:
             unrest = Unrest(report.time_s, report.velocity, psd * _PRIOR_S, _PRIOR_S)
@@ -204,10 +204,10 @@ class NeighbourFilter:
 
     def after_packet(self, belief: Belief, report: Report, stated: Stated) -> Belief:
         """
-        Return the belief after a packet, at the packet's time tag.
+        Return the estimate after a packet, at the packet's time tag.
 
-        With an offset, a packet that cannot be true of what was believed starts the belief anew: a contact of
-        another vehicle was taken for this one's, or a navigation erred more than it said.
+        With an offset, a packet that contradicts the estimate restarts the estimate: either a contact of
+        another vehicle was associated with this one, or a navigation had a larger error than it stated.
         """
         unrest, psd = self._unrest(belief, report)
         ahead = self._predicted(belief, report.time_s, psd, unrest)
@@ -223,7 +223,7 @@ class NeighbourFilter:
         return after
 
     def after_sighting(self, belief: Belief, sighting: Sighting) -> Belief:
-        """Return the belief after a sonar contact, at its time."""
+        """Return the estimate after a sonar contact, at its time."""
         ahead = self._predicted(belief, sighting.time_s, belief.psd, belief.unrest)
         H = np.zeros((3, len(ahead.x)))
         H[:, :3] = sighting.jacobian
@@ -232,7 +232,7 @@ class NeighbourFilter:
         return self._updated(ahead, innovation, H, sighting.noise, ahead.psd, ahead.flock_velocity)
 
     def after_own_fix(self, belief: Belief, fix: OwnFix) -> Belief:
-        """Return the belief after a fix of the own navigation, in the frame that it has from then on."""
+        """Return the estimate after a fix of the own navigation, in the navigation's new frame."""
         ahead = self._predicted(belief, fix.time_s, belief.psd, belief.unrest)
         if ahead.unaided is None:
             ahead = self._with_offset(ahead, Stated(fix.before_m2, 0.0))
@@ -244,9 +244,9 @@ class NeighbourFilter:
 
     def _unrest(self, belief: Belief, report: Report) -> tuple[Unrest | None, float]:
         """
-        Return the unrest that a new packet shows, and the density with which the way to it is carried.
+        Return the velocity changes up to a new packet, and the density for the prediction up to it.
 
-        That is the larger of the densities before the packet and after it.
+        This density is the larger of those before and after the packet.
         """
         if belief.unrest is None:
             return None, belief.psd
@@ -254,12 +254,12 @@ class NeighbourFilter:
         return unrest, max(belief.psd, self._bounded(unrest.psd))
 
     def _bounded(self, psd: float) -> float:
-        """Return a density within two decades below and one above the configured one (m^2/s^3)."""
+        """Return a density limited to two decades below and one decade above the configured one (m^2/s^3)."""
         usual = self._config.acceleration_psd
         return min(max(psd, 0.01 * usual), 10.0 * usual)
 
     def _with_offset(self, belief: Belief, stated: Stated) -> Belief:
-        """Return the belief with an offset as uncertain as is stated at its time."""
+        """Return the estimate with an offset as uncertain as the navigations state at its time."""
         x, P, unaided = belief.x, belief.P, belief.unaided
         if unaided is None:
             x, P, unaided = offset.widened(x, P)

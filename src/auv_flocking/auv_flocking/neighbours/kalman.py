@@ -2,7 +2,7 @@
 One step of a Kalman filter on arrays: predict, and update in Joseph form.
 
 Source: Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), section
-5.2.3.  Tests hold both against filterpy.
+5.2.3.  Tests compare both with filterpy.
 """
 
 from __future__ import annotations

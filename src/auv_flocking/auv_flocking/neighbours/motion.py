@@ -1,11 +1,11 @@
 """
-How a neighbour is thought to move: constant velocity with white acceleration of spectral density q, or a
-velocity that relaxes to the flock's.
+Motion model of a neighbour: constant velocity with white acceleration of spectral density q, or a velocity
+that relaxes to the flock's.
 
-State: position p (m) and velocity v (m/s), NED.  With a memory T, dv/dt = -(v - w)/T + white acceleration,
-where w is the velocity of the flock that the neighbour believes in: what a vehicle does beside flying with
-its flock ends by itself, so that nobody is thought to fly on as it gathered for half a minute of silence.
-Without (T = 0) dv/dt is the white acceleration alone.  Both are discretised exactly for any interval.
+State: position p (m) and velocity v (m/s), NED. With a memory T, dv/dt = -(v - w)/T + white acceleration,
+where w is the neighbour's estimate of the flock's velocity: motion relative to the flock decays, so that a
+vehicle is not extrapolated with its gathering velocity through half a minute of silence. Without memory (T =
+0) dv/dt is the white acceleration alone. Both are discretised exactly for any interval.
 
 Source: Singer, Estimating optimal tracking filter performance for manned maneuvering targets (1970), one
 derivative lower: an Ornstein-Uhlenbeck velocity about w.
@@ -25,7 +25,7 @@ Matrix = NDArray[np.float64]
 
 
 def _on_every_axis(block: list[list[float]]) -> Matrix:
-    """Return the (6, 6) matrix that does on every axis what the (2, 2) block does to position and rate."""
+    """Return the (6, 6) matrix that applies the (2, 2) block to position and rate of every axis."""
     return np.asarray(np.kron(block, np.eye(3)), dtype=np.float64)
 
 
@@ -38,7 +38,7 @@ _VELOCITY = _on_every_axis([[0.0, 0.0], [0.0, 1.0]])
 
 @inner
 def transition_matrix(dt_s: float, memory_s: float = 0.0) -> Matrix:
-    """Return F (6, 6) over `dt_s`; with a memory, of the difference to flying with the flock."""
+    """Return F (6, 6) over `dt_s`; with a memory, for the motion relative to the flock."""
     if memory_s == 0.0:
         return _IDENTITY + dt_s * _DRIFT
     kept = math.exp(-dt_s / memory_s)
@@ -60,7 +60,7 @@ def process_noise(dt_s: float, acceleration_psd: float, memory_s: float = 0.0) -
 
 @inner
 def _noise(dt_s: float, memory_s: float) -> tuple[float, float, float]:
-    """Return what white acceleration of density 1 does to position, both, and velocity (s^3, s^2, s)."""
+    """Return the effect of white acceleration of density 1 on position, both, and velocity (s^3, s^2, s)."""
     if memory_s == 0.0:
         return dt_s * dt_s * dt_s / 3.0, 0.5 * dt_s * dt_s, dt_s
     kept = math.exp(-dt_s / memory_s)
@@ -71,7 +71,7 @@ def _noise(dt_s: float, memory_s: float) -> tuple[float, float, float]:
 
 @inner
 def flock_motion(dt_s: float, memory_s: float, flock_velocity: Vec3) -> Matrix:
-    """Return what flying with the flock adds to F x (6,)."""
+    """Return the term that the flock's motion adds to F x (6,)."""
     kept = math.exp(-dt_s / memory_s)
     way_s = dt_s - memory_s * (1.0 - kept)
     x, y, z = flock_velocity
@@ -106,7 +106,8 @@ def grown(P: Matrix, dt_s: float, acceleration_psd: float, memory_s: float, out:
     """
     Write F P F^T + Q after `dt_s` into `out`; both are (36,), rows of a (6, 6) one after the other.
 
-    It is the product written out for the two numbers that F is made of, at every tick for every neighbour.
+    The product is written out for the two numbers of F, since it is computed at every tick for every
+    neighbour.
     """
     kept = 1.0 if memory_s == 0.0 else math.exp(-dt_s / memory_s)
     reach_s = dt_s if memory_s == 0.0 else memory_s * (1.0 - kept)

@@ -1,21 +1,21 @@
 """
-What two navigations that drift have to do with a neighbour's position: four more states.
+Effect of two drifting navigations on a neighbour's position: four more states.
 
-A packet says where its sender's navigation believes the sender to be; the sonar sees it from where the own
-navigation believes the own vehicle to be.  Both beliefs are off by errors that change slowly and do not
-average out, so they are no white noise of the measurements.  With e_j and e_i (m, horizontal) the errors of
-the sender's and of the own navigation, the state is
+A packet contains the sender's position by the sender's navigation. A sonar contact is relative to the own
+position by the own navigation. Both navigations have errors that change slowly and do not average out, so
+they are not white measurement noise. With e_j and e_i (m, horizontal) the errors of the sender's and of the
+own navigation, the state is
 
     p, v   position and velocity of the neighbour in the frame of the own navigation (true position + e_i)
     b      offset e_j - e_i (m; north, east)
     c      its rate (m/s; north, east), which for a log with a constant error is constant
 
-and a packet measures p + b and v + c, the sonar p.  Depths are measured by pressure and have no offset.
-Without sonar b stays as uncertain as both navigations state, and so does p; with sonar p is known, and
-packets then tell b and c, which carry p over the times that the sonar does not see.
+and a packet measures p + b and v + c, the sonar p. Depths are measured by pressure and have no offset.
+Without sonar b and p stay as uncertain as both navigations state. With sonar p is known, and packets then
+determine b and c, which bridge the times without sonar contacts.
 
-A position fix of a navigation changes e.  The fix is taken to be the best one (Kalman): the error after it is
-rho times the error before it plus something new, rho = (variance after)/(variance before).
+A position fix of a navigation changes e. The fix is assumed to be optimal (Kalman): the error after it is
+rho times the error before it plus an independent part, rho = (variance after)/(variance before).
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ _OUTGROWN_RATIO = 1.3
 
 class Unaided(NamedTuple):
     """
-    What would be known of the offset had the sonar never been: variances of b, of b and c, of c, per axis
-    (m^2, m^2/s, m^2/s^2), and the sender's variance as it last stated it (m^2).
+    Knowledge of the offset without any sonar contact: variances of b, of b and c, of c, per axis (m^2,
+    m^2/s, m^2/s^2), and the sender's last stated variance (m^2).
     """
 
     offset_m2: float
@@ -69,14 +69,14 @@ class Unaided(NamedTuple):
 
 
 class Stated(NamedTuple):
-    """Variances that two navigations state of themselves (m^2, per horizontal axis)."""
+    """Variances that the two navigations state (m^2, per horizontal axis)."""
 
     own_m2: float
     sender_m2: float
 
     @property
     def is_exact(self) -> bool:
-        """Whether both say that they do not err."""
+        """Whether both state that they have no error."""
         return self.own_m2 == 0.0 and self.sender_m2 == 0.0
 
     @property
@@ -85,13 +85,15 @@ class Stated(NamedTuple):
         return self.own_m2 + self.sender_m2
 
     def rate(self, drift_rate_mps: float) -> float:
-        """Return the variance of the offset's rate if navigations that err drift at this rate (m^2/s^2)."""
+        """
+        Return the variance of the offset's rate if navigations with errors drift at this rate (m^2/s^2).
+        """
         drifting = (self.own_m2 > 0.0) + (self.sender_m2 > 0.0)
         return drifting * drift_rate_mps * drift_rate_mps
 
 
 def rate_psd(drift_rate_mps: float) -> float:
-    """Return the spectral density of c's noise (m^2/s^3): a log's error turns with its vehicle, slowly."""
+    """Return the spectral density of c's noise (m^2/s^3): a log's error slowly rotates with its vehicle."""
     return 2.0 * drift_rate_mps * drift_rate_mps / _RATE_MEMORY_S
 
 
@@ -106,7 +108,7 @@ def offset_transition(dt_s: float, memory_s: float = 0.0) -> Matrix:
 
 @inner
 def offset_noise(dt_s: float, acceleration_psd: float, psd: float, memory_s: float = 0.0) -> Matrix:
-    """Return Q (10, 10), exact, for white acceleration and a rate that wanders."""
+    """Return the exact Q (10, 10) for white acceleration and a random walk of the rate."""
     Q = np.zeros((STATES, STATES))
     Q[:6, :6] = process_noise(dt_s, acceleration_psd, memory_s)
     q = psd * dt_s
@@ -118,7 +120,7 @@ def offset_noise(dt_s: float, acceleration_psd: float, psd: float, memory_s: flo
 
 
 def first(z: Matrix, R: Matrix, stated: Stated, drift_rate_mps: float) -> tuple[Matrix, Matrix, Unaided]:
-    """Return x (10,), P (10, 10) by one packet alone, from its numbers z (6,) and their noise R (6, 6)."""
+    """Return x (10,), P (10, 10) from one packet alone, with its numbers z (6,) and their noise R (6, 6)."""
     offset = np.diag([stated.offset_m2] * 2 + [stated.rate(drift_rate_mps)] * 2)
     P = np.zeros((STATES, STATES))
     H = PACKET[:, 6:]
@@ -131,7 +133,7 @@ def first(z: Matrix, R: Matrix, stated: Stated, drift_rate_mps: float) -> tuple[
 
 
 def widened(x: Matrix, P: Matrix) -> tuple[Matrix, Matrix, Unaided]:
-    """Return a state without offset (6,), (6, 6) as one with an offset that is known to be nothing."""
+    """Extend a state without offset (6,), (6, 6) by an offset that is exactly zero."""
     wide = np.zeros((STATES, STATES))
     wide[:6, :6] = P
     return np.concatenate((x, np.zeros(4))), wide, Unaided(0.0, 0.0, 0.0, 0.0)
@@ -139,11 +141,12 @@ def widened(x: Matrix, P: Matrix) -> tuple[Matrix, Matrix, Unaided]:
 
 def topped_up(P: Matrix, unaided: Unaided, stated: Stated, drift_rate_mps: float) -> tuple[Matrix, Unaided]:
     """
-    Return P and what would be known without sonar, grown where the navigations state more than that.
+    Return P and the knowledge without sonar, increased if the navigations state larger variances.
 
-    What they state is a floor: a vehicle that drifts faster than `drift_rate_mps` says so, and is believed.
-    What an offset gains the position loses, for packets say their sum: an own drift moves the frame that the
-    position is in, and a sender that drifts tells a velocity by which the position was carried on wrongly.
+    The stated variances are a lower bound: a vehicle that drifts faster than `drift_rate_mps` states so, and
+    this is used. An increase of the offset is a decrease of the position, for packets give their sum: own
+    drift moves the frame of the position, and a drifting sender reports a velocity with which the position
+    was extrapolated wrongly.
     """
     more_m2 = stated.offset_m2 - unaided.offset_m2
     if stated.offset_m2 <= _OUTGROWN_RATIO * unaided.offset_m2:
@@ -162,9 +165,9 @@ def after_sender_fix(
     x: Matrix, P: Matrix, unaided: Unaided, own_m2: float, sender_m2: float
 ) -> tuple[Matrix, Matrix, Unaided]:
     """
-    Return the state after a fix of the sender's navigation, which nobody here has seen.
+    Return the state after a fix of the sender's navigation, which this vehicle does not observe.
 
-    Of the offset as it was, the part that is the own error stays, and of the sender's the part rho:
+    The own error in the offset stays, and the part rho of the sender's error stays:
     b' = (k + rho (1 - k)) b + noise, k = own variance / both before the fix.
     """
     before_m2 = unaided.sender_m2
@@ -187,8 +190,8 @@ def after_sender_fix(
 @dataclass(frozen=True, slots=True)
 class OwnFix:
     """
-    A fix of the own navigation: when (s), by how much its position jumped (m; north, east), and the variances
-    that it stated before and after it (m^2, per horizontal axis).
+    A fix of the own navigation: time (s), jump of its position (m; north, east), and the variances that it
+    stated before and after it (m^2, per horizontal axis).
     """
 
     time_s: float
@@ -198,9 +201,9 @@ class OwnFix:
 
     def tells(self, sender_m2: float) -> tuple[Matrix, Matrix, Matrix]:
         """
-        Return z (2,), H (2, 10), R (2, 2): what the jump tells of the offset as it was before.
+        Return z (2,), H (2, 10), R (2, 2): the jump as a measurement of the offset before it.
 
-        The own error before was rho times itself plus the jump turned round, so the jump measures the part of
+        The own error before the fix was rho times itself minus the jump, so the jump measures the part of
         the offset that is the own error.
         """
         k = self.before_m2 / (self.before_m2 + sender_m2)
@@ -211,7 +214,10 @@ class OwnFix:
         return -np.array(self.jump), H, R
 
     def shifted(self, x: Matrix, unaided: Unaided) -> tuple[Matrix, Unaided]:
-        """Return the state (10,) in the new frame: the neighbour is where it was, seen from here."""
+        """
+        Return the state (10,) in the new frame: the neighbour's position relative to the own vehicle is
+        unchanged.
+        """
         x = x.copy()
         x[:2] += self.jump
         x[B] -= self.jump

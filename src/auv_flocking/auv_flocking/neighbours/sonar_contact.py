@@ -3,10 +3,10 @@ The measurement model of a sonar contact: range, bearing and elevation in the bo
 
     h(r) = (|r|, atan2(y, x), atan2(-z, hypot(x, y))),  r = (x, y, z) the other hull in the own body frame.
 
-A contact is much sharper than a prediction that has waited for a packet, or whose navigation has drifted.
-The model is therefore linearised at the point that the contact itself gives, r* = h^-1(z), where an iterated
-extended Kalman filter ends up, and not at the prediction: then h(r) ~ z + H (r - r*), the residual is
--H (r - r*) however far off the prediction was, and no angle has to be wrapped.
+A contact is much more accurate than a prediction after a long wait for a packet, or with a drifted
+navigation. Therefore the model is linearised at the point that the contact itself gives, r* = h^-1(z), to
+which an iterated extended Kalman filter converges, and not at the prediction: then h(r) ~ z + H (r - r*), the
+residual is -H (r - r*) for any error of the prediction, and no angle has to be wrapped.
 
 Source: Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), sections
 10.4.3 (converted measurements) and 10.5.2 (iterated filter).
@@ -41,7 +41,7 @@ class Sighting:
     time_s : float
         Time of the tick (s).
     point : (3,) array
-        Where the other hull is, by this contact alone (m; NED).
+        Position of the other hull from this contact alone (m; NED).
     jacobian : (3, 3) array
         H: derivative of (range, bearing, elevation) by that point.
     noise : (3, 3) array
@@ -59,7 +59,7 @@ class Sighting:
 
 
 def is_contact(contact: SonarContact) -> bool:
-    """Return whether a contact can be one: its range, its bearing of at most one turn, its elevation."""
+    """Return whether a contact is plausible: range, bearing within one turn, elevation."""
     return (
         0.0 < contact.range_m <= _LARGEST_RANGE_M
         and -2.0 * math.pi <= contact.bearing_rad <= 2.0 * math.pi
@@ -75,7 +75,7 @@ def contact_of(relative: Vec3) -> SonarContact:
 
 
 def relative_of(contact: SonarContact) -> Vec3:
-    """Return h^-1: where the hull of a contact is (m; body FRD)."""
+    """Return h^-1: the position of the hull of a contact (m; body FRD)."""
     level_m = contact.range_m * math.cos(contact.elevation_rad)
     return (
         level_m * math.cos(contact.bearing_rad),
@@ -88,8 +88,8 @@ def contact_jacobian(relative: Vec3) -> Matrix:
     """
     Return the derivative (3, 3) of `contact_of` by `relative`.
 
-    Straight above or below there is no bearing, and no hull is at no distance: both distances are kept from
-    vanishing.
+    There is no bearing straight above or below, and no direction at zero distance: both distances have a
+    lower bound.
     """
     (x, y, z), level_m, range_m = _kept_apart(relative)
     square_m2 = range_m * range_m
@@ -115,7 +115,7 @@ def point_jacobian(relative: Vec3) -> Matrix:
 
 
 def _kept_apart(relative: Vec3) -> tuple[Vec3, float, float]:
-    """Return a point, its level distance and its range near `relative` (m) where angles have a meaning."""
+    """Return a point near `relative` with its level distance and its range (m), where angles are defined."""
     x, y, z = relative
     level_m, range_m = math.hypot(x, y), math.sqrt(x * x + y * y + z * z)
     least_m = _SMALLEST_LEVEL_RATIO * max(range_m, _SMALLEST_RANGE_M)
@@ -130,9 +130,9 @@ def sighting(
     t_s: float, nav: VehicleState, contact: SonarContact, range_sd_m: float, angle_sd_rad: float
 ) -> Sighting:
     """
-    Return a contact as seen from the own navigation's pose.
+    Return a contact relative to the own navigation's pose.
 
-    An error of the own heading turns what is seen about the vertical, which is an error of the bearing; its
+    An error of the own heading rotates the contact about the vertical, which is an error of the bearing; its
     variance is added to the sonar's.
 
     Parameters
@@ -142,7 +142,7 @@ def sighting(
     nav : VehicleState
         The own navigation at that time.
     contact : SonarContact
-        What the sonar saw.
+        The sonar contact.
     range_sd_m, angle_sd_rad : float
         The sonar's noise: range (m), bearing and elevation (rad).
 

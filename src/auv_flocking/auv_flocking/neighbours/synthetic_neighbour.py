@@ -1,8 +1,8 @@
 """
-A neighbour that moves exactly as the filter thinks, and what one vehicle is told of it.
+A neighbour that moves exactly as the filter assumes, and the measurements of it.
 
-For showing that the filter's errors are as large as it says: white acceleration, packets that come late or
-never, sonar contacts, and two navigations that drift at constant random rates and get fixes.
+It serves to test the filter's consistency: white acceleration, packets that are late or lost, sonar
+contacts, and two navigations that drift at constant random rates and get fixes.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ _ZERO: Vec3 = (0.0, 0.0, 0.0)
 @dataclass(frozen=True)
 class Setting:
     """
-    What is measured of the neighbour, and how the two navigations err.
+    Measurements of the neighbour, and errors of the two navigations.
 
-    Times in s; `sonar_every_s` 0 is no sonar; the rates are standard deviations per horizontal axis (m/s).
+    Times in s; `sonar_every_s` 0 means no sonar; the rates are standard deviations per horizontal axis (m/s).
     """
 
     packets_every_s: float = 1.0
@@ -53,7 +53,7 @@ class Setting:
 @dataclass(frozen=True)
 class Instant:
     """
-    One tick: time (s), own navigation, what arrives in it, and the truth.
+    One tick: time (s), own navigation, arriving measurements, and the truth.
 
     `truth` (6,) is the neighbour's position (m) and velocity (m/s), NED, in the frame of the own navigation.
     """
@@ -66,7 +66,7 @@ class Instant:
 
 
 class _Drift:
-    """A horizontal error that grows at a constant random rate, until a fix makes the best of it."""
+    """A horizontal error that grows at a constant random rate until an optimal fix."""
 
     def __init__(
         self, rng: np.random.Generator, rate_mps: float, fixes_s: tuple[float, ...], fix_sd_m: float
@@ -78,7 +78,9 @@ class _Drift:
         self._P = np.diag([0.0, rate_mps**2])  # of error and rate, per axis
 
     def step(self, tick: int) -> None:
-        """Let one tick pass; a fix corrects the error and not the rate, with the best gain for the error."""
+        """
+        Advance one tick; a fix corrects the error but not the rate, with the optimal gain for the error.
+        """
         self.error = self.error + TICK_S * self.rate
         F = np.array([[1.0, TICK_S], [0.0, 1.0]])
         self._P = F @ self._P @ F.T
@@ -90,19 +92,19 @@ class _Drift:
 
     @property
     def shift(self) -> Matrix:
-        """What the error does to position and velocity (6,)."""
+        """Effect of the error on position and velocity (6,)."""
         return np.array((*self.error, 0.0, *self.rate, 0.0))
 
     @property
     def sd_m(self) -> float:
-        """What the navigation states of itself (m, per axis)."""
+        """Standard deviation that the navigation states (m, per axis)."""
         return float(np.sqrt(self._P[0, 0]))
 
 
 def fly(
     setting: Setting, config: NeighbourConfig, rng: np.random.Generator, duration_s: float
 ) -> Iterator[Instant]:
-    """Yield the ticks of one run; `config` says how neighbours move and how noisy everything is."""
+    """Yield the ticks of one run; `config` sets the neighbour's motion and the noise."""
     state, position = _START.copy(), np.zeros(3)
     own = _Drift(rng, setting.own_rate_mps, setting.own_fixes_s, setting.fix_sd_m)
     sender = _Drift(rng, setting.sender_rate_mps, setting.sender_fixes_s, setting.fix_sd_m)

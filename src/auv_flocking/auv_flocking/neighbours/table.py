@@ -1,11 +1,10 @@
 """
-What a vehicle believes of its neighbours: from packets that come late or never, sonar contacts without a name
-and its own navigation, to one estimate per neighbour and tick.
+Neighbour estimates of a vehicle: from late or lost packets, unidentified sonar contacts and its own
+navigation to one estimate per neighbour and tick.
 
-The parts: `motion` (how neighbours move), `navigation_offset` (what drifting navigations do),
-`sonar_contact` (the sonar's measurement model), `filter` (the extended Kalman filter),
-`association` (which contact is whom), `track` (one neighbour through time).  docs/explanation/estimation.md
-tells it in one piece.
+The parts: `motion` (how neighbours move), `navigation_offset` (what drifting navigations do), `sonar_contact`
+(the sonar's measurement model), `filter` (the extended Kalman filter), `association` (which contact belongs
+to which neighbour), `track` (one neighbour through time). docs/explanation/estimation.md explains the whole.
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ _FIX_RATIO = 0.95
 
 
 class _OwnNavigation:
-    """What the own navigation stated of itself in the last while, and its fixes."""
+    """Recent variances that the own navigation stated, and its fixes."""
 
     def __init__(self) -> None:
         self._times_s: list[float] = []
@@ -55,7 +54,7 @@ class _OwnNavigation:
         self._last: tuple[float, VehicleState] | None = None
 
     def note(self, t_s: float, nav: VehicleState) -> OwnFix | None:
-        """Remember what is stated at `t_s`; return the fix that came since the last time, if one did."""
+        """Note the navigation at `t_s`; return the fix since the last call, if any."""
         last, self._last = self._last, (t_s, nav)
         if last is not None and last[0] == t_s:
             return None
@@ -79,7 +78,7 @@ class _OwnNavigation:
 
 
 def _jump(before_s: float, before: VehicleState, t_s: float, nav: VehicleState) -> tuple[float, float]:
-    """Return by how much the position jumped, beside what the mean velocity accounts for (m; north, east)."""
+    """Return the jump of the position beyond the motion by the mean velocity (m; north, east)."""
     half_s = 0.5 * (t_s - before_s)
     v0, v1 = (body_to_ned(state.attitude, state.nu[:3]) for state in (before, nav))
     return (
@@ -90,11 +89,11 @@ def _jump(before_s: float, before: VehicleState, t_s: float, nav: VehicleState) 
 
 class NeighbourTable:
     """
-    The neighbours of one vehicle. Fed with what the vehicle itself is told and nothing else, so that a
-    recorded run can be estimated again without the simulator.
+    The neighbours of one vehicle. Its only inputs are those of the vehicle itself, so that the estimates of
+    a recorded run can be computed again without the simulator.
 
     `outdated`: packets that were repetitions or too old to be used; `contacts_used`, `contacts_unknown`:
-    sonar contacts that were and were not those of a neighbour; `contacts_refused`: those that can be none.
+    sonar contacts with and without an associated neighbour; `contacts_refused`: implausible ones.
     """
 
     def __init__(self, config: NeighbourConfig) -> None:
@@ -126,7 +125,9 @@ class NeighbourTable:
         return self._in_order
 
     def receive(self, report: Report) -> None:
-        """Use one report. They come in the order of their arrival, which need not be that of their tags."""
+        """
+        Use one report. Reports come in the order of arrival, which may differ from that of their time tags.
+        """
         own_m2 = self._own.variance_m2(report.time_s)
         stated = Stated(own_m2, report.position_sd_m * report.position_sd_m)
         heard = HeardReport(report, stated)
@@ -139,7 +140,7 @@ class NeighbourTable:
             self.outdated += 1
 
     def _add(self, address: int, track: Track) -> None:
-        """Make room for a neighbour heard for the first time; what is written of the others stays."""
+        """Add a neighbour that is heard for the first time; the rows of the others stay."""
         self._tracks[address] = track
         self._in_order = [each for _, each in sorted(self._tracks.items())]
         self._rows = {each: row for row, each in enumerate(self._in_order)}
@@ -151,7 +152,7 @@ class NeighbourTable:
         self._stale.add(track)
 
     def observe(self, t_s: float, nav: VehicleState, contacts: Sequence[SonarContact]) -> None:
-        """Use the sonar contacts of one tick, seen from the pose that the own navigation gives."""
+        """Use the sonar contacts of one tick, relative to the pose of the own navigation."""
         self._follow(t_s, nav)
         possible = [contact for contact in contacts if is_contact(contact)]
         self.contacts_refused += len(contacts) - len(possible)
@@ -183,9 +184,10 @@ class NeighbourTable:
 
     def estimates(self, t_s: float, nav: VehicleState | None = None) -> Estimates:
         """
-        Return the neighbours heard or seen within the time-out, carried to `t_s`, in the order of addresses.
+        Return the neighbours heard or seen within the time-out, extrapolated to `t_s`, in the order of
+        addresses.
 
-        `nav` is the own navigation at that time, or None where it has no solution.
+        `nav` is the own navigation at that time, or None if it has no solution.
         """
         if nav is not None:
             self._follow(t_s, nav)
@@ -204,7 +206,7 @@ class NeighbourTable:
         return Estimates([addresses[k] for k in who], rows[:n], [shared[k] for k in who])
 
     def _write_stale(self) -> None:
-        """Write what has changed since the last time into the sources."""
+        """Write changes since the last call into the sources."""
         addresses, shared, numbers = self._said
         shared = shared.copy()
         for track in self._stale:
@@ -215,7 +217,7 @@ class NeighbourTable:
         self._stale.clear()
 
     def _follow(self, t_s: float, nav: VehicleState) -> None:
-        """Take note of the own navigation, and of a fix that it had."""
+        """Note the own navigation and its fix, if any."""
         fix = self._own.note(t_s, nav)
         if fix is not None:
             for track in self._tracks.values():

@@ -1,10 +1,10 @@
 """
-One neighbour followed through time: what was measured of it, in the order in which it happened.
+The track of one neighbour: its measurements in the order of their times.
 
-A packet arrives seconds after its time tag, and by then the sonar may have seen its sender.  The measurements
-of the last `HISTORY_S` are therefore kept, each with the belief that it led to; a measurement that comes late
-is put where it belongs and the later ones are used again.  What comes in order costs one update and nothing
-else, and beliefs are kept by reference.
+A packet arrives seconds after its time tag, and by then the sonar may have seen its sender. Therefore the
+measurements of the last `HISTORY_S` are kept, each with the estimate after it. A late measurement is inserted
+at its time, and the later ones are used again. A measurement in order costs a single update, and estimates
+are kept by reference.
 """
 
 from __future__ import annotations
@@ -36,7 +36,9 @@ MOST_MEASUREMENTS = 128
 
 
 class HeardReport(NamedTuple):
-    """A packet as a measurement: what it says at its time tag, and what was stated of both navigations."""
+    """
+    A packet as a measurement: its content at its time tag, and the stated variances of both navigations.
+    """
 
     report: Report
     stated: Stated
@@ -53,10 +55,10 @@ _ORDER = {OwnFix: 0, HeardReport: 1, Sighting: 2}
 
 class Track:
     """
-    The measurements of one neighbour and what they amount to.
+    The measurements of one neighbour and the resulting estimate.
 
-    After anything is taken in: `report` is the newest packet by its time tag, `seen_s` the time of the newest
-    contact (-inf: none), `belief` what is believed at the time of the newest measurement.
+    After a measurement: `report` is the newest packet by time tag, `seen_s` the time of the newest contact
+    (-inf: none), `belief` the estimate at the time of the newest measurement.
     """
 
     def __init__(self, heard: HeardReport, neighbour_filter: NeighbourFilter, memory_s: float) -> None:
@@ -71,14 +73,14 @@ class Track:
 
     @property
     def belief(self) -> Belief:
-        """What is believed at the time of the newest measurement."""
+        """The estimate at the time of the newest measurement."""
         return self._beliefs[-1]
 
     def nis(self, time_s: float, numbers: int) -> float:
         """
-        Return the normalised innovation squared of the measurement of that time that has so many numbers.
+        Return the normalised innovation squared of the measurement at this time with `size` numbers.
 
-        NaN where none is remembered, and for the first packet, which nothing predicts.
+        NaN if it is not kept, and for the first packet, which has no prediction.
         """
         for belief in self._beliefs:
             if (
@@ -91,9 +93,9 @@ class Track:
 
     def hear(self, heard: HeardReport) -> bool:
         """
-        Use a packet, in its place; return whether it could be used.
+        Use a packet at its time; return whether it could be used.
 
-        It cannot when it is a repetition, or older than what is still remembered.
+        A repetition, or a packet older than the history, cannot be used.
         """
         if heard.time_s == self.report.time_s:
             return False
@@ -108,16 +110,16 @@ class Track:
         return True
 
     def see(self, sighting: Sighting) -> None:
-        """Use a contact that was found to be this neighbour."""
+        """Use a contact that was associated with this neighbour."""
         if self._insert(sighting):
             self.seen_s = max(self.seen_s, sighting.time_s)
 
     def move_frame(self, fix: OwnFix) -> None:
-        """Follow the own navigation into the frame that it has after a fix."""
+        """Move the track into the frame of the own navigation after a fix."""
         self._insert(fix)
 
     def write(self, source: Matrix) -> None:
-        """Write what is believed into a row that `estimates.carried_to` makes estimates of."""
+        """Write the estimate into a source row for `estimates.carried_to`."""
         report, belief = self.report, self._beliefs[-1]
         said = (
             report.time_s,
@@ -132,14 +134,17 @@ class Track:
         )
 
     def estimate(self, t_s: float) -> NeighbourEstimate:
-        """Return the neighbour as believed at `t_s`."""
+        """Return the estimate of the neighbour at `t_s`."""
         source, row = np.empty((1, SOURCE_WIDTH)), np.empty((1, WIDTH))
         self.write(source[0])
         carried_to(t_s, self._memory_s, math.inf, source, row, np.empty(1, dtype=np.int64))
         return Estimates([self.report.address], row, [self.report.shared])[0]
 
     def _insert(self, measurement: Measurement) -> bool:
-        """Put a measurement where it belongs and use it and all later ones; return whether it has a place."""
+        """
+        Insert a measurement at its time and use it and all later ones; return whether it is within the
+        history.
+        """
         measurements, beliefs = self._measurements, self._beliefs
         place = len(measurements)
         key = (measurement.time_s, _ORDER[type(measurement)])
@@ -166,7 +171,7 @@ class Track:
         return self._filter.after_own_fix(belief, measurement)
 
     def _forget(self) -> None:
-        """Let go of what is older than the history, all but the newest."""
+        """Drop measurements older than the history, except the newest."""
         measurements = self._measurements
         oldest_s = measurements[-1].time_s - HISTORY_S
         n = 0

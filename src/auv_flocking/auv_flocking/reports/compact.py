@@ -1,11 +1,11 @@
 """
 The report in 32 bytes, the frame of a WHOI micromodem: bounded fields without gaps.
 
-`base_fields` is the layout; what the consensus filter shares is appended and makes the payload longer.  The
-flocking centre is sent relative to the position as it is sent, so that its error is half a resolution and
-not a whole one.  The time tag wraps (after 2.9 h) and is taken as the time nearest to the receiver's.  The
-stamp of the flock velocity is sent as its age at the time tag, with the time tag's resolution: where control
-periods are multiples of it, stamps are passed on from vehicle to vehicle without an error that could add up.
+`base_fields` is the layout; the numbers of the consensus filter are appended and make the payload longer.
+The flocking centre is sent relative to the rounded position, so that its error is half a resolution and not a
+whole one. The time tag wraps (after 2.9 h) and is decoded as the time nearest to the receiver's. The stamp of
+the flock velocity is sent as its age at the time tag, with the time tag's resolution: if control periods are
+multiples of it, vehicles pass stamps on without accumulating errors.
 """
 
 from __future__ import annotations
@@ -31,7 +31,10 @@ _AXES = ("north", "east", "down")
 
 @dataclass(frozen=True)
 class Params:
-    """Resolutions; the bits are fixed, so the bounds grow and shrink with them. One choice for a flock."""
+    """
+    Resolutions; the number of bits is fixed, so the bounds scale with them. All vehicles of a flock use the
+    same.
+    """
 
     position_resolution_m: float = param(
         "step of position and centre (m); bounds are 262144 steps north and east, and the centre within 4096 "
@@ -80,7 +83,7 @@ def _corner(fields: Sequence[Field], side: str) -> Vec3:
 
 
 class Format:
-    """Bytes of a report and back."""
+    """Encodes and decodes reports."""
 
     def __init__(self, params: Params, shared: Sequence[Field]) -> None:
         fields = base_fields(params)
@@ -115,7 +118,7 @@ class Format:
         Raises
         ------
         ReportError
-            For NaN, for an address that is none, and for a wrong number of shared numbers.
+            For NaN, for an invalid address, and for a wrong number of shared numbers.
 
         """
         if len(report.shared) != len(self._layout.fields) - self._n_base:
@@ -149,7 +152,7 @@ class Format:
         )
 
     def _age_s(self, report: Report) -> float:
-        """Return the age of the flock velocity at the time tag as it is sent (s)."""
+        """Return the rounded age of the flock velocity at the time tag (s)."""
         if report.flock_stamp_s == NEVER:
             return _NEVER_S
         tag_s = round(report.time_s / _TIME_RESOLUTION_S) * _TIME_RESOLUTION_S
@@ -161,13 +164,13 @@ class Format:
 
     def decode(self, payload: bytes, now_s: float) -> Report:
         """
-        Return the report in `payload`; its time tag is the possible time that is nearest to `now_s` (finite).
+        Return the report in `payload`; its time tag is the possible time nearest to `now_s` (finite).
 
         Raises
         ------
         ReportError
-            For a wrong length, another version, address 0, padding that is not zero, and shared numbers that
-            stand for nothing; never anything else.
+            For a wrong length, another version, address 0, padding that is not zero, and invalid shared
+            numbers; no other exception is raised.
 
         """
         if payload and payload[0] >> 4 != VERSION:
@@ -175,7 +178,7 @@ class Format:
         v = self._layout.unpack(payload)
         address = int(v[1])
         if address == 0:
-            raise ReportError("address 0 is nobody's")
+            raise ReportError("address 0 is no vehicle's")
         step = round(v[3] / _TIME_RESOLUTION_S)
         turns = round((now_s / _TIME_RESOLUTION_S - step) / _TIME_LEVELS)
         step += turns * _TIME_LEVELS

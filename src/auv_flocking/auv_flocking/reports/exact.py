@@ -1,10 +1,10 @@
 """
-The report in floating-point numbers, for runs where rounding must cost no accuracy.
+The report in floating-point numbers, for runs without rounding errors.
 
 Little-endian: version (1 byte), address (1), sequence (4), time tag (8), then fifteen 32-bit floats:
 position, velocity, flocking centre, its rate, flock velocity, all NED; the stamp of the flock velocity (64
-bits; minus infinity: never heard), the position's standard deviation (32 bits), and what the consensus filter
-adds (64 bits each).  32 bits round by about 1e-6 m at 10 m.
+bits; minus infinity: never heard), the position's standard deviation (32 bits), and the numbers of the
+consensus filter (64 bits each). 32 bits round by about 1e-6 m at 10 m.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Params:
 
 
 class Format:
-    """Bytes of a report and back."""
+    """Encodes and decodes reports."""
 
     position_resolution_m = 0.0
     velocity_resolution_mps = 0.0
@@ -56,7 +56,7 @@ class Format:
         Raises
         ------
         ReportError
-            For NaN, for an address that is none, and for a wrong number of shared numbers.
+            For NaN, for an invalid address, and for a wrong number of shared numbers.
 
         """
         if len(report.shared) != self._n_shared:
@@ -98,13 +98,13 @@ class Format:
 
     def decode(self, payload: bytes, now_s: float) -> Report:
         """
-        Return the report in `payload`; `now_s` is not needed, since the time tag is whole.
+        Return the report in `payload`; `now_s` is not needed, since the time tag does not wrap.
 
         Raises
         ------
         ReportError
-            For a wrong length, another version, address 0, a number that is not finite or beyond 1e9, a stamp
-            later than the time tag, a negative standard deviation; never anything else.
+            For a wrong length, another version, address 0, a number that is not finite or beyond 1e9, a
+            stamp later than the time tag, a negative standard deviation; no other exception is raised.
 
         """
         if len(payload) != self.payload_bytes:

@@ -1,21 +1,21 @@
 """
-Fuzzy separation that learns how hard to push (future work of thesis section 7.3).
+Fuzzy separation with an adaptive repulsion (future work of thesis section 7.3).
 
-As ``fuzzy``, with output peaks that move.  A fuzzy law with fixed peaks does not push at the distance d, so
-that what pulls a flock together leaves its vehicles nearer than d: by how much, the width of the sets
-decides, and narrow sets are stiff.  Here all output peaks move by s,
+As ``fuzzy``, but with moving output peaks. A fuzzy law with fixed peaks does not repel at the distance d, so
+the attraction in a flock brings its vehicles nearer than d. How much nearer depends on the width of the sets,
+and narrow sets are stiff. Here all output peaks move by s,
 
     s_dot = rate * clip(mean of (r_j - d), +-error_max),   |s| <= shift_max,
 
-over the neighbours within `reach_m` of d, until the force at d is what the others need: an integral of the
-distance error.  Distances then settle at d with wide, soft sets, which bear control periods of 0.1 s and the
-age of acoustic information.
+over the neighbours within `reach_m` of d, until the force at d balances the attraction: this is an integral
+of the distance error. Distances then settle at d with wide, soft sets, which tolerate control periods of 0.1
+s and the age of acoustic information.
 
-* The peaks keep their order and their spaces, so the curve keeps its shape; the centre of gravity moves with
-  them, and `shift_max_mps` bounds them.
-* Every vehicle has one s: it is the mean distance to its neighbours that comes to d.  In a regular flock of
-  up to four vehicles in space, so does every distance.
-* s only moves while someone is within reach, and waits at its bounds; obstacles are met with s = 0.
+* The peaks keep their order and spacing, so the curve keeps its shape; the centre of gravity moves with
+  them, and `shift_max_mps` bounds the shift.
+* Every vehicle has one s: the mean distance to its neighbours converges to d. In a regular flock of up to
+  four vehicles in space, every distance does.
+* s changes only while a neighbour is within reach, and is limited at its bounds; for obstacles s is 0.
 """
 
 from __future__ import annotations
@@ -34,22 +34,20 @@ from auv_flocking.separation.fuzzy import repulsion, strength
 
 @dataclass(frozen=True)
 class Params:
-    """Sets, and how the output peaks move."""
+    """Sets, and the motion of the output peaks."""
 
     input_peaks_m: Peaks = param(
         "peaks of NB, N, Z, P, PB of distance minus spacing (m)", default=(-5.0, -0.5, 0.0, 0.5, 5.0)
     )
     output_peaks_mps: Peaks = param(
-        "peaks of NB, N, Z, P, PB of the attraction at the start (m/s for unit gain)",
+        "initial peaks of NB, N, Z, P, PB of the attraction (m/s for unit gain)",
         default=(-2.0, -1.0, 0.0, 1.0, 2.0),
     )
     gain: float = param("factor on the velocity", default=1.0, above=0.0)
     adaptation_rate_ps2: float = param(
         "speed of the peaks per metre of distance error (1/s^2)", default=0.1, minimum=0.0
     )
-    error_max_m: float = param(
-        "distance error beyond which the peaks move no faster (m)", default=0.5, above=0.0
-    )
+    error_max_m: float = param("limit of the distance error that moves the peaks (m)", default=0.5, above=0.0)
     reach_m: float = param("largest distance error of neighbours that count (m)", default=0.8, above=0.0)
     shift_max_mps: float = param("largest movement of the peaks (m/s for unit gain)", default=1.5, above=0.0)
 
@@ -60,14 +58,14 @@ class Params:
 
     @property
     def adapts(self) -> bool:
-        """Whether the law has a memory, which continuous time cannot keep for it."""
+        """Whether the law has a state, which continuous time cannot keep."""
         return True
 
 
 class Separation:
     """
-    Repulsion inside a distance that the law moves until pairs settle at the spacing; `numbers` are those of
-    `fuzzy` with the shift of now.
+    Repulsion within a distance that adapts until pairs settle at the spacing; `numbers` are those of `fuzzy`
+    with the current shift.
     """
 
     strength = staticmethod(strength)
@@ -82,18 +80,18 @@ class Separation:
 
     @property
     def shift_mps(self) -> float:
-        """How far the output peaks have moved (m/s for unit gain)."""
+        """Shift of the output peaks (m/s for unit gain)."""
         return float(self.numbers[1])
 
     @property
     def output_peaks_mps(self) -> Peaks:
-        """The output peaks of now (m/s for unit gain)."""
+        """The current output peaks (m/s for unit gain)."""
         peaks, s = self._params.output_peaks_mps, self.shift_mps
         return (peaks[0] + s, peaks[1] + s, peaks[2] + s, peaks[3] + s, peaks[4] + s)
 
     def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
         """
-        Return the velocity along the pair (m/s; NED) with the peaks of now; zero under a nanometre.
+        Return the velocity along the pair (m/s; NED) with the current peaks; zero below a nanometre.
 
         Parameters
         ----------

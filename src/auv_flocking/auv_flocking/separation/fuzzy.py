@@ -5,14 +5,14 @@ Input r - d on [-5, 5] m, output f on [-2, 2] (positive is attraction), five tri
 rules, centre of gravity: thesis Eqs. (6.32)-(6.33), Fig. 6.3.  The velocity of the vehicle at `own` is -f(r -
 d) (own - other) / r.
 
-The thesis tunes the peaks "by repetitive trial and error" and prints none.  The defaults give its distances:
-it is the narrow set of zero, 0.045 m, that keeps a flock near d.  It also makes the law stiff, some 80 1/s
-for four vehicles: a control period, or an integration step, of at most 0.02 s.
+The thesis tunes the peaks "by repetitive trial and error" and prints none. The defaults give its distances:
+the narrow set of zero, 0.045 m, keeps a flock near d. It also makes the law stiff, about 80 1/s for four
+vehicles, which needs a control period or integration step of at most 0.02 s.
 
-Deviation: beyond the outer peaks the output stays what it is there.
+Deviation: beyond the outer peaks the output is constant.
 
-Deviation: the thesis takes the same law for obstacles, which would draw a flock to every obstacle within
-sight; here an obstacle only repels, `obstacles: printed` is the thesis's.
+Deviation: the thesis uses the same law for obstacles, which would attract a flock to every obstacle nearby;
+here an obstacle only repels, and `obstacles: printed` is the thesis's law.
 """
 
 from __future__ import annotations
@@ -43,7 +43,9 @@ class Params:
     )
     gain: float = param("factor on the velocity", default=1.0, above=0.0)
     obstacles: str = param(
-        "obstacles only repel, or attract from afar as printed", default="repel", choices=("repel", "printed")
+        "whether obstacles only repel, or attract at long range as printed",
+        default="repel",
+        choices=("repel", "printed"),
     )
 
     def __post_init__(self) -> None:
@@ -55,8 +57,8 @@ class Params:
 @entry(STRENGTH)
 def strength(square_m2: float, spacing_m: float, numbers: Numbers) -> float:
     """
-    Return the factor on (own - other) by `numbers`: gain, shift of the output, table of the curve; zero under
-    a nanometre, where the force has no direction.
+    Return the factor on (own - other) by `numbers`: gain, shift of the output, table of the curve; zero
+    below a nanometre, where the force has no direction.
     """
     distance_m = math.sqrt(square_m2)
     if distance_m < _NO_DIRECTION_M:
@@ -67,7 +69,7 @@ def strength(square_m2: float, spacing_m: float, numbers: Numbers) -> float:
 
 @entry(STRENGTH)
 def repulsion(square_m2: float, spacing_m: float, numbers: Numbers) -> float:
-    """Return the factor of `strength`, zero from the spacing on."""
+    """Return the factor of `strength`, zero at and beyond the spacing."""
     if square_m2 >= spacing_m * spacing_m:
         return 0.0
     return strength(square_m2, spacing_m, numbers)
@@ -104,12 +106,14 @@ class Separation:
         return along(own, obstacle, spacing_m, self.obstacle_strength, self.numbers)
 
     def potential(self, distance_m: float, spacing_m: float) -> float:
-        """Return the potential of a pair (m^2/s), zero at the spacing, of which `velocity` is the fall."""
+        """
+        Return the potential of a pair (m^2/s), zero at the spacing; `velocity` is its negative gradient.
+        """
         of_curve = self._curve.integral
         return self._gain * (of_curve(distance_m - spacing_m) - of_curve(0.0))
 
     def obstacle_potential(self, distance_m: float, spacing_m: float) -> float:
-        """Return the potential of an obstacle (m^2/s), of which `obstacle_velocity` is the fall."""
+        """Return the potential of an obstacle (m^2/s); `obstacle_velocity` is its negative gradient."""
         if self._only_repels and distance_m >= spacing_m:
             return 0.0
         return self.potential(distance_m, spacing_m)

@@ -25,7 +25,7 @@ _NO_DIRECTION_M2 = 1e-18
 
 @dataclass(frozen=True)
 class Params:
-    """Nothing but a gain."""
+    """The gain of the law."""
 
     gain: float = param("factor on the velocity (m^2/s per 1/m)", default=1.0, above=0.0)
 
@@ -33,8 +33,8 @@ class Params:
 @entry(STRENGTH)
 def strength(square_m2: float, spacing_m: float, numbers: Numbers) -> float:
     """
-    Return the factor on (own - other); zero at and beyond `spacing_m`, and under a nanometre, where the force
-    has no direction.
+    Return the factor on (own - other); zero at and beyond `spacing_m`, and below a nanometre, where the
+    force has no direction.
     """
     if square_m2 >= spacing_m * spacing_m or square_m2 < _NO_DIRECTION_M2:
         return 0.0
@@ -42,7 +42,7 @@ def strength(square_m2: float, spacing_m: float, numbers: Numbers) -> float:
 
 
 class Separation:
-    """Repulsion inside the spacing distance, nothing outside."""
+    """Repulsion inside the spacing distance, no force outside."""
 
     strength = staticmethod(strength)
 
@@ -65,12 +65,13 @@ class Separation:
         return along(own, other, spacing_m, strength, self.numbers)
 
     def reach_m(self, spacing_m: float) -> float:
-        """Return the distance from which on the law does nothing (m)."""
+        """Return the distance at and beyond which the law is zero (m)."""
         return spacing_m
 
     def potential(self, distance_m: float, spacing_m: float) -> float:
         """
-        Return the potential of a pair (m^2/s), zero from the spacing on, of which `velocity` is the fall.
+        Return the potential of a pair (m^2/s), zero at and beyond the spacing; `velocity` is its negative
+        gradient.
 
         U(r) - U(d) of thesis Eq. (5.26), whose constant term has no meaning.
         """
