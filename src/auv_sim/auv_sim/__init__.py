@@ -1,3 +1,3 @@
 """
-What the water does: the true vehicle, its actuators, the current, and the acoustic medium between vehicles.
+The simulator: the true vehicle, its actuators, the current, and the acoustic medium between vehicles.
 """

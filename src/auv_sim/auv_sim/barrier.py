@@ -1,4 +1,4 @@
-"""The lock-step barrier: who still owes an answer for the tick."""
+"""The lock-step barrier: which nodes have not answered for the tick."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ from collections.abc import Sequence
 
 class Barrier:
     """
-    Collects, for one tick k, the packets that every vehicle handed over in k and every vehicle's state at k
-    + 1.
+    Collects, for one tick k, the packets of every vehicle in k and every vehicle's state at k + 1.
 
-    Vehicles are counted from 0.  Before the first tick (k = -1) only states are owed.
+    Vehicles are counted from 0. Before the first tick (k = -1) only states are expected.
     """
 
     def __init__(self, count: int) -> None:
@@ -24,22 +23,22 @@ class Barrier:
 
     @property
     def complete(self) -> bool:
-        """Whether everybody has answered."""
+        """Whether all have answered."""
         return self._missing == 0
 
     def owed(self) -> list[tuple[str, int]]:
         """
-        Return who is awaited, as ('agent_node' or 'vehicle_node', vehicle).
+        Return the nodes that have not answered, as ('agent_node' or 'vehicle_node', vehicle).
 
-        A vehicle cannot answer before its agent has commanded it, so of a pair that owes both only the agent
-        is named.
+        A vehicle cannot answer before its agent has commanded it, so if both have not answered only the
+        agent is named.
         """
         agents = self._outboxes_owed()
         vehicles = [vehicle for vehicle in self._states_owed() if vehicle not in agents]
         return [("agent_node", agent) for agent in agents] + [("vehicle_node", each) for each in vehicles]
 
     def state(self, vehicle: int, tick: int) -> bool:
-        """Note the state of a vehicle at a tick; return whether it was owed."""
+        """Note the state of a vehicle at a tick; return whether it was expected."""
         if tick != self.tick + 1 or self._state_ticks[vehicle] >= tick:
             return False
         self._state_ticks[vehicle] = tick
@@ -47,7 +46,7 @@ class Barrier:
         return True
 
     def outbox(self, vehicle: int, tick: int) -> bool:
-        """Note what a vehicle handed over in a tick; return whether it was owed."""
+        """Note the packets of a vehicle in a tick; return whether they were expected."""
         if tick != self.tick or self._outbox_ticks[vehicle] >= tick:
             return False
         self._outbox_ticks[vehicle] = tick
@@ -61,7 +60,7 @@ class Barrier:
         return self.tick
 
     def drop(self, vehicles: Sequence[int]) -> None:
-        """Go on without these vehicles."""
+        """Continue without these vehicles."""
         for vehicle in vehicles:
             self._outbox_ticks[vehicle] = self._state_ticks[vehicle] = math.inf
         self._present = sum(tick < math.inf for tick in self._state_ticks)

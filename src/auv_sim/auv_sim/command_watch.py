@@ -1,4 +1,4 @@
-"""Which command a vehicle acts on: the newest one, while it is fresh."""
+"""Selects the command of a vehicle: the newest one, while it is fresh."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ class CommandWatch:
     Attributes
     ----------
     newest
-        The newest command, in a tuple: `(None,)` is one that cannot be used, None none at all.
+        The newest command, in a tuple: `(None,)` is a command that cannot be used, None means no command.
     resting : str
-        Why the actuators rest although the vehicle waits for a command no more, or nothing.
+        Why the actuators rest although the vehicle no longer waits for a command, or an empty text.
 
     """
 
@@ -27,11 +27,11 @@ class CommandWatch:
         self.resting = ""
 
     def hear(self, command: Command | None, tick: int, now_tick: int) -> None:
-        """Take the command of a tick; None stands for one that cannot be used."""
+        """Take the command of a tick; None means one that cannot be used."""
         self.newest.hear((command,), tick, now_tick)
 
     def command(self, now_tick: int) -> Command | None:
-        """Return the command to act on, or None where the actuators rest."""
+        """Return the current command, or None if the actuators rest."""
         words = self.newest.why_stale(now_tick)
         if words:
             self.resting = f"{STALE_COMMAND}: {words}"

@@ -1,8 +1,8 @@
 """
-The hash behind NumPy's SeedSequence, for five numbers: what it gives, a hundred times as fast once compiled.
+The hash of NumPy's SeedSequence for five numbers: the same result, a hundred times as fast when compiled.
 
-Every packet draws a number for every receiver, and nearly all of the time of drawing one goes into building
-a SeedSequence.  NumPy promises that its algorithm stays; tests hold this against it.
+Every packet draws a number for every receiver, and nearly all of that time goes into building a
+SeedSequence. NumPy guarantees that its algorithm does not change; tests compare this code with it.
 
 Source: M. E. O'Neill, Developing a seed_seq alternative (2015), as NumPy documents it (NEP 19): a pool of
 four words of 32 bits, into which all entropy is hashed and mixed, and from which the output is hashed.

@@ -1,4 +1,4 @@
-"""Which states of the vehicles a relay uses in real time: possible ones, while they are fresh."""
+"""Selects the vehicle states that a relay uses in real time: plausible ones, while they are fresh."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from auv_core.state_checks import checked_state
 
 class StateWatch:
     """
-    Judges the states of the vehicles, which are counted from 0.
+    Checks the states of the vehicles, which are counted from 0.
 
     Attributes
     ----------
     packets_unsent : int
-        Number of packets that were not sent, since nobody knew from where.
+        Number of packets that were not sent, since the position of the modem was not known.
     left_out : int
         Number of states that were not used.
     left_out_words : str
-        Which vehicle's was the last of them, and why.
+        The vehicle of the last of them, and the reason.
 
     """
 
@@ -33,7 +33,7 @@ class StateWatch:
         self.left_out_words = ""
 
     def hear(self, index: int, state: VehicleState, now_tick: int) -> bool:
-        """Take a state; return whether it is the vehicle's newest one now."""
+        """Take a state; return whether it is now the vehicle's newest one."""
         newest = self._newest[index]
         usable, words = checked_state(state)
         if usable is not None and newest.hear(usable, usable.tick, now_tick):
@@ -43,16 +43,16 @@ class StateWatch:
         return False
 
     def may_send(self, index: int, now_tick: int, packets: int) -> bool:
-        """Return whether a vehicle's packets go into the water, and count those that do not."""
+        """Return whether a vehicle's packets are transmitted, and count those that are not."""
         is_stale = bool(self.why_stale(index, now_tick))
         self.packets_unsent += packets * is_stale
         return not is_stale
 
     def why_stale(self, index: int, now_tick: int) -> str:
-        """Return why the newest state of a vehicle is of no use now, or nothing."""
+        """Return why the newest state of a vehicle cannot be used now, or an empty text."""
         words = self._newest[index].why_stale(now_tick)
         return f"state of {self._ids[index]} {words}" if words else ""
 
     def explained(self, awaited: str) -> str:
-        """Return for whom the relay waits, with the state that was left out last, if any."""
+        """Return the vehicles that the relay waits for, with the last state that was left out, if any."""
         return f"{awaited}; left out: {self.left_out_words}" if awaited and self.left_out else awaited

@@ -14,7 +14,7 @@ from auv_sim.seed_hash import LARGEST, first_word
 
 
 class Purpose(enum.IntEnum):
-    """What a random number is for; values are part of every recorded result and never change."""
+    """The purpose of a random number; the values are part of every recorded result and must never change."""
 
     OUTAGE = 1
     NAVIGATION = 3
@@ -38,5 +38,5 @@ def uniform(seed: int, purpose: Purpose, source: int, destination: int, sequence
 
 
 def generator(seed: int, purpose: Purpose, address: int, tick: int) -> np.random.Generator:
-    """Return a generator of its own for one vehicle and one tick."""
+    """Return a separate generator for one vehicle and one tick."""
     return np.random.default_rng(np.random.SeedSequence((seed, int(purpose), address, tick)))

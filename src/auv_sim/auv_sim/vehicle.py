@@ -1,4 +1,4 @@
-"""One vehicle in the water: the true motion, with its actuators and the current."""
+"""One simulated vehicle: its true motion, with actuators and current."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST_SUBSTEPS = 1_000_000
 
 @dataclass(frozen=True, kw_only=True)
 class VehicleConfig:
-    """Everything that one simulated vehicle needs to know."""
+    """Configuration of one simulated vehicle."""
 
     vehicle_id: str = param("name of the vehicle, also its namespace")
     model: Section = param("equations of motion and their numbers", plugins=MODELS)
@@ -32,9 +32,9 @@ class VehicleConfig:
     period_s: float = param("control period (s), a whole number of physics steps", default=0.1, above=0.0)
     address: int = param("acoustic address of this vehicle, from 1", default=1, minimum=1, maximum=254)
     seed: int = param("seed of every random number", default=1, minimum=0, maximum=2**31 - 1)
-    navigation: Section = param("how well it knows its own motion", default=EXACT, plugins=NAVIGATION)
+    navigation: Section = param("errors of its own navigation", default=EXACT, plugins=NAVIGATION)
     command_max_age_s: float = param(
-        "age of a command after which the actuators rest (s); never less than two control periods",
+        "age of a command above which the actuators stop (s); at least two control periods",
         default=0.5,
         above=0.0,
     )
@@ -63,7 +63,7 @@ def substeps(period_s: float, dt_s: float) -> int:
 
 
 class DivergedError(RuntimeError):
-    """A motion without a finite solution; the message is one line for the user."""
+    """Raised for a motion without a finite solution; the message is one line for the user."""
 
 
 def check_finite(state: State, vehicle_id: str, t_s: float) -> None:
@@ -71,14 +71,14 @@ def check_finite(state: State, vehicle_id: str, t_s: float) -> None:
     if not math.isfinite(sum(state)):
         raise DivergedError(
             f"{vehicle_id}: its motion has no finite solution after t = {t_s:.2f} s; "
-            "a model or a gain drives it apart"
+            "a model or a gain is unstable"
         )
 
 
 class Vehicle:
     """
     The true vehicle. `step` advances it by one control period with the command held; `state` is the truth at
-    the latest tick, `nav` what its own navigation says of it, and `navigation` that navigation.
+    the latest tick, `nav` the output of its own navigation, and `navigation` the navigation itself.
     """
 
     def __init__(self, config: VehicleConfig) -> None:
@@ -100,7 +100,7 @@ class Vehicle:
         self.nav: VehicleState = self.navigation.measured(self.state)
 
     def restore(self, state: VehicleState) -> None:
-        """Put the vehicle into `state`, at its tick."""
+        """Set the vehicle to `state`, at its tick."""
         self._tick = state.tick
         self._state = (*state.position, *state.attitude, *state.nu)
         self.state = self._record()
@@ -112,7 +112,7 @@ class Vehicle:
         Raises
         ------
         DivergedError
-            When the motion has no finite solution.
+            If the motion has no finite solution.
 
         """
         values = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if command is None else command_numbers(command)

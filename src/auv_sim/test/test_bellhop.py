@@ -144,7 +144,7 @@ def test_a_table_that_cannot_be_made_is_refused(raw, message):
     ("program", "message"),
     [
         ("raise SystemExit('the sea is dry')", "the Bellhop solver failed with status 1: the sea is dry"),
-        ("input()\nwhile True: pass", "the Bellhop solver did not come to an end within 0.5 s"),
+        ("input()\nwhile True: pass", "the Bellhop solver did not end within 0.5 s"),
     ],
 )
 def test_a_solver_that_fails_is_one_line(tmp_path, monkeypatch, program, message):

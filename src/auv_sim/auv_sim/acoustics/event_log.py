@@ -1,4 +1,4 @@
-"""What the acoustic log says: its order, and what must never be in it."""
+"""The order of the acoustic log, and a check for receptions that must not happen."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def in_order(events: Iterable[AcousticEvent]) -> list[AcousticEvent]:
 
 def half_duplex_violations(events: Iterable[AcousticEvent]) -> list[tuple[AcousticEvent, AcousticEvent]]:
     """
-    Return (transmission, reception) of every modem that received while it transmitted; there must be none.
+    Return (transmission, reception) of every modem that received while it transmitted; this must be empty.
 
     Parameters
     ----------

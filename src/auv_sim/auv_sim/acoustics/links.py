@@ -1,4 +1,4 @@
-"""What became of the packets on each link, counted."""
+"""Counters of the packets on each link."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from auv_core.messages import Outcome
 
-# From one hop across a flock to a report of a slow modem that waited for the channel (s).
+# From a short travel time within a flock to a slow modem that waited for the channel (s).
 DELAY_EDGES_S = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 
 _LOSSES = {
@@ -22,11 +22,11 @@ _LOSSES = {
 @dataclass
 class LinkCounters:
     """
-    What became of the packets from one modem to another.
+    Counters of the packets from one modem to another.
 
     `delay_counts` is a histogram of the delays from the start of a transmission to the end of its reception
-    over `DELAY_EDGES_S`: one bin below the first edge, one from each edge on.  What is in none of the other
-    counters of `sent` is still in the water.
+    over `DELAY_EDGES_S`: one bin below the first edge, and one bin starting at each edge. Packets in `sent`
+    that are in no other counter are still on their way.
     """
 
     sent: int = 0
@@ -45,7 +45,7 @@ class LinkCounters:
         return sum(getattr(self, name) for name in _LOSSES.values())
 
     def numbers(self) -> tuple[int, ...]:
-        """Return all counters but those of the delays, in their order."""
+        """Return all counters except the delay histogram, in their order."""
         return (
             self.sent, self.delivered, self.lost_range, self.lost_noise, self.lost_collision,
             self.lost_half_duplex, self.lost_outage, self.bytes_sent,
@@ -57,10 +57,10 @@ class LinkCounters:
         self.bytes_sent += size_bytes
 
     def count_end(self, outcome: Outcome, delay_s: float) -> None:
-        """Count what became of a packet; `delay_s` is that of a delivered one."""
+        """Count the outcome of a packet; `delay_s` is the delay if it was delivered."""
         if outcome is Outcome.DELIVERED:
             self.delivered += 1
-            # A delay on an edge, but for rounding, belongs to the bin that the edge opens.
+            # A delay that equals an edge, up to rounding, belongs to the bin that starts there.
             self.delay_counts[bisect_left(DELAY_EDGES_S, delay_s + 1e-9)] += 1
         else:
             name = _LOSSES[outcome]

@@ -1,10 +1,10 @@
 """
-The acoustic medium: everything between the vehicles' modems.
+The acoustic medium between the vehicles' modems.
 
-The medium is asked once per control period: `exchange` says what arrives now and who may transmit, `transmit`
-takes what the vehicles hand over.  Inside the period it works on continuous time: a transmission starts at
-its medium-access opportunity, ends after its airtime, and is heard range over sound speed later; it can be
-delivered from the next tick on.  `receiver` has what a receiver makes of what reaches it.
+It is called once per control period: `exchange` returns arriving packets and which modems may transmit,
+`transmit` takes the packets of the vehicles. Within the period it works in continuous time: a transmission
+starts at its medium-access opportunity, ends after its airtime, and is heard range over sound speed later; it
+can be delivered from the next tick on. `receiver` models the reception of signals.
 """
 
 from __future__ import annotations
@@ -42,15 +42,15 @@ class MediumConfig:
     seed: int = param("seed of every random number", default=1, minimum=0)
     period_s: float = param("control period (s)", default=0.1, above=0.0)
     propagation: Section = param("travel time and loss", plugins=PROPAGATION)
-    modem: Section = param("airtime, reach and errors", plugins=MODEM)
+    modem: Section = param("airtime, range and errors", plugins=MODEM)
     mac: Section = param("medium access", plugins=MAC)
-    outage: Section = param("losses by no other cause", plugins=OUTAGE)
-    sonar: Section = param("what the vehicles see of each other", default=NO_SONAR, plugins=SONAR)
+    outage: Section = param("further random losses", plugins=OUTAGE)
+    sonar: Section = param("how vehicles detect each other by sonar", default=NO_SONAR, plugins=SONAR)
 
 
 @dataclass(slots=True)
 class _Held:
-    """A packet that waits in its modem for a quiet moment; `attempts` times it was not quiet."""
+    """A packet that waits in its modem for a quiet channel; the channel was busy `attempts` times."""
 
     packet: Packet
     at_s: float
@@ -61,13 +61,13 @@ class AcousticMedium:
     """
     Carry packets between modems with delay and loss.
 
-    The same configuration and the same calls give the same deliveries: no clock, and every random number is
-    fixed by (seed, purpose, source, destination, sequence).
+    The same configuration and the same calls give the same deliveries: there is no clock, and (seed,
+    purpose, source, destination, sequence) determine every random number.
 
     Attributes
     ----------
     links : mapping of (source, destination) to LinkCounters
-        What became of the packets of each link so far.
+        Counters of the packets of each link so far.
 
     """
 
@@ -143,9 +143,9 @@ class AcousticMedium:
 
     def transmit(self, packets: Mapping[int, Sequence[Packet]], states: Sequence[VehicleState]) -> None:
         """
-        Take what the vehicles hand over in one tick.
+        Take the packets that the vehicles pass in one tick.
 
-        A packet that comes after the next tick has begun, as can be in real time, starts when it comes.
+        A packet that comes after the next tick has begun, as may happen in real time, starts when it comes.
 
         Parameters
         ----------
@@ -157,8 +157,8 @@ class AcousticMedium:
         Raises
         ------
         ValueError
-            For a packet out of turn, with an address that is not its modem's or nobody's, a second packet, or
-            a payload that the modem does not take.
+            For a packet without a transmit opportunity, with a wrong source or an unknown destination, a
+            second packet, or a payload that is too large for the modem.
 
         """
         self._states = states
@@ -181,7 +181,7 @@ class AcousticMedium:
         return in_order(taken)
 
     def _asks(self, address: int, tick: int) -> bool:
-        """Return whether a modem asks for data in a tick: it may transmit, is idle, and holds nothing."""
+        """Return whether a modem asks for data in a tick: it may transmit, is idle, and has no packet."""
         start_s = self._mac.opportunity_s(address, tick, self._period_s)
         return (
             start_s is not None
@@ -198,7 +198,7 @@ class AcousticMedium:
             )
 
     def _start_s(self, packet: Packet) -> float:
-        """Return when the modem would begin to transmit a packet (s), or refuse it."""
+        """Return when the modem will begin to transmit a packet (s), or refuse the packet."""
         source, size = packet.source, len(packet.payload)
         start_s = self._mac.opportunity_s(source, packet.tick, self._period_s)
         if start_s is None:
@@ -218,7 +218,7 @@ class AcousticMedium:
         return float(start_s)
 
     def _send_held(self, until_s: float) -> None:
-        """Let the modems that listen first do so, in the order of time, up to a moment."""
+        """Let modems with carrier sense listen, in the order of time, up to a moment."""
         while self._held:
             source, held = min(self._held.items(), key=lambda item: (item[1].at_s, item[0]))
             if held.at_s >= until_s:
@@ -250,7 +250,7 @@ class AcousticMedium:
                 self.links[source, address].count_sent(size)
 
     def _deliver(self, address: int, now_s: float, position: Vec3) -> tuple[Reception, ...]:
-        """Return what has arrived for a modem since the last tick, in the order of arrival."""
+        """Return the packets that arrived at a modem since the last tick, in the order of arrival."""
         signals = self._receivers[address - 1].listen(now_s, position)
         if not signals:
             return ()

@@ -1,17 +1,17 @@
 """
-One modem as a receiver: which signals reach it and when, which one it locks on to, and what it makes of them.
+One modem as a receiver: which signals reach it and when, which one it locks on to, and their outcomes.
 
-A transmission reaches every modem but its own as a signal of its own: with its own delay, level and
-interferers.  Its start is fixed by where the receiver is when the start arrives, its end by where the
-receiver is when the end arrives; the transmitter's place is that of the moment of sending.
+A transmission reaches every other modem as a separate signal, with its own delay, level and interferers. The
+position of the receiver when the start arrives determines the start time, and its position when the end
+arrives determines the end time. The transmitter's position is that of the moment of sending.
 
-1. A receiver locks on to a signal whose start it recognises above noise and whatever else arrives at that
-   moment, if it is neither transmitting nor locked on to another signal.  It keeps the first one (capture).
-2. While it transmits it hears nothing: a signal that overlaps with its own transmission is lost.
-3. What overlaps with the payload adds to the noise for as long as it overlaps.  The packet error probability
-   is that of all bits together, each at the ratio of its moment; one random number per packet and receiver
-   decides, and says whether noise alone would have been enough.
-4. A modem without capture loses everything that overlaps with anything that it could have locked on to.
+1. A receiver locks on to a signal if it recognises the start above noise and interference, and is neither
+   transmitting nor locked on to another signal. It keeps the first one (capture).
+2. While it transmits it receives nothing: a signal that overlaps with its own transmission is lost.
+3. Signals that overlap with the payload add to the noise during the overlap. The packet error probability
+   follows from all bits, each at its momentary ratio. One random number per packet and receiver decides, and
+   also tells whether noise alone would have caused the loss.
+4. A modem without capture loses all signals that overlap with another signal that it could have locked on to.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from auv_core.messages import Outcome, Packet
 from auv_sim.acoustics.water import packet_error_prob
 from auv_sim.streams import Purpose, uniform
 
-# What touches, or overlaps by rounding only, does not overlap (s).
+# Signals that touch, or overlap by rounding only, do not count as overlapping (s).
 TOUCH_S = 1e-8
 _SLACK_S = 1e-9
-# No number of `uniform` but zero is smaller.
+# The smallest number of `uniform` above zero.
 _NO_CHANCE = 1e-16
 
 
 @dataclass(frozen=True, slots=True)
 class Transmission:
-    """A packet on the air: first and last moment (s) at the transmitter, and where that was (m; NED)."""
+    """A packet on the air: first and last moment (s) at the transmitter, and its position (m; NED)."""
 
     packet: Packet
     start_s: float
@@ -47,10 +47,10 @@ class Transmission:
 @dataclass(slots=True, eq=False)
 class Signal:
     """
-    A transmission as one receiver gets it.
+    A transmission at one receiver.
 
-    `start_s` is NaN until its start has arrived, `end_s` the best knowledge of its end (s); `snr_ratio` is to
-    ambient noise, as a ratio of powers (NaN where the modem knows no levels).
+    `start_s` is NaN until its start has arrived, `end_s` the best estimate of its end (s); `snr_ratio` is
+    the ratio of its power to ambient noise (NaN if the modem models no levels).
     """
 
     transmission: Transmission
@@ -63,16 +63,16 @@ class Signal:
 
     @property
     def snr_db(self) -> float:
-        """Signal to ambient noise (dB); NaN where the modem knows no levels."""
+        """Signal to ambient noise (dB); NaN if the modem models no levels."""
         return 10.0 * math.log10(max(self.snr_ratio, 1e-300)) if self.snr_ratio >= 0.0 else math.nan
 
     def overlaps(self, start_s: float, end_s: float) -> bool:
-        """Return whether this signal and an interval have more than a touch in common."""
+        """Return whether this signal and an interval overlap, by more than rounding."""
         return min(self.end_s, end_s) - max(self.start_s, start_s) > TOUCH_S
 
 
 class Receiver:
-    """The ear of the modem at one address."""
+    """The receiver of the modem at one address."""
 
     def __init__(self, address: int, modem: Any, propagation: Any, outage: Any, seed: int) -> None:
         self._address = address
@@ -87,20 +87,20 @@ class Receiver:
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing is on its way to this receiver, and nothing from it that could make it deaf."""
+        """Whether no signal is on its way to this receiver, and no own transmission could block it."""
         return not self._signals and not self._own
 
     def expect(self, transmission: Transmission) -> None:
-        """Take note of a transmission of another modem, to whatever address."""
+        """Note a transmission of another modem, to any address."""
         self._signals.append(Signal(transmission))
 
     def go_deaf(self, start_s: float, end_s: float) -> None:
-        """Take note of a transmission of the own modem."""
+        """Note a transmission of the own modem."""
         if end_s - start_s > TOUCH_S:
             self._own.append((start_s, end_s))
 
     def hears(self, t_s: float, position: Vec3) -> bool:
-        """Return whether any signal that can be recognised is at `position` (m; NED) at `t_s`."""
+        """Return whether a recognisable signal is at `position` (m; NED) at `t_s`."""
         for signal in self._signals:
             sent = signal.transmission
             if signal.outcome is not None or t_s < sent.start_s:
@@ -114,14 +114,14 @@ class Receiver:
 
     def listen(self, now_s: float, position: Vec3) -> Sequence[Signal]:
         """
-        Return the signals that ended up to now and since the last call, each with its outcome.
+        Return the signals that ended since the last call, each with its outcome.
 
         Parameters
         ----------
         now_s : float
             Time of the tick; never earlier than in the last call.
         position : (3,) tuple
-            Where the receiver is (m; NED).
+            Position of the receiver (m; NED).
 
         """
         if not self._signals:
@@ -138,7 +138,7 @@ class Receiver:
         return ended
 
     def _advance(self, now_s: float, position: Vec3) -> tuple[list[Signal], list[Signal]]:
-        """Move starts and ends to what is known now; return the signals that begun and that ended."""
+        """Update start and end times; return the signals that began and those that ended."""
         begun, ended = [], []
         for signal in self._signals:
             sent = signal.transmission
@@ -158,7 +158,7 @@ class Receiver:
         return begun, ended
 
     def _level(self, origin: Vec3, position: Vec3) -> tuple[bool, float]:
-        """Return whether there is a signal at all, and its signal to noise as a ratio of powers."""
+        """Return whether there is a signal, and its ratio of signal to noise power."""
         modem = self._modem
         is_audible = modem.max_range_m == math.inf or distance(origin, position) <= modem.max_range_m
         if not self._has_levels:
@@ -170,7 +170,7 @@ class Receiver:
         return not self._has_levels or bool(self._modem.acquires(snr_ratio))
 
     def _try_lock(self, signal: Signal) -> None:
-        """Lock on to a signal at its start, if that can be."""
+        """Lock on to a signal at its start, if possible."""
         lock, start_s = self._lock, signal.start_s
         if not signal.is_audible or self._transmits(start_s, start_s + 2.0 * TOUCH_S):
             return
@@ -185,7 +185,7 @@ class Receiver:
         self._lock = signal
 
     def _rivals(self, signal: Signal, start_s: float, end_s: float) -> list[Signal]:
-        """Return the other signals that are there within an interval, for more than a touch."""
+        """Return the other signals that overlap with an interval, by more than rounding."""
         if len(self._signals) == 1 or end_s - start_s <= TOUCH_S:
             return []
         return [
@@ -195,7 +195,7 @@ class Receiver:
         ]
 
     def _transmits(self, start_s: float, end_s: float) -> bool:
-        """Return whether the own modem is on the air within an interval, for more than a touch."""
+        """Return whether the own modem transmits within an interval, by more than rounding."""
         if not self._own:
             return False
         return any(min(own[1], end_s) - max(own[0], start_s) > TOUCH_S for own in self._own)
@@ -221,7 +221,7 @@ class Receiver:
     def _bit_errors(
         self, signal: Signal, rivals: Sequence[Signal], event: tuple[int, int, int]
     ) -> Outcome | None:
-        """Draw whether a bit of a packet falls over; return what made it, or None."""
+        """Draw whether a packet has a bit error; return its cause, or None."""
         if not self._has_levels:
             return None
         quiet = self._packet_error_prob(signal, ())
@@ -234,7 +234,7 @@ class Receiver:
         return Outcome.COLLISION if luck < error_prob else None
 
     def _packet_error_prob(self, signal: Signal, rivals: Sequence[Signal]) -> float:
-        """Return the probability of at least one bit error, with rivals while they overlap."""
+        """Return the probability of at least one bit error, with interfering signals while they overlap."""
         bits = 8.0 * len(signal.transmission.packet.payload)
         if not rivals:
             return packet_error_prob(self._modem.bit_error_prob(signal.snr_ratio), bits)
@@ -253,7 +253,7 @@ class Receiver:
         return -math.expm1(log_success)
 
     def _forget(self, now_s: float) -> None:
-        """Drop what can overlap with nothing any more."""
+        """Drop signals that can no longer overlap with others."""
         if self._lock is not None and self._lock.outcome is not None and self._lock.end_s <= now_s:
             self._lock = None
         open_s = min(

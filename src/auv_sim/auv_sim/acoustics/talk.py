@@ -1,4 +1,4 @@
-"""Modems without vehicles: each modem that is asked for data hands over the next packet."""
+"""Modems without vehicles: each modem that may transmit gets the next packet."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ def talk(
     made: dict[tuple[int, int], int] | None = None,
 ) -> list[AcousticEvent]:
     """
-    Let modems talk for some ticks, and return the acoustic log.
+    Let modems transmit for some ticks, and return the acoustic log.
 
     Parameters
     ----------
     medium : AcousticMedium
-        Taken as it is: what is in the water goes on.
+        The medium; packets on their way continue.
     ticks : range
-        The ticks to go through.
+        The ticks to run.
     positions_at : callable of int
         Positions of all modems (m; NED) at a tick, in the order of addresses.
     payload_bytes : int
-        Size of every packet; they are all for everybody.
+        Size of every packet; all are broadcast.
     talkers : collection of int, optional
-        Addresses of the modems that answer when asked; all if left out.
+        Addresses of the modems that transmit; by default all.
     made : dict, optional
         Filled with the tick in which each packet was made, by (source, sequence).
 

@@ -85,5 +85,5 @@ def fsk_bit_error_prob(snr_ratio: float) -> float:
 
 
 def packet_error_prob(bit_error_prob: float, bits: float) -> float:
-    """Return 1 - (1 - BER)^bits, exact also where it is far below one."""
+    """Return 1 - (1 - BER)^bits, accurate even for very small values."""
     return -math.expm1(bits * math.log1p(-bit_error_prob))

@@ -1,4 +1,4 @@
-"""How far a dead reckoning may be off: the covariance of its errors, and what a position fix does to it."""
+"""The covariance of the errors of dead reckoning, and its update by a position fix."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ FloatArray = NDArray[np.float64]
 
 
 class FixCorrection(NamedTuple):
-    """What a position fix says of the estimates of position, and of the offsets of compass and log."""
+    """Corrections by a position fix: of the position, and of the offsets of compass and log."""
 
     north_m: float
     east_m: float
@@ -25,23 +25,23 @@ class Drift:
     Covariance of the errors of a dead reckoning with constant offsets in heading and velocity.
 
     The error state is e = (north, east, heading, surge, sway): estimate minus truth of the horizontal
-    position (m), and what is left of the offsets of the compass (rad) and of the log along the body's x and
-    y (m/s). Since the last fix
+    position (m), and the remaining offsets of the compass (rad) and of the log along the body's x and y
+    (m/s). Since the last fix
 
         e_p = e_p0 + S (e_heading, e_surge, e_sway) + noise,
 
-    where S collects what the offsets do: a heading error turns the displacement, a log error is carried
-    along the body's axes. S is all that changes between fixes; the covariance of the offsets P_o and that of
-    offsets and position P_op do not. The covariance of the position is therefore
-    P_p = P_p0 + S P_op + (S P_op)' + S P_o S' + noise.
+    where S collects the effects of the offsets: a heading error rotates the displacement, a log error is
+    integrated along the body's axes. Only S changes between fixes; the covariance of the offsets P_o and that
+    of offsets and position P_op do not. The covariance of the position is therefore P_p = P_p0 + S P_op + (S
+    P_op)' + S P_o S' + noise.
 
     Parameters
     ----------
     position_sd_m, heading_sd_rad, velocity_sd_mps : float
-        Standard deviations at the start, per axis; the five errors are independent then.
+        Initial standard deviations, per axis; the five errors are then independent.
     learns : bool
-        Whether a fix corrects the offsets too. If not they keep their uncertainty, and the position is
-        corrected with the gain that takes them into account (Schmidt 1966).
+        Whether a fix also corrects the offsets. If not, they keep their uncertainty, and the gain for the
+        position takes them into account (Schmidt 1966).
 
     """
 
@@ -58,7 +58,7 @@ class Drift:
         self, moved_m: tuple[float, float], axes: tuple[float, float, float, float], dt_s: float, sd_m: float
     ) -> None:
         """
-        Let one interval pass.
+        Advance by one interval.
 
         Parameters
         ----------
@@ -69,7 +69,7 @@ class Drift:
         dt_s : float
             Its length (s).
         sd_m : float
-            What white noise adds to the displacement, per axis (m).
+            White noise of the displacement, per axis (m).
 
         """
         self._moved_n_m += moved_m[0]
@@ -115,7 +115,7 @@ class Drift:
 
     def correct(self, off_m: tuple[float, float], sd_m: float) -> FixCorrection:
         """
-        Take in a position fix (Kalman's update, in Joseph's form).
+        Use a position fix (Kalman update in Joseph form).
 
         Parameters
         ----------
@@ -127,12 +127,13 @@ class Drift:
         Returns
         -------
         correction : FixCorrection
-            North and east to be added to the estimates; heading, surge and sway to be taken off from now on.
+            North and east: to be added to the position; heading, surge and sway: to be subtracted from now
+            on.
 
         """
         P = self.covariance()
         R = sd_m * sd_m * np.eye(2)
-        # A start and a fix without error leave nothing to be corrected and a matrix without an inverse.
+        # With an exact start and an exact fix there is nothing to correct, and the matrix is singular.
         K = P[:, :2] @ np.linalg.pinv(P[:2, :2] + R, hermitian=True)
         if not self._learns:
             K[2:] = 0.0
@@ -145,13 +146,13 @@ class Drift:
         return FixCorrection(north, east, heading, surge, sway)
 
     def _clear(self) -> None:
-        """Let S begin anew."""
+        """Reset S."""
         self._moved_n_m = self._moved_e_m = 0.0
         self._xn_s = self._xe_s = self._yn_s = self._ye_s = 0.0
         self._noise_m2 = 0.0
 
     def _keep(self, P: FloatArray) -> None:
-        """Keep the covariance at a fix as plain numbers too, for what is asked in every tick."""
+        """Keep the covariance at a fix as plain numbers, too, for fast use in every tick."""
         self._P = 0.5 * (P + P.T)
         rows = self._P.tolist()
         self._start_m2 = rows[0][0] + rows[1][1]

@@ -1,4 +1,4 @@
-"""Dead reckoning: compass, velocity log and pressure sensor, each with its error, and fixes if asked."""
+"""Dead reckoning: compass, velocity log and pressure sensor with errors, and optional position fixes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Params:
     """Errors of the sensors, of the start, and of the fixes."""
 
     velocity_bias_mps: float = param(
-        "size of the log's constant error, in the body's horizontal plane (m/s)",
+        "magnitude of the log's constant error, in the body's horizontal plane (m/s)",
         default=0.01,
         minimum=0.0,
         maximum=10.0,
@@ -33,7 +33,7 @@ class Params:
         maximum=10.0,
     )
     heading_bias_rad: float = param(
-        "size of the compass's constant error (rad)", default=math.radians(0.5), minimum=0.0, maximum=1.0
+        "magnitude of the compass's constant error (rad)", default=math.radians(0.5), minimum=0.0, maximum=1.0
     )
     depth_sd_m: float = param(
         "white noise of the depth, per control period (m)", default=0.01, minimum=0.0, maximum=100.0
@@ -42,11 +42,11 @@ class Params:
         "error of the start, per horizontal axis (m)", default=0.0, minimum=0.0, maximum=1000.0
     )
     fix: str = param(
-        "where position fixes come from: none, surface (only near the surface), lbl (anywhere)",
+        "source of position fixes: none, surface (only near the surface), lbl (anywhere)",
         default="none",
         choices=("none", "surface", "lbl"),
     )
-    fix_period_s: float = param("time from one fix to the next (s)", default=60.0, minimum=1e-3)
+    fix_period_s: float = param("time between fixes (s)", default=60.0, minimum=1e-3)
     fix_sd_m: float = param(
         "error of a fix, per horizontal axis (m)", default=0.3, minimum=0.0, maximum=1000.0
     )
@@ -58,20 +58,23 @@ class Params:
 
 class Navigation:
     """
-    The position follows from the start by the log's velocity, turned by the compass; the depth is measured.
+    The position is the start plus the integral of the log's velocity, rotated by the compass; the depth is
+    measured.
 
-    * The log's constant error has the given size and a random direction in the body's horizontal plane; the
-      compass's has the given size and a random sign. Both belong to (seed, address) and last the whole run.
-      A size in place of a standard deviation lets every vehicle of every run drift as much as the scenario
-      says; the variance per axis is half the square of the log's size, and the square of the compass's.
-    * Roll, pitch and the turn rates are exact. The log measures over ground, and its velocity is
-      integrated without an error of its own: what drifts are the sensors.
-    * A fix comes in the tick into which a multiple of its period falls, a `surface` fix as soon after as the
-      vehicle is shallow enough. Its errors are independent; it takes neither time nor airtime.
+    * The log's constant error has the given magnitude and a random direction in the body's horizontal plane;
+      the compass's has the given magnitude and a random sign. Both are fixed by (seed, address) for the whole
+      run. With a magnitude instead of a standard deviation, every vehicle of every run drifts as much as the
+      scenario says. The variance per axis is half the square of the log's magnitude, and the square of the
+      compass's.
+    * Roll, pitch and the turn rates are exact. The log measures velocity over ground. The integration adds
+      no error: the drift is due to the sensors.
+    * A fix comes in the tick that contains a multiple of its period; a `surface` fix comes as soon
+      afterwards as the vehicle is shallow enough. Errors of fixes are independent; a fix takes neither time
+      nor airtime.
     * `position_sd_m` (per horizontal axis; the depth is better) and `heading_sd_rad` are those of a Kalman
-      filter that knows the sizes above and nothing else; see `Drift`.
-    * `velocity_sd_mps` (forward, right, down) has the log's noise and its constant error, without what fixes
-      may teach of that.
+      filter that knows only the magnitudes above; see `Drift`.
+    * `velocity_sd_mps` (forward, right, down) includes the log's noise and its constant error, without
+      corrections by fixes.
     """
 
     def __init__(self, params: Params, seed: int, address: int, period_s: float) -> None:
@@ -101,7 +104,7 @@ class Navigation:
         self._fixes_due = 0
 
     def measured(self, state: VehicleState) -> VehicleState:
-        """Return what the vehicle believes when the truth is `state`; ticks go forward."""
+        """Return the vehicle's navigation for the true `state`; ticks must increase."""
         p = self._params
         noise = self._normals(state.tick)
         attitude = quaternion_product(quaternion_from_heading(self._turned_rad), state.attitude)
@@ -141,7 +144,7 @@ class Navigation:
         off_ned_mps: tuple[float, float, float],
         attitude: tuple[float, float, float, float],
     ) -> None:
-        """Add the true displacement, turned by the compass's error, and what the log's error makes of it."""
+        """Add the true displacement, rotated by the compass's error, and the effect of the log's error."""
         dt_s = (state.tick - before.tick) * self._period_s
         north_m, east_m = state.position[0] - before.position[0], state.position[1] - before.position[1]
         c, s = math.cos(self._turned_rad), math.sin(self._turned_rad)
@@ -169,7 +172,7 @@ class Navigation:
         return True
 
     def _fixes_until(self, tick: int) -> int:
-        """Count the fixes that fall before the next tick."""
+        """Count the fixes before the next tick."""
         return math.ceil((tick + 1) * self._period_s / self._params.fix_period_s - _SLACK_FIXES)
 
     def _fix(self, state: VehicleState) -> None:

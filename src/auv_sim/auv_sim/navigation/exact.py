@@ -1,4 +1,4 @@
-"""Exact navigation: every vehicle knows where it truly is."""
+"""Exact navigation: every vehicle knows its true state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""White measurement noise on position and velocity, drawn anew for every tick, and measurements that fail."""
+"""White noise on position and velocity, drawn for every tick, and failed measurements."""
 
 from __future__ import annotations
 
@@ -15,9 +15,11 @@ from auv_sim.streams import Purpose, generator
 class Params:
     """Standard deviations per axis; the attitude is measured exactly."""
 
-    position_sd_m: float = param("of a position, per NED axis (m)", default=0.05, minimum=0.0, maximum=100.0)
+    position_sd_m: float = param(
+        "standard deviation of a position, per NED axis (m)", default=0.05, minimum=0.0, maximum=100.0
+    )
     velocity_sd_mps: float = param(
-        "of a velocity, per body axis (m/s)", default=0.01, minimum=0.0, maximum=10.0
+        "standard deviation of a velocity, per body axis (m/s)", default=0.01, minimum=0.0, maximum=10.0
     )
     failure_prob: float = param(
         "probability that a tick has no measurement", default=0.0, minimum=0.0, maximum=1.0
@@ -25,7 +27,7 @@ class Params:
 
 
 class Navigation:
-    """Noise by (seed, address, tick): a vehicle more or less does not change it."""
+    """Noise by (seed, address, tick): the number of vehicles does not change it."""
 
     odom_frame = OdomFrame()
 
@@ -39,7 +41,7 @@ class Navigation:
         self._last: VehicleState | None = None
 
     def measured(self, state: VehicleState) -> VehicleState:
-        """Return `state` with noise; where the measurement fails, the last one, marked as not valid."""
+        """Return `state` with noise; if the measurement fails, return the last one, marked as not valid."""
         p = self._params
         rng = generator(self._seed, Purpose.NAVIGATION, self._address, state.tick)
         if rng.random() < p.failure_prob:

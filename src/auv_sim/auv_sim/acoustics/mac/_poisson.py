@@ -1,4 +1,4 @@
-"""A Poisson process that can be asked at any time, in any order."""
+"""A Poisson process that can be queried for any interval, in any order."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ class PoissonTimes:
     """
     Random times with a mean interval, one process per address.
 
-    Time is cut into windows of the mean interval; each has a Poisson number of times (mean 1), uniform in the
-    window, from a generator of its own.
+    Time is cut into windows of the mean interval; each has a Poisson number of times (mean 1), uniform in
+    the window, from its own generator.
     """
 
     def __init__(self, mean_interval_s: float, seed: int) -> None:

@@ -1,4 +1,4 @@
-"""Unslotted ALOHA: everybody transmits when there is something to say, and hopes."""
+"""Unslotted ALOHA: a modem transmits when it has data, whatever the others do."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from auv_sim.acoustics.mac._poisson import PoissonTimes
 
 @dataclass(frozen=True)
 class Params:
-    """How often there is something to say."""
+    """How often a modem has data."""
 
     mean_interval_s: float = param(
         "mean time between a modem's transmissions (s); they are a Poisson process", default=2.0, minimum=1e-3

@@ -1,4 +1,4 @@
-"""Carrier-sense multiple access: as ALOHA, but a modem that hears something waits and listens again."""
+"""Carrier-sense multiple access: as ALOHA, but a modem that hears a signal waits and listens again."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from auv_sim.streams import Purpose, uniform
 
 @dataclass(frozen=True)
 class Params:
-    """How often there is something to say, and how long to wait when the water is not quiet."""
+    """How often a modem has data, and how long it waits if the channel is busy."""
 
     mean_interval_s: float = param(
-        "mean time between a modem's wishes to transmit (s); they are a Poisson process",
+        "mean time between a modem's requests to transmit (s); they are a Poisson process",
         default=2.0,
         minimum=1e-3,
     )
     min_backoff_s: float = param("shortest wait (s)", default=0.05, minimum=1e-3)
     max_backoff_s: float = param(
-        "longest wait (s) after the first time that something is heard; it doubles each time, up to 8 times",
+        "longest wait (s) after the first busy channel; it doubles each time, up to 8 times",
         default=0.5,
         minimum=1e-3,
     )
@@ -38,8 +38,8 @@ class Mac:
     """
     Non-persistent, with binary exponential backoff of at most three doublings.
 
-    A quiet place is no promise: what is on its way is not heard yet, and what the receiver hears is not heard
-    here.
+    A quiet channel is no guarantee: a signal may still be on its way, and the receiver may hear signals that
+    do not reach this modem.
     """
 
     senses = True
@@ -55,7 +55,7 @@ class Mac:
         return self._times.first_s(address, tick * period_s, (tick + 1) * period_s)
 
     def backoff_s(self, source: int, sequence: int, attempt: int) -> float:
-        """Return how long (s) to wait after having heard something for the `attempt`-th time, from 1 on."""
+        """Return the wait (s) after the channel was busy for the `attempt`-th time, from 1."""
         low_s = self._params.min_backoff_s
         high_s = self._params.max_backoff_s * 2 ** min(attempt - 1, 3)
         return low_s + (high_s - low_s) * uniform(self._seed, Purpose.MAC, source, attempt, sequence)

@@ -1,4 +1,4 @@
-"""Slotted ALOHA: in every slot every modem tosses a coin."""
+"""Slotted ALOHA: in every slot each modem transmits with a fixed probability."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Params:
 
     slot_s: float = param("length of a slot (s), airtime and guard together", default=0.25, minimum=1e-3)
     transmit_prob: float = param(
-        "probability that a modem transmits in a slot; 1 / fleet size carries most",
+        "probability that a modem transmits in a slot; 1 / fleet size gives the largest throughput",
         default=0.25, minimum=0.0, maximum=1.0,
     )  # fmt: skip
 
@@ -33,8 +33,10 @@ class Mac:
         self._seed = seed
 
     def opportunity_s(self, address: int, tick: int, period_s: float) -> float | None:
-        """Return the start (s) of the first slot of the control period that the modem wins, or None."""
-        # A nanosecond of slack, so that a slot that begins on a tick belongs to that tick whatever the
+        """
+        Return the start (s) of the first slot of the control period in which the modem transmits, or None.
+        """
+        #  A nanosecond of tolerance, so that a slot that begins on a tick belongs to that tick despite
         # rounding.
         first = max(math.ceil((tick * period_s - 1e-9) / self._slot_s), 0)
         last = math.ceil(((tick + 1) * period_s - 1e-9) / self._slot_s)
@@ -44,5 +46,5 @@ class Mac:
         return None
 
     def check(self, airtime_s: float) -> None:
-        """Raise ValueError when a transmission is longer than the slot."""
+        """Raise ValueError if a transmission is longer than the slot."""
         check_slot(self._slot_s, airtime_s)

@@ -20,8 +20,8 @@ class Mac:
     """
     Modem a of n owns the slots m with m mod n = a - 1; slot m starts at m slot_s.
 
-    What is left of a slot after a transmission guards the next slot: no two packets meet at any receiver
-    while travel times differ by less than that.
+    The rest of a slot after a transmission is a guard time: no two packets overlap at any receiver if travel
+    times differ by less than that.
     """
 
     senses = False
@@ -35,12 +35,12 @@ class Mac:
         """Return the start (s) of the first own slot that begins in the control period, or None."""
         cycle_s = self._slot_s * self._fleet_size
         offset_s = self._slot_s * (address - 1)
-        # A nanosecond of slack, so that a slot that begins on a tick belongs to that tick whatever the
+        #  A nanosecond of tolerance, so that a slot that begins on a tick belongs to that tick despite
         # rounding.
         cycle = math.ceil((tick * period_s - offset_s - 1e-9) / cycle_s)
         start_s = max(cycle, 0) * cycle_s + offset_s
         return start_s if start_s < (tick + 1) * period_s - 1e-9 else None
 
     def check(self, airtime_s: float) -> None:
-        """Raise ValueError when a transmission is longer than the slot."""
+        """Raise ValueError if a transmission is longer than the slot."""
         check_slot(self._slot_s, airtime_s)

@@ -1,4 +1,4 @@
-"""Everybody transmits in every control period: no medium access at all, for modems that take no time."""
+"""Every modem transmits in every control period: no medium access control, for modems without airtime."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class Params:
 
 
 class Mac:
-    """A transmission may start at every tick; with airtime above zero everybody drowns everybody."""
+    """A transmission may start at every tick; with airtime above zero all packets collide."""
 
     senses = False
 

@@ -1,8 +1,8 @@
 """
-A modem with one bit rate, and a range beyond which nothing is heard.
+A modem with one bit rate and a maximum range.
 
-It knows no levels.  Within its range every packet is heard perfectly, unless two overlap at the receiver:
-then both are lost, or, with `capture`, the second one only.
+It models no sound levels. Within its range every packet is received without errors, unless two overlap at
+the receiver: then both are lost, or with `capture` only the second one.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from auv_core.params import param
 
 @dataclass(frozen=True)
 class Params:
-    """Rate, overhead and reach."""
+    """Rate, overhead and range."""
 
     bit_rate_bps: float = param("bits per second on the air", default=5000.0, above=0.0)
     preamble_s: float = param("time on the air before the first bit (s)", default=0.0, minimum=0.0)

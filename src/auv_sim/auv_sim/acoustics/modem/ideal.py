@@ -12,7 +12,7 @@ class Params:
 
 
 class Modem:
-    """Everything fits and takes no time, so that nothing overlaps."""
+    """Every packet fits and takes no time, so that packets never overlap."""
 
     max_range_m = math.inf
     max_payload_bytes = 65535

@@ -1,10 +1,9 @@
 """
-A modem whose reach is set by noise: sonar equation, signal to noise, bit errors, packet errors.
+A modem whose range is limited by noise: sonar equation, signal to noise, bit errors, packet errors.
 
 SNR = SL - TL - (NL + 10 log10 B), with source level SL, transmission loss TL of the propagation, ambient
 noise NL at the carrier (turbulence, shipping, wind, thermal; Coates) and band B. Interfering packets add to
-the noise. Ambient noise is that of the water, but is computed here, since only a modem with levels asks for
-it.
+the noise. Ambient noise is computed here, since only a modem with sound levels needs it.
 """
 
 from __future__ import annotations
@@ -25,17 +24,20 @@ _BIT_ERRORS = {"bpsk": bpsk_bit_error_prob, "fsk": fsk_bit_error_prob}
 
 @dataclass(frozen=True)
 class Params:
-    """Transmitter, signal, receiver, and the noise that it hears."""
+    """Transmitter, signal, receiver and noise."""
 
     source_level_db: float | None = param(
         "source level (dB re 1 uPa at 1 m); null: from power_w and directivity_db",
         default=None, minimum=0.0, maximum=250.0,
     )  # fmt: skip
     power_w: float = param(
-        "acoustic power (W), used where source_level_db is null", default=5.0, above=0.0, maximum=1e6
+        "acoustic power (W), used if source_level_db is null", default=5.0, above=0.0, maximum=1e6
     )
     directivity_db: float = param(
-        "directivity index of the transmitter (dB), likewise", default=0.0, minimum=-60.0, maximum=60.0
+        "directivity index of the transmitter (dB), used if source_level_db is null",
+        default=0.0,
+        minimum=-60.0,
+        maximum=60.0,
     )
     carrier_hz: float = param("centre of the band (Hz)", default=25000.0, minimum=10.0, maximum=1e6)
     bandwidth_hz: float = param("width of the band (Hz)", default=5000.0, minimum=1.0, maximum=1e6)
@@ -46,7 +48,8 @@ class Params:
     preamble_s: float = param("time on the air before the first bit (s)", default=0.0, minimum=0.0)
     max_payload_bytes: int = param("largest payload (bytes)", default=128, minimum=1, maximum=65535)
     acquisition_db: float = param(
-        "least signal to noise and interference (dB) at which the start of a packet is recognised",
+        "smallest ratio of signal to noise and interference (dB) at which the start of a packet is "
+        "recognised",
         default=0.0, minimum=-60.0, maximum=60.0,
     )  # fmt: skip
     capture: bool = param(
@@ -57,7 +60,7 @@ class Params:
 
 
 class Modem:
-    """Everything is relative to the ambient noise in the band: 1 is as loud as the noise."""
+    """Ratios are relative to the ambient noise in the band: 1 is as loud as the noise."""
 
     max_range_m = math.inf
 
@@ -84,5 +87,5 @@ class Modem:
         return 10.0 ** (0.1 * (self._snr_at_source_db - loss_db))
 
     def acquires(self, snr_ratio: float) -> bool:
-        """Return whether a packet's start is recognised at this ratio of signal to all else."""
+        """Return whether a packet's start is recognised at this ratio of signal to noise and interference."""
         return snr_ratio >= self._acquisition_ratio

@@ -16,7 +16,7 @@ class Params:
 
 
 class Outage:
-    """A coin per (source, destination, sequence)."""
+    """One random number per (source, destination, sequence)."""
 
     def __init__(self, params: Params, seed: int) -> None:
         self._loss_prob = params.loss_prob

@@ -1,4 +1,4 @@
-"""Losses in bursts: every link is in a good or a bad state, and changes from packet to packet."""
+"""Losses in bursts: every link is in a good or a bad state, which may change from packet to packet."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Params:
     )
 
     def __post_init__(self) -> None:
-        """Refuse a chain that would rather change than stay: it has no bursts."""
+        """Refuse a chain that is more likely to change than to stay: it has no bursts."""
         if self.p_gb + self.p_bg > 1.0:
             raise ValueError(
                 f"p_gb: {self.p_gb!r} is not allowed; allowed: at most 1 - p_bg = {1.0 - self.p_bg:g}"
@@ -44,16 +44,16 @@ class Outage:
     """
     A chain of two states per link, Gilbert (1960) and Elliott (1963).
 
-    With s = p_gb + p_bg <= 1 the chain is the same as this one: at every packet the state is drawn afresh
-    with probability s, bad with probability p_gb / s, and stays otherwise.  So the state at a packet is that
-    of the last fresh draw, and depends on the link and the sequence number only, whatever was asked before.
+    With s = p_gb + p_bg <= 1 the chain is equivalent to this one: at every packet the state is drawn anew
+    with probability s, bad with probability p_gb / s, and stays otherwise. So the state at a packet is that
+    of the last new draw, and depends on the link and the sequence number only, not on earlier calls.
     """
 
     def __init__(self, params: Params, seed: int) -> None:
         self._params = params
         self._seed = seed
         self._fresh_prob = params.p_gb + params.p_bg
-        # Farther back than this there is a fresh draw, but for one chance in 10^20.
+        # The last new draw is not farther back than this, except with a probability of 1e-20.
         self._memory = math.ceil(50.0 / self._fresh_prob)
         self._known: dict[tuple[int, int], tuple[int, bool]] = {}
 

@@ -1,8 +1,8 @@
 """
-The Bellhop solver as a program of its own: a case comes in as JSON, arrivals go out as npz.
+The Bellhop solver as a separate program: a case comes in as JSON, arrivals go out as npz.
 
-`bellhop` starts it by its path, with nothing of this project imported: a solver that hangs or dies takes
-nothing with it, and the library, which has a licence of its own, is never loaded into a run.
+`bellhop` starts it by its path, and it imports nothing of this project. So a solver that hangs or dies does
+no harm to a run, and the library, which has its own licence, is never loaded into a run.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ def main() -> None:
     """
     Solve one case.
 
-    The arrays are `arrival_offset` (place k has the arrivals from its k-th entry to before the next; depths
-    run fastest, then ranges), `amplitude`, `phase_rad` and `time_s`.
+    The arrays are `arrival_offset` (place k has the arrivals from its k-th entry up to the next; depths vary
+    fastest, then ranges), `amplitude`, `phase_rad` and `time_s`.
     """
     import pelagic
 

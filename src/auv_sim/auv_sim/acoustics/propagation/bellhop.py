@@ -1,12 +1,12 @@
 """
-Rays bent by a sound speed profile and reflected by surface and bottom: the Bellhop model, from a table.
+Rays that a sound speed profile bends and surface and bottom reflect: the Bellhop model, from a table.
 
-Bellhop is asked once per source depth for the arrivals at a grid of depths and ranges; between the grid's
-places delay and loss are interpolated.  What is interpolated is small and smooth: the speed that sound
-seems to have along the straight line, and how much the loss exceeds spherical spreading and absorption over
-that line.  So a delay goes to zero with the distance, and in water of one sound speed it is exact.
+Bellhop computes, once per source depth, the arrivals at a grid of depths and ranges; delay and loss are
+interpolated between the grid's places. The interpolated quantities are smooth: the apparent speed of sound
+along the straight line, and the loss beyond spherical spreading and absorption along that line. So the delay
+goes to zero with the distance, and it is exact in water of constant sound speed.
 
-The solver is no requirement of the project: ``./scripts/setup --with bellhop`` puts it in.
+The solver is optional: ``./scripts/setup --with bellhop`` installs it.
 
 Source: Porter, The BELLHOP Manual and User's Guide (2011).
 """
@@ -34,13 +34,13 @@ from auv_core.geometry import Vec3, distance
 from auv_core.params import param
 from auv_sim.acoustics.water import absorption_db_per_km, transmission_loss_db
 
-# With this loss no source that a modem may have is within what it may be set to recognise.
+# With this loss no modem recognises any possible source.
 INAUDIBLE_DB = 300.0
 _SOLVER = Path(__file__).with_name("_bellhop_solver.py")
 _TIMEOUT_S = 120.0
 _MAX_PLACES = 50_000
-# Rays do not know the frequency.  The solver joins neighbouring rays of a path where they differ by little
-# of a period, so it is given a long one; levels are summed here, at the modem's frequency.
+#  Rays do not depend on the frequency. The solver joins neighbouring rays of a path that differ by a small
+# part of a period, so it gets a long period; levels are summed here, at the modem's frequency.
 _RAY_HZ = 1000.0
 _STEEPEST_DEG = 89.0
 
@@ -50,15 +50,15 @@ Solver = Callable[[str], dict[str, Any]]
 
 @dataclass(frozen=True)
 class Params:
-    """The water, its bottom, the grid of the table, and what is made of the arrivals at a place."""
+    """The water, its bottom, the grid of the table, and how arrivals at a place are combined."""
 
     water_depth_m: float = param("depth of the flat bottom (m)", default=100.0, minimum=1.0, maximum=11000.0)
     sound_speed_mps: tuple[float, ...] = param(
-        "speed of sound (m/s): one, or one for each of sound_speed_depths_m",
+        "speed of sound (m/s): one value, or one for each of sound_speed_depths_m",
         default=(1500.0,), minimum=1300.0, maximum=1700.0,
     )  # fmt: skip
     sound_speed_depths_m: tuple[float, ...] = param(
-        "depths of the sound speeds (m), 0 first and increasing; linear between, the last one further down",
+        "depths of the sound speeds (m), from 0 and increasing; linear between, constant below the last",
         default=(0.0,), minimum=0.0, maximum=11000.0,
     )  # fmt: skip
     bottom_sound_speed_mps: float = param(
@@ -71,7 +71,7 @@ class Params:
         "absorption in the bottom (dB per wavelength)", default=0.1, minimum=0.0, maximum=20.0
     )
     max_range_m: float = param(
-        "horizontal range of the table (m); beyond it a modem that knows levels hears nothing",
+        "horizontal range of the table (m); beyond it a modem with sound levels receives nothing",
         default=2000.0, minimum=10.0, maximum=100000.0,
     )  # fmt: skip
     range_step_m: float = param("step of the table in range (m)", default=20.0, minimum=0.5, maximum=5000.0)
@@ -83,12 +83,12 @@ class Params:
         "arrival that gives the travel time", default="first", choices=("first", "strongest")
     )
     sum: str = param(
-        "powers of the arrivals add up, or pressures, whose fine pattern wants fine steps",
+        "whether powers or pressures of the arrivals are added; pressures need small steps",
         default="incoherent", choices=("incoherent", "coherent"),
     )  # fmt: skip
 
     def __post_init__(self) -> None:
-        """Refuse a profile that is none, and a table too large or with too few places."""
+        """Refuse an invalid profile, and a table that is too large or has too few places."""
         depths_m = self.sound_speed_depths_m
         if len(depths_m) != len(self.sound_speed_mps):
             raise ValueError(
@@ -97,7 +97,7 @@ class Params:
             )
         if not depths_m or depths_m[0] != 0.0 or any(b <= a for a, b in pairwise(depths_m)):
             raise ValueError(
-                f"sound_speed_depths_m: {list(depths_m)} is not allowed; allowed: 0, then deeper and deeper"
+                f"sound_speed_depths_m: {list(depths_m)} is not allowed; allowed: 0, then increasing depths"
             )
         if self.range_step_m > 0.5 * self.max_range_m:
             raise ValueError(
@@ -130,21 +130,21 @@ class Propagation:
     """
     Delay and loss from tables that are solved when a source depth is first used, once per process.
 
-    Nearer than the first range the place of the first range counts; above the first and below the last depth,
-    that depth.  Where no ray comes, and beyond `max_range_m`, the delay is that of a straight line at the
-    sound speed half-way down, and nothing can be heard.
+    Below the first range the values of the first range are used; above the first and below the last depth,
+    those of that depth. If no ray arrives, and beyond `max_range_m`, the delay is that of a straight line at
+    the sound speed at half the depth, and nothing can be received.
 
     Raises
     ------
     ValueError
-        When the solver is not installed.
+        If the solver is not installed.
 
     """
 
     def __init__(self, params: Params, solve: Solver | None = None) -> None:
         if solve is None and not is_installed():
             raise ValueError(
-                "propagation.kind: 'bellhop' is not allowed here, its solver is not installed; "
+                "propagation.kind: 'bellhop' is not allowed, since its solver is not installed; "
                 "allowed: another kind, or after ./scripts/setup --with bellhop"
             )
         self._params = params
@@ -175,7 +175,7 @@ class Propagation:
         return math.hypot(receiver[0] - source[0], receiver[1] - source[1])
 
     def _between(self, source_depth_m: float, value: Callable[[_Table], float]) -> float:
-        """Return a value interpolated between the tables above and below a source, if both are needed."""
+        """Return a value interpolated between the tables above and below a source."""
         place = float(np.interp(source_depth_m, self._depths_m, np.arange(len(self._depths_m))))
         above, share = int(place), place - int(place)
         result = value(_table(self._params, above, self._solve))
@@ -185,7 +185,7 @@ class Propagation:
 
 
 class _Table:
-    """What arrives from one source depth at every place of the grid."""
+    """The arrivals from one source depth at every place of the grid."""
 
     def __init__(self, params: Params, source_depth_m: float, arrivals: dict[str, Any]) -> None:
         self._params = params
@@ -195,7 +195,7 @@ class _Table:
         self._place = np.repeat(np.arange(len(self._slants_m)), np.diff(arrivals["arrival_offset"]))
         straight_mps = params.speed_mps(0.5 * (self._depths_m + source_depth_m))
         times_s = self._slants_m / np.tile(straight_mps, len(self._ranges_m))
-        # Whatever is wanted of a place comes last in this order, and what is written last stays.
+        # In this order the wanted arrival of a place comes last, and the last one written stays.
         keys = {"first": -arrivals["time_s"], "strongest": arrivals["amplitude"]}
         order = np.argsort(keys[params.arrival], kind="stable")
         times_s[self._place[order]] = arrivals["time_s"][order]
@@ -203,7 +203,7 @@ class _Table:
         self._excess_db: dict[float, RegularGridInterpolator] = {}
 
     def speed_mps(self, depth_m: float, range_m: float) -> float:
-        """Return the speed (m/s) that sound seems to have along the straight line to a place."""
+        """Return the apparent speed of sound (m/s) along the straight line to a place."""
         return self._at(self._speed_mps, depth_m, range_m)
 
     def excess_db(self, depth_m: float, range_m: float, frequency_khz: float) -> float:
@@ -250,7 +250,7 @@ def _table(params: Params, index: int, solve: Solver) -> _Table:
 
 
 def _case(params: Params, source_depth_m: float) -> dict[str, Any]:
-    """Return what Bellhop is asked, in the format of the solver: m, m/s, g/cm3, dB per wavelength."""
+    """Return the case for Bellhop, in the format of the solver: m, m/s, g/cm3, dB per wavelength."""
     bottom_m = params.water_depth_m
     depths_m = [depth_m for depth_m in params.sound_speed_depths_m if depth_m < bottom_m] + [bottom_m]
     return {
@@ -272,18 +272,18 @@ def _case(params: Params, source_depth_m: float) -> dict[str, Any]:
 
 
 def is_installed() -> bool:
-    """Return whether the solver is there."""
+    """Return whether the solver is installed."""
     return importlib.util.find_spec("pelagic") is not None
 
 
 def run_solver(case: str) -> dict[str, Any]:
     """
-    Return the arrays that `_bellhop_solver` makes of a case.
+    Return the arrays that `_bellhop_solver` computes for a case.
 
     Raises
     ------
     RuntimeError
-        When the solver fails or does not come to an end, with the last line that it printed.
+        If the solver fails or does not end in time, with the last line that it printed.
 
     """
     try:
@@ -292,7 +292,7 @@ def run_solver(case: str) -> dict[str, Any]:
             input=case.encode(), capture_output=True, timeout=_TIMEOUT_S, check=True,
         )  # fmt: skip
     except subprocess.TimeoutExpired:
-        raise RuntimeError(f"the Bellhop solver did not come to an end within {_TIMEOUT_S:g} s") from None
+        raise RuntimeError(f"the Bellhop solver did not end within {_TIMEOUT_S:g} s") from None
     except subprocess.CalledProcessError as error:
         said = (error.stderr.decode(errors="replace").strip() or "nothing").splitlines()[-1]
         raise RuntimeError(f"the Bellhop solver failed with status {error.returncode}: {said}") from None

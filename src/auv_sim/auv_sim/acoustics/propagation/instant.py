@@ -13,7 +13,7 @@ class Params:
 
 
 class Propagation:
-    """Sound arrives at once and as loud as it was."""
+    """Sound arrives at once and without loss."""
 
     def __init__(self, params: Params) -> None:
         del params

@@ -11,7 +11,7 @@ from auv_sim.acoustics.water import sound_speed_mps, transmission_loss_db
 
 @dataclass(frozen=True)
 class Params:
-    """Sea water of one salinity, colder with depth or not."""
+    """Sea water of constant salinity, with a linear temperature profile."""
 
     temperature_c: float = param(
         "temperature at the surface (degrees Celsius)", default=10.0, minimum=2.0, maximum=30.0
@@ -29,10 +29,10 @@ class Params:
 
 class Propagation:
     """
-    Delay is range over the sound speed half-way down between source and receiver; loss as in `straight`.
+    Delay is range over the sound speed at the mean depth of source and receiver; loss as in `straight`.
 
-    Rays are not bent: over the ranges of a flock the path is longer than a straight one by parts in a
-    million.  Depth is the down coordinate; above the surface it counts as zero.
+    Rays are not bent: over the ranges of a flock a bent path is longer than a straight one by a few parts
+    per million. Depth is the down coordinate; above the surface it counts as zero.
     """
 
     def __init__(self, params: Params) -> None:

@@ -11,7 +11,7 @@ from auv_sim.acoustics.water import transmission_loss_db
 
 @dataclass(frozen=True)
 class Params:
-    """One sound speed for the whole water, and how sound spreads in it."""
+    """A constant sound speed, and the spreading of sound."""
 
     sound_speed_mps: float = param("speed of sound in the water (m/s)", default=1500.0, above=0.0)
     spreading_exponent: float = param(

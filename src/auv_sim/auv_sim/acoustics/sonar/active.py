@@ -1,4 +1,4 @@
-"""An active sonar: range, bearing and elevation of every hull in reach, at a fixed rate, without names."""
+"""An active sonar: range, bearing and elevation of every hull in range, at a fixed rate, without identity."""
 
 from __future__ import annotations
 
@@ -20,16 +20,19 @@ _Luck = list[tuple[float, float, float, float]]
 
 @dataclass(frozen=True)
 class Params:
-    """Reach, rate, accuracy (one sigma) and field of view."""
+    """Range, rate, accuracy (one sigma) and field of view."""
 
-    max_range_m: float = param("farthest hull centre that can be seen (m)", default=10.0, above=0.0)
+    max_range_m: float = param("largest distance of a visible hull centre (m)", default=10.0, above=0.0)
     rate_hz: float = param("pings per second; at most one per control period", default=2.0, above=0.0)
-    range_sd_m: float = param("error of a range (m)", default=0.1, minimum=0.0, maximum=100.0)
+    range_sd_m: float = param("standard deviation of a range (m)", default=0.1, minimum=0.0, maximum=100.0)
     angle_sd_rad: float = param(
-        "error of bearing and of elevation (rad)", default=math.radians(1.0), minimum=0.0, maximum=1.0
+        "standard deviation of bearing and elevation (rad)",
+        default=math.radians(1.0),
+        minimum=0.0,
+        maximum=1.0,
     )
     detection_prob: float = param(
-        "probability that a ping shows a hull in view", default=0.9, minimum=0.0, maximum=1.0
+        "probability that a ping detects a hull in view", default=0.9, minimum=0.0, maximum=1.0
     )
     horizontal_view_rad: float = param(
         "width of the field of view, centred on the bow (rad)",
@@ -47,10 +50,10 @@ class Params:
 
 class Sonar:
     """
-    See hull centres from hull centre, in the body frame of the true attitude at the tick.
+    Detects hull centres from the own hull centre, in the body frame of the true attitude at the tick.
 
-    A lost vehicle's hull is seen like any other. No hull hides another one, sound takes no time over these
-    distances, and there are no false contacts. Contacts come with the nearest first.
+    The hulls of lost vehicles are detected, too. No hull hides another one, travel time is neglected, and
+    there are no false contacts. The nearest contact comes first.
     """
 
     def __init__(self, params: Params, seed: int) -> None:
@@ -62,7 +65,7 @@ class Sonar:
         self, address: int, tick: int, period_s: float, states: Sequence[VehicleState]
     ) -> tuple[SonarContact, ...]:
         """
-        Return what vehicle `address` sees at a tick, the nearest first.
+        Return the contacts of vehicle `address` at a tick, the nearest first.
 
         Parameters
         ----------
@@ -78,8 +81,8 @@ class Sonar:
         Returns
         -------
         contacts : tuple of SonarContact
-            Empty in a tick without a ping: there is one in a tick into which, up to the next one, a multiple
-            of 1 / rate falls.
+            Empty in a tick without a ping. There is a ping if a multiple of 1 / rate lies between this tick
+            and the next.
 
         """
         if not self._pings(tick, period_s):
@@ -100,15 +103,16 @@ class Sonar:
 
     def _pings(self, tick: int, period_s: float) -> bool:
         pings_per_tick = self._params.rate_hz * period_s
-        # How many pings began before a tick. Slack, so that a ping on a tick belongs to that tick whatever
-        # the rounding; the same sum ends one tick and begins the next, so none is lost or seen twice.
+        #  Number of pings before a tick, with a tolerance, so that a ping on a tick belongs to that tick
+        # despite rounding. The same sum ends one tick and begins the next, so that no ping is lost or
+        # doubled.
         before = math.ceil(tick * pings_per_tick - _SLACK_PINGS)
         return math.ceil((tick + 1) * pings_per_tick - _SLACK_PINGS) > before
 
     def _contact(
         self, body: tuple[float, float, float], observer: int, target: int, tick: int
     ) -> SonarContact | None:
-        """Return the contact of a hull at `body` (m; FRD), or None where it is out of view or missed."""
+        """Return the contact of a hull at `body` (m; FRD), or None if it is out of view or missed."""
         p = self._params
         level_m = math.hypot(body[0], body[1])
         bearing_rad, elevation_rad = math.atan2(body[1], body[0]), math.atan2(-body[2], level_m)
@@ -127,7 +131,7 @@ class Sonar:
         """
         Return one number uniform on [0, 1) and three standard normal ones, fixed by seed, pair and tick.
 
-        They are drawn for many ticks at once and kept, which takes a tenth of the time.
+        They are drawn for many ticks at once, which takes a tenth of the time.
         """
         block = tick // _BLOCK_TICKS
         drawn, rows = self._blocks.get((observer, target), (-1, []))
@@ -143,7 +147,7 @@ class Sonar:
 def _in_range(range_m: float, bearing_rad: float, elevation_rad: float) -> SonarContact:
     """Return the contact with its elevation in [-pi/2, pi/2] and its bearing in [-pi, pi]."""
     elevation_rad = math.remainder(elevation_rad, 2.0 * math.pi)
-    if abs(elevation_rad) > 0.5 * math.pi:  # over the zenith and down on the other side
+    if abs(elevation_rad) > 0.5 * math.pi:  # past the zenith
         elevation_rad = math.copysign(math.pi, elevation_rad) - elevation_rad
         bearing_rad += math.pi
     return SonarContact(range_m, math.remainder(bearing_rad, 2.0 * math.pi), elevation_rad)
