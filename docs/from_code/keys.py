@@ -98,13 +98,18 @@ def _plugins(folder: str) -> Iterator[str]:
 def _row(key: Key) -> tuple[str, ...]:
     metadata = key.field.metadata
     return (
-        code(key.path),
+        _broken_at_dots(key.path),
         _type_words(key),
         unit_of(key),
         _allowed_words(key),
         _default_words(key.field),
         str(metadata["doc"]),
     )
+
+
+def _broken_at_dots(path: str) -> str:
+    """Return a dotted path as code that may be broken after its dots, where a column is narrow."""
+    return "".join(f"<code>{name}</code><wbr>" for name in re.findall(r"[^.]+\.?", path))
 
 
 def unit_of(key: Key) -> str:

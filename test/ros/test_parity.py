@@ -6,11 +6,14 @@ import json
 import os
 import subprocess
 import sys
+from collections import Counter
 
 import numpy as np
 import pytest
 
+from auv_bag.bag import Bag
 from auv_bag.compare import compare_bags
+from auv_bag.topics import topics_of_graph
 from auv_bringup.launching.layout import LAYOUTS
 from auv_core.messages import Outcome
 from auv_experiment.inprocess.sampled import run_in_process
@@ -119,6 +122,20 @@ def test_the_runs_lose_packets_and_feel_a_current(lossy_runs):
     recording = read_recording(lossy_runs[0] / "bag", scenario)
     assert any(scenario.environment.current_ned_mps)
     assert 0 < len(recording.received) < 3 * len(recording.sent)
+
+
+def test_topics_come_as_often_as_they_are_declared_to(lossy_runs):
+    scenario = load_scenario(str(lossy_runs[0] / "scenario.yaml"))
+    counts = Counter(message.topic for message in Bag(lossy_runs[0] / "bag").messages())
+    vehicles = [vehicle.id for vehicle in scenario.vehicles]
+    topics = topics_of_graph(vehicles, kinematic=scenario.kinematic, lockstep=True)
+    regular = {topic.name: topic.every_ticks for topic in topics if topic.every_ticks}
+    assert len(regular) > 30
+    assert {
+        name: counts[name]
+        for name, every in regular.items()
+        if abs(counts[name] - scenario.ticks / every) > 1
+    } == {}
 
 
 def test_a_lockstep_run_equals_the_run_in_one_process(lossy_runs):
