@@ -162,7 +162,7 @@ def test_a_forged_end_or_loss_ends_no_flight_and_no_process(scenario_file, state
     assert provenance["simulated_s"] == pytest.approx(duration_s, abs=0.5)
     assert provenance["lost_vehicles"] == []
     assert said.count("auv_2 is lost, but the run's own clock goes on with it") == (layout == "node")
-    assert said.count("the run's own process goes on: somebody else publishes it; not believed") == 1
+    assert said.count("the run's own process goes on: a foreign process publishes it; ignored") == 1
 
 
 @pytest.mark.slow

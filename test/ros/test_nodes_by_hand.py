@@ -104,7 +104,7 @@ def test_a_node_whose_system_clock_is_off_acts_at_the_ticks_of_the_run(off_s, tm
             clock.begin()
             at.until(lambda: len(ahead) > 20, "the vehicle moves")
             _, out, err = finish(vehicle)
-    assert "off that of the run; the run's is followed" in out + err
+    assert "off that of the run; this node follows the run's" in out + err
     assert -6 <= min(ahead) <= max(ahead) <= 1
 
 

@@ -64,7 +64,7 @@ def test_only_the_end_of_the_own_run_ends_a_node(forged, own):
         say(forged)
         assert not ends
         assert len(warnings) == 1
-        assert "another run publishes it; not believed" in warnings[0]
+        assert "another run publishes it; ignored" in warnings[0]
         say(own)
         at.until(lambda: len(ends) == 1, "the run ends")
 

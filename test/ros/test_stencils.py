@@ -162,7 +162,7 @@ def test_a_command_that_is_not_finite_is_refused(bad):
 def test_bytes_that_are_no_message_are_refused_and_nothing_else_happens(data):
     from auv_ros.wire import conversions as convert
 
-    with pytest.raises(ValueError, match=r"bytes (where|that are no)"):
+    with pytest.raises(ValueError, match=r"\d bytes"):
         convert.state_from_bytes(data)
 
 
@@ -320,7 +320,7 @@ def test_bytes_that_are_no_inbox_or_outbox_are_refused(data):
     outbox = outbox_bytes("a", 1, [reception.packet], 1.0)
     for read_it, whole in ((lambda each: read_inbox(each, 0), inbox), (read_outbox, outbox)):
         for broken in (data, whole[: len(data)], whole[:-1]):
-            with pytest.raises(ValueError, match="bytes that are no"):
+            with pytest.raises(ValueError, match=r"\d bytes"):
                 read_it(broken)
 
 

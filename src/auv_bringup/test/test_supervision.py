@@ -151,7 +151,7 @@ def test_a_forged_loss_ends_no_process_and_is_said_once(lost):
         supervisor.status_arrived(running(0.1 * tenths, lost_vehicles=(lost,)), 100.0)
         supervisor.time_passed(0.2)
     assert (supervisor.lost_vehicles, supervisor.take_processes_to_end()) == ([], [])
-    said = [line for line in supervisor.take_messages() if "not believed" in line]
+    said = [line for line in supervisor.take_messages() if "ignored" in line]
     assert len(said) == (1 if lost == "auv_3" else 0)
 
 
@@ -402,7 +402,7 @@ def test_a_status_of_another_run_or_that_goes_back_is_not_believed(foreign):
     end(supervisor, RELAY, {"finished": 0}.get(foreign.state, 3))
     assert (supervisor.is_over, supervisor.status) == (False, before)
     (line,) = supervisor.take_messages()
-    assert "another run publishes it; not believed" in line
+    assert "another run publishes it; ignored" in line
 
 
 def test_in_real_time_the_first_tick_tells_the_epoch():

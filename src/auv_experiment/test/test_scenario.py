@@ -248,7 +248,9 @@ def test_a_propagation_whose_solver_is_missing_names_the_command_that_brings_it(
     monkeypatch.setattr(bellhop, "is_installed", lambda: False)
     with pytest.raises(ConfigError) as refused:
         load_scenario("range_sweep", overrides=["acoustics.propagation={kind: bellhop}"])
-    assert str(refused.value).startswith("scenario.acoustics.propagation.kind: 'bellhop' is not allowed, since")
+    assert str(refused.value).startswith(
+        "scenario.acoustics.propagation.kind: 'bellhop' is not allowed, since"
+    )
     assert str(refused.value).endswith("./scripts/setup --with bellhop")
 
 

@@ -1,1 +1,1 @@
-"""What turns pure objects into ROS 2 nodes: life cycle, parameters, hearing, time, bytes of messages."""
+"""Turns pure objects into ROS 2 nodes: life cycle, parameters, subscriptions, time, bytes of messages."""

@@ -1,9 +1,9 @@
 """
-Subscriptions that no message can end.
+Subscriptions that no malformed message can end.
 
-The middleware hands on whatever bytes a writer sends under a type's name.  Here every message comes as bytes;
-those that are no such message are left out and counted by topic.  So are writers that the middleware refused,
-also those that came and went between two looks at the graph; of what they send it delivers nothing.
+The middleware delivers any bytes that a writer sends under a type's name. Here every message comes as bytes;
+malformed ones are dropped and counted by topic. Writers that the middleware refused are counted, too, even if
+they came and went between two looks at the graph; none of their messages is delivered.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ _REPEAT_S = 10.0
 
 class Hearing:
     """
-    What one node hears.
+    The subscriptions of one node.
 
     Attributes
     ----------
     malformed : Counter
-        Messages left out, by topic.
+        Number of dropped messages, by topic.
     refused : Counter
-        Writers refused so far for what they offer, by topic.
+        Number of writers refused for their quality of service, by topic.
 
     """
 
@@ -44,7 +44,7 @@ class Hearing:
     def listen(
         self, kind: Any, topic: str, take: Callable[[bytes], None], qos: QoSProfile | int
     ) -> Subscription:
-        """Subscribe to a topic; `take` gets bytes and raises `MalformedError` where they are no `kind`."""
+        """Subscribe to a topic; `take` gets bytes and raises `MalformedError` if they are no `kind`."""
 
         def hear(data: bytes) -> None:
             try:
@@ -68,7 +68,7 @@ class Hearing:
     def listen_decoded(
         self, kind: Any, topic: str, take: Callable[[Any], None], qos: QoSProfile | int
     ) -> Subscription:
-        """Subscribe to a topic of which few messages come; `take` gets message objects."""
+        """Subscribe to a topic with few messages; `take` gets message objects."""
         return self.listen(kind, topic, lambda data: take(decoded(kind, data)), qos)
 
     def _refuse(self, topic: str, count: int) -> None:
@@ -89,5 +89,5 @@ def decoded(kind: Any, data: bytes) -> Any:
     """Return a serialised message as an object; raise `MalformedError` for bytes that are no `kind`."""
     try:
         return deserialize_message(data, kind)
-    except Exception as error:  # the client library has one type of its own for each layer
-        raise MalformedError(f"{len(data)} bytes that are no {kind.__name__}") from error
+    except Exception as error:  # each layer of the client library has its own exception
+        raise MalformedError(f"{len(data)} bytes are not a {kind.__name__}") from error

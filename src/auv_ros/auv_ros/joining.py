@@ -1,15 +1,15 @@
 """
-How far this machine's wall clock is ahead of that of a run, by what the run's status says.
+The offset of this machine's wall clock from that of a run, from the run's status.
 
-A status tells a scenario time that the run has reached. When it arrives the run is there or further, by a
-part of a tick and by the time that the message took. The own clock, read against the epoch, is taken for the
-run's where it says just that. Where it does not, either it is off or the message was late; both look alike in
-one message, and a node that follows a late one stays late. So statuses are heard for `JOIN_S`, and the one
-that was least late counts. Offsets below `JOIN_LIMIT_S` cannot be told from what ticks and messages take on a
-busy machine: clocks are then synchronised as well as inputs need it. Until tick 1 a status does not tell how
-near the start is: a node that begins to listen just then and did not hear the run wait may be off by
-`START_LEAD_S` more, since the nodes of a launched run must begin at tick 0. It makes no difference whether
-the nodes are on one machine: only the own clock and the messages are asked.
+A status contains a scenario time that the run has reached. When it arrives, the run is at that time or
+later, by a part of a tick and the delay of the message. If the own clock, relative to the epoch, agrees with
+this, it is used as the run's clock. If not, either the clock has an offset or the message was late. One
+message cannot distinguish the two, and a node that follows a late message stays late. Therefore statuses are
+collected for `JOIN_S`, and the least delayed one counts. Offsets below `JOIN_LIMIT_S` cannot be distinguished
+from delays on a busy machine; the clocks are then synchronised well enough. Before tick 1 a status does not
+tell how near the start is: a node that starts to listen then, and did not receive the status of the waiting
+run, may be off by a further `START_LEAD_S`, since the nodes of a launched run must begin at tick 0. The
+method uses only the own clock and the messages, so it does not matter whether the nodes are on one machine.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ import math
 from auv_ros.run_config import START_LEAD_S
 
 JOIN_LIMIT_S = 0.2
-"""What messages take, on a busy machine (s)."""
+"""Delay of messages on a busy machine (s)."""
 JOIN_S = 1.0
-"""How long statuses are heard where the own clock does not fit them (s)."""
+"""How long statuses are collected if the own clock does not agree with them (s)."""
 LOOK_S = 0.2
-"""Time between two statuses of a clock that has no news (s)."""
+"""Time between two statuses without changes (s)."""
 _TOLERANCE_S = 0.02
 
 
@@ -46,12 +46,12 @@ class Joining:
         self._off_s = math.inf
 
     def wait(self) -> None:
-        """Hear that the run has not begun yet."""
+        """Note that the run has not begun yet."""
         self._has_waited = True
 
     def hear(self, time_s: float, own_s: float, steady_s: float) -> float | None:
         """
-        Hear that the run is at a tick.
+        Note that the run is at a tick.
 
         Parameters
         ----------
@@ -65,7 +65,7 @@ class Joining:
         Returns
         -------
         off_s : float, optional
-            How far the own clock is ahead (s), 0 where it fits; nothing as long as that is not known.
+            Offset of the own clock (s), 0 if it agrees; None until it is known.
 
         """
         limit_s = self._limit_s

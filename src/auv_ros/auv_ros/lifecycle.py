@@ -1,11 +1,11 @@
 """
-The life of a ROS process of this project: start, spin, stop.
+The life cycle of a ROS process of this project: start, spin, stop.
 
-Spinning is done by rclpy's EventsExecutor with finite time-outs (without one it spins without end in the
-wheels that are published), and by the SingleThreadedExecutor where that one is missing. SIGINT and SIGTERM
-only set a flag, however often they come, so that a node always finishes what it is doing, hands over what it
-has published, and leaves with its own exit status. A SIGTERM that follows another signal says that nobody
-will acknowledge what is left to hand over.
+The process spins with rclpy's EventsExecutor with finite time-outs (without a time-out it never returns in
+the published wheels), or with the SingleThreadedExecutor if the former is missing. SIGINT and SIGTERM only
+set a flag, however often they come, so that a node always finishes its current work, delivers its published
+messages, and ends with its own exit status. A SIGTERM after another signal means that readers will not
+acknowledge the remaining messages.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from auv_ros.steady_timer import NEVER_S, SteadyTimer
 
 _WAKE_S = 0.25
 _SWITCH_S = 1e-4
-"""How long a thread waits for Python's lock before it asks for it, see `auv_ros.steady_timer`."""
+"""How long a thread waits before it requests Python's lock, see `auv_ros.steady_timer`."""
 _HAND_OVER_S = 5.0
 _HAND_OVER_UNSEEN_S = 0.5
 _HAND_OVER_LOOK = Duration(nanoseconds=100_000_000)
@@ -53,7 +53,7 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     make_nodes : callable
         Makes the nodes, after ``rclpy.init``.  A node may have ``done`` (true when the process must end),
         ``exit_code``, ``on_stop()``, which is called once, before the node is destroyed, ``waits_for()``,
-        words that are said every 5 s as long as there are any, and ``on_run_end()``.  The process ends some
+        a text that is logged every 5 s unless it is empty, and ``on_run_end()``.  The process ends some
         seconds after its run.
     arguments : sequence of str, optional
         ROS arguments of all nodes; those of the command line if left out.
@@ -62,7 +62,7 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     -------
     status : int
         2 after a parameter that cannot be used (one line on standard error), 1 after an exception (whose last
-        line on standard error names the node), else the largest ``exit_code`` of the nodes.
+        line on standard error names the node), otherwise the largest ``exit_code`` of the nodes.
 
     """
     sys.setswitchinterval(_SWITCH_S)
@@ -107,13 +107,13 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
         for node in nodes:
             node.destroy_node()
         rclpy.try_shutdown()
-        # Python drops its handlers while it shuts down: a late signal would then kill the process.
+        # Python removes its handlers while it shuts down: a late signal would then kill the process.
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_IGN)
 
 
 def _spin(nodes: Sequence[Node], is_stopped: Callable[[], bool]) -> None:
-    """Run the nodes until told to stop, or one of them is done, or a timer of one fails."""
+    """Run the nodes until a signal comes, one of them is done, or a timer of one fails."""
     executor = make_executor()
     for node in nodes:
         executor.add_node(node)
@@ -131,7 +131,7 @@ def _spin(nodes: Sequence[Node], is_stopped: Callable[[], bool]) -> None:
 
 
 def make_executor(context: Context | None = None) -> Executor:
-    """Return an EventsExecutor where there is one, else a SingleThreadedExecutor."""
+    """Return an EventsExecutor if it exists, otherwise a SingleThreadedExecutor."""
     try:
         from rclpy.experimental import EventsExecutor
     except ImportError:
@@ -140,7 +140,7 @@ def make_executor(context: Context | None = None) -> Executor:
 
 
 def _refuse_changes(parameters: Sequence[Parameter]) -> SetParametersResult:
-    """Refuse to set a parameter of a node that runs, a built-in one like `use_sim_time` too."""
+    """Refuse to set a parameter of a running node, including built-in ones like `use_sim_time`."""
     names = ", ".join(parameter.name for parameter in parameters)
     return SetParametersResult(
         successful=False, reason=f"{names}: not changed; parameters are set when a node starts"
@@ -151,7 +151,7 @@ def _hand_over(nodes: Sequence[Node], *, is_in_vain: Callable[[], bool], is_cloc
     """
     Wait, not for long, until every reader has what was published to it, or until that `is_in_vain`.
 
-    A publisher whose reader is dead does not keep the others from being waited for.
+    A publisher with a dead reader does not prevent the wait for the others.
 
     The middleware waits until a time of the system clock. Where that was stepped, its waits may be endless,
     and Python stands still for as long: a short time must do.

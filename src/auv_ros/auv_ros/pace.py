@@ -1,4 +1,7 @@
-"""When a node acts: once it is heard, then by what comes in lock-step, by the steady clock in real time."""
+"""
+The time at which a node acts: after its topics are matched, by messages in lock-step, by the steady clock in
+real time.
+"""
 
 from __future__ import annotations
 
@@ -28,31 +31,31 @@ def tick_clock(run: RunConfig, period_s: float) -> TickClock:
 
 class Pace:
     """
-    Lets one node begin and act in its time.
+    Lets one node begin and act at the right time.
 
     Parameters
     ----------
     node : Node
-        Who acts.
+        The node that acts.
     ticks : TickClock
         The time of the run.
     topics : iterable of Topic
-        What must be heard before the node begins.
+        Topics that must be matched before the node begins.
     begin : callable
-        Called once, with the tick that it is then, when they are heard and scenario time 0 is known.
+        Called once, with the current tick, when they are matched and scenario time 0 is known.
     act : callable
-        Called in every period of real time, with the tick that it is.
+        Called in every period of real time, with the current tick.
     phase : float
-        When it is called within a tick, as a share of it.
+        Phase of the call within a tick, as a fraction of it.
     first_tick : int
-        Where the progress of the node begins, see `waits_for`.
+        First tick of the node's progress, see `waits_for`.
     leads : bool
-        Whether the node itself says when scenario time 0 is.
+        Whether the node itself sets scenario time 0.
 
     Attributes
     ----------
     ready : bool
-        Whether everybody hears the node who must.
+        Whether all required nodes hear this one.
 
     """
 
@@ -80,16 +83,16 @@ class Pace:
         self._meeting = Rendezvous(node, topics, self._meet)
 
     def stop(self) -> None:
-        """Act no more in real time."""
+        """Stop acting in real time."""
         if self._timer is not None:
             self._timer.cancel()
 
     def missing(self) -> list[str]:
-        """Return the full names of the nodes that do not hear this one yet; sorted."""
+        """Return the full names of the nodes that do not hear this one yet, sorted."""
         return self._meeting.missing()
 
     def waits_for(self, tick: int, owed: str) -> str:
-        """Return for what the node waits, in words; what is `owed` where `tick` is that of the last call."""
+        """Return as text what the node waits for; `owed` if `tick` is that of the last call."""
         last, self._last_tick = self._last_tick, tick
         if not self.ready:
             return self._meeting.waits_for()
@@ -132,7 +135,7 @@ class Pace:
                 return
             if off_s:
                 self._node.get_logger().warning(
-                    f"the system clock is {off_s:+.1f} s off that of the run; the run's is followed"
+                    f"the system clock is {off_s:+.1f} s off that of the run; this node follows the run's"
                 )
             ticks.join(epoch_s, off_s)
             self._start()

@@ -66,12 +66,12 @@ def declare_config(node: Node, cls: type[T], prefix: str = "") -> T:
 
 def refuse_unknown_parameters(nodes: Sequence[Node]) -> None:
     """
-    Refuse parameters that were given to a process and that none of its nodes has.
+    Refuse parameters of a process that none of its nodes has.
 
     Raises
     ------
     ConfigError
-        With the name, and the names beside it that there are.
+        With the name and the known names.
 
     """
     for node in nodes:
@@ -85,7 +85,7 @@ def refuse_unknown_parameters(nodes: Sequence[Node]) -> None:
 
 
 def _names_beside(name: str, nodes: Sequence[Node]) -> list[str]:
-    """Return the parameters under the longest beginning of a dotted name under which there are any."""
+    """Return the parameters under the longest prefix of a dotted name that has any."""
     known = sorted({known for node in nodes for known in node._parameters})
     while "." in name:
         name = name.rpartition(".")[0]

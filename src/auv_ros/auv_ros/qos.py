@@ -1,16 +1,17 @@
 """
-Quality of service of a run's topics: what its nodes offer each other, and what keeps strangers out.
+Quality of service of a run's topics: it connects the run's nodes and excludes foreign publishers.
 
-Own writers offer, and own readers request, the liveliness MANUAL_BY_TOPIC, with an endless lease, so that
-nobody renews it.  Tools and other people's nodes offer AUTOMATIC, which is less than that: the middleware
-never connects their writers with our readers, no message of theirs gets in, and no message costs more for it.
-Their readers request AUTOMATIC, which is less than we offer: they hear the run.
+Own writers offer, and own readers request, the liveliness MANUAL_BY_TOPIC, with an infinite lease, so that
+no renewal is needed. Tools and foreign nodes offer AUTOMATIC, which is less: the middleware never connects
+their writers with our readers, so their messages are not delivered, at no cost per message. Their readers
+request AUTOMATIC, which is less than we offer, so they hear the run.
 
-Own writers keep their last `OWN_DEPTH` messages.  A stranger's reader that stalls then misses messages and
-holds up nobody; a writer that keeps everything waits for it.  Own readers miss nothing: in lock-step the
-recorder, the slowest of them, is at most 200 ticks and one batch of 20 behind, and a writer sends one message
-per topic and tick.  The rest of the depth is for messages that the transport lost: the middleware sends them
-again within 0.4 s (two heartbeats, see fastdds.xml), in which the quickest flight measured makes 600 ticks.
+Own writers keep their last `OWN_DEPTH` messages. A foreign reader that stalls then misses messages and
+blocks no node; a writer that keeps all messages would wait for it. Own readers miss no message: in lock-step
+the recorder, the slowest of them, is at most 200 ticks and one batch of 20 behind, and a writer sends one
+message per topic and tick. The rest of the depth is for messages that the transport lost: the middleware
+sends them again within 0.4 s (two heartbeats, see fastdds.xml), in which the fastest measured flight makes
+600 ticks.
 """
 
 from __future__ import annotations
@@ -48,4 +49,6 @@ def own_qos(
 EVERY_TICK = own_qos()
 LATCHED = own_qos(latched=True)
 EVERY_LATCHED = own_qos(latched=True, history=HistoryPolicy.KEEP_ALL)
-"""For readers of a latched topic that must miss nothing: else one writer's message displaces another's."""
+"""
+For readers of a latched topic that must miss no message: otherwise one writer's message replaces another's.
+"""

@@ -1,4 +1,4 @@
-"""The start of a node: it does not speak until it is heard."""
+"""The start of a node: it publishes only once its readers are matched."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from auv_ros.topic import Topic
 
 _LOOK_S = 0.02
 _STRANGERS_S = 3.0
-"""Longest wait for readers that are not the run's own, once its own are there."""
+"""Longest wait for foreign readers, once the run's own readers are matched."""
 
 
 class Rendezvous:
     """
-    Waits until every topic of a node is matched with all that must hear it, then calls `on_ready` once.
+    Waits until every topic of a node is matched with all required readers, then calls `on_ready` once.
 
-    A reliable writer that has matched a reader delivers everything from then on; so nothing of a run is
+    A reliable writer that has matched a reader delivers everything from then on; so no message of a run is
     lost, however slowly its processes find each other.
     """
 
@@ -38,12 +38,12 @@ class Rendezvous:
         self._timer = SteadyTimer(node, _LOOK_S, self._look)
 
     def missing(self) -> list[str]:
-        """Return the full names of the nodes not found, or found and not connected, yet; sorted."""
+        """Return the full names of the nodes that are not found or not connected yet, sorted."""
         absent = set().union(*(self._absent(topic) for topic in self._waiting))
         return sorted(absent or set().union(*(topic.heard_by for topic in self._waiting)))
 
     def waits_for(self) -> str:
-        """Return who is missing, or which topics are not matched, in words."""
+        """Return as text which nodes are missing, or which topics are not matched."""
         names = [topic.publisher.topic_name for topic in self._waiting]
         return listed(self.missing()) or listed(names)
 
@@ -56,14 +56,14 @@ class Rendezvous:
 
     def _complete(self, topic: Topic) -> bool:
         """
-        Return whether a topic is matched with all that must hear it.
+        Return whether a topic is matched with all required readers.
 
-        Its publisher says how many readers it has matched, not which; so those of strangers are waited for
-        too, where they can match at all, and not for long.
+        Its publisher knows how many readers it has matched, but not which. So the node also waits for
+        foreign readers, for a short time, if they can match at all.
         """
         matched = topic.publisher.get_subscription_count()
         if matched < len(topic.heard_by):
-            return False  # without a look at the graph, which costs much in a large fleet
+            return False  # without a query of the graph, which is slow in a large fleet
         readers = self._readers(topic)
         if not topic.heard_by <= set(readers):
             self._alone_since_s = math.inf
@@ -77,7 +77,7 @@ class Rendezvous:
         return set(topic.heard_by) - set(self._readers(topic))
 
     def _readers(self, topic: Topic) -> list[str]:
-        """Return the readers that can match: of this type, and asking for no more than is offered."""
+        """Return the readers that can match: of this type, and with a compatible request."""
         name = topic.publisher.topic_name
         own = self._offered(name)
         return [
@@ -87,7 +87,9 @@ class Rendezvous:
         ]
 
     def _offered(self, topic: str) -> list[TopicEndpointInfo]:
-        """Return what the graph says that we offer: it has the middleware's defaults filled in."""
+        """
+        Return our offered quality of service from the graph, where the middleware's defaults are filled in.
+        """
         if topic not in self._offers:
             own_name = self._node.get_fully_qualified_name()
             infos = self._node.get_publishers_info_by_topic(topic)

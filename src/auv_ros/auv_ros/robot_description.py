@@ -1,4 +1,4 @@
-"""The hull of a vehicle as a URDF text, which RViz, Foxglove and others draw."""
+"""The hull of a vehicle as a URDF text, for RViz, Foxglove and other viewers."""
 
 from __future__ import annotations
 

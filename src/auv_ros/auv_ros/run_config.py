@@ -1,4 +1,4 @@
-"""How a run keeps time: the settings that every node of it shares."""
+"""Time of a run: the settings that all of its nodes share."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from auv_core.params import param
 
 LAUNCHER_NODE = "/_shoal_launcher"
-"""Full name of the node by which a launcher hears how its run is; hidden from `ros2 node list`."""
+"""Full name of the launcher's node that receives the run's status; hidden from `ros2 node list`."""
 LOCKSTEP_EPOCH_S = 1.0
-"""Stamp of scenario time 0 in lock-step (s); not 0, which tf2 takes for "the latest"."""
+"""Stamp of scenario time 0 in lock-step (s); not 0, since tf2 interprets 0 as "the latest"."""
 START_LEAD_S = 0.5
-"""How long before scenario time 0 a real-time run is announced (s), so that all nodes begin at tick 0."""
+"""How long a real-time run is announced before scenario time 0 (s), so that all nodes begin at tick 0."""
 STEP_LIMIT_S = 0.5
-"""A wall clock that moves by more against the steady one has been stepped (s)."""
+"""A wall clock that moves by more than this relative to the steady clock was stepped (s)."""
 VEHICLE_PHASE, RELAY_PHASE, AGENT_PHASE = 0.02, 0.2, 0.45
-"""When nodes act within a tick of real time, as shares of it: in the order of lock-step."""
+"""Phases within a tick of real time at which nodes act, as fractions: in the order of lock-step."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,25 +24,26 @@ class RunConfig:
     """Settings of a run, the same for all of its nodes."""
 
     mode: str = param(
-        "lockstep: advance when everybody has answered; realtime: free-run on the steady clock",
+        "lockstep: advance when all nodes have answered; realtime: run freely on the steady clock",
         default="realtime",
         choices=("lockstep", "realtime"),
     )
     epoch_s: float = param(
-        "ROS time of scenario time 0 (s), for nodes that wait for nobody; 0: when the run says running",
+        "ROS time of scenario time 0 (s), for nodes that do not wait for others; 0: when the status says "
+        "running",
         default=0.0,
         minimum=0.0,
     )
     publishers: str = param(
-        "whom nodes hear: own, the nodes of this project only; any, also a modem's driver or a navigation",
+        "accepted publishers: own, the nodes of this run only; any, also modem drivers or navigations",
         default="own",
         choices=("own", "any"),
     )
-    recorded: bool = param("whether a recorder must hear everything from the first tick", default=False)
+    recorded: bool = param("whether a recorder must receive all messages from the first tick", default=False)
 
     @property
     def admits_strangers(self) -> bool:
-        """Whether nodes hear publishers that are not of this project."""
+        """Whether nodes accept foreign publishers."""
         return self.publishers == "any"
 
     @property
@@ -53,7 +54,7 @@ class RunConfig:
 
 class TickClock:
     """
-    From ticks to stamps, and from the steady clock to ticks.
+    Converts ticks to stamps, and times of the steady clock to ticks.
 
     Scenario time 0 has the stamp `epoch_s`. In lock-step that is `LOCKSTEP_EPOCH_S`; in real time it is ROS
     time (s), known from the configuration or once the run begins. The wall clock is read once, when the epoch
@@ -62,7 +63,7 @@ class TickClock:
     Parameters
     ----------
     run : RunConfig
-        Mode, and the epoch where it is given.
+        Mode, and the epoch if it is given.
     period_s : float
         Control period (s).
     steady_s, wall_s : callable
@@ -82,22 +83,22 @@ class TickClock:
         """Whether scenario time 0 is known."""
         self.epoch_s = 0.0
         self.epoch_ns = 0
-        """Stamp of scenario time 0 (ns); 0 as long as it is not known."""
+        """Stamp of scenario time 0 (ns); 0 until it is known."""
         if self.lockstep:
             self._know(LOCKSTEP_EPOCH_S)
         elif run.epoch_s:
             self._start(run.epoch_s)
 
     def begin(self) -> None:
-        """Let scenario time 0 be soon, `START_LEAD_S` from now; an epoch that is known stays."""
+        """Set scenario time 0 to `START_LEAD_S` from now; a known epoch does not change."""
         if not self.started:
             self._start(round(self._wall_s() + START_LEAD_S, 3))
 
     def join(self, epoch_s: float, off_s: float = 0.0) -> None:
         """
-        Take the epoch of a run; one that is known stays.
+        Set the epoch of a run; a known epoch does not change.
 
-        `off_s` is how far this machine's wall clock is ahead of the run's (s). Ticks follow the run's.
+        `off_s` is the offset of this machine's wall clock from the run's (s). Ticks follow the run's clock.
         """
         if not self.started:
             self._start(round(epoch_s, 6))
@@ -108,7 +109,7 @@ class TickClock:
         return tick * self._period_s
 
     def stamp_s(self, tick: int) -> float:
-        """Return the ROS time that messages of a tick carry (s); 0 as long as the epoch is not known."""
+        """Return the ROS time of messages of a tick (s); 0 until the epoch is known."""
         return self.epoch_s + tick * self._period_s if self.started else 0.0
 
     def tick_of_stamp(self, stamp_s: float) -> int:
@@ -116,15 +117,15 @@ class TickClock:
         return round((stamp_s - self.epoch_s) / self._period_s)
 
     def tick_now(self) -> int:
-        """Return the tick that the steady clock is in; negative before the epoch."""
+        """Return the current tick of the steady clock; negative before the epoch."""
         return int(self._scenario_now_s() // self._period_s)
 
     def tick_now_or(self, tick: int) -> int:
-        """Return the tick that the steady clock is in, or this one as long as the epoch is not known."""
+        """Return the current tick of the steady clock, or the given one until the epoch is known."""
         return self.tick_now() if self.started else tick
 
     def until_phase_s(self, phase: float) -> float:
-        """Return the time until a tick, this one or the next, has got to a share of its period (s)."""
+        """Return the time until the given phase of the current or the next tick (s)."""
         return (phase - self._scenario_now_s() / self._period_s) % 1.0 * self._period_s
 
     def _start(self, epoch_s: float) -> None:
@@ -140,14 +141,14 @@ class TickClock:
 
 
 class WallWatch:
-    """Notices that the wall clock is stepped, as a time service or a user does."""
+    """Detects steps of the wall clock by a time service or a user."""
 
     def __init__(self, steady_s: Callable[[], float], wall_s: Callable[[], float]) -> None:
         self._lead_s: Callable[[], float] = lambda: wall_s() - steady_s()
         self._known_s = self._lead_s()
 
     def warning(self) -> str:
-        """Return one line if the wall clock was stepped since the last call, else ''."""
+        """Return one line if the wall clock was stepped since the last call, otherwise ''."""
         step_s = self._lead_s() - self._known_s
         self._known_s += step_s
         if abs(step_s) <= STEP_LIMIT_S:

@@ -1,4 +1,4 @@
-"""What a process of nodes says while it waits, and how it ends with its run."""
+"""Messages of a waiting node process, and its end together with its run."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _OVER_BYTES = tuple(map(text_bytes, _OVER))
 
 
 def say_waits(node: Node) -> None:
-    """Log every few seconds for what a node waits: `waits_for()` of the node, if it has any words."""
+    """Log every few seconds what a node waits for: `waits_for()` of the node, unless it is empty."""
 
     def say() -> None:
         words = node.waits_for()
@@ -35,11 +35,13 @@ def say_waits(node: Node) -> None:
 
 class RunEnd:
     """
-    Hears that the run of a process is over; some time later, when everybody has heard it, it is past.
+    Notices that the run of a process is over; after some time, when all nodes have noticed, the process may
+    end.
 
-    What is heard before any other status is the end of an earlier run, and of no concern.  Once the run has
-    begun, an end with another epoch or length, or that comes too early, is that of another run.  So is one
-    after which the run goes on.  The process that has the clock of the run believes no other.
+    An end that is received before any other status belongs to an earlier run and is ignored. Once the run
+    has begun, an end with another epoch or length, or one that comes too early, belongs to another run. The
+    same holds for an end after which the run goes on. The process with the clock of the run accepts no other
+    end.
     """
 
     def __init__(self, nodes: Sequence[Node]) -> None:
@@ -52,7 +54,7 @@ class RunEnd:
         Hearing(nodes[0]).listen(FlockStatus, STATUS_TOPIC, self._hear, EVERY_LATCHED)
 
     def is_past(self) -> bool:
-        """Return whether the process must end, and say so once it must."""
+        """Return whether the process must end, and log it once."""
         if self._end_heard is None or time.monotonic() - self._end_heard[1] < _GRACE_S:
             return False
         self._nodes[0].get_logger().info("the run is over, so this process ends")
@@ -61,7 +63,7 @@ class RunEnd:
     def _hear(self, data: bytes) -> None:
         may_be_over = any(word in data for word in _OVER_BYTES)
         if not may_be_over and self._run is not None and self._end_heard is None:
-            return  # the usual status of a run: nothing of it is needed
+            return  # the usual status of a run needs no action
         point = run_point(decoded(FlockStatus, data))
         is_over = point.state in _OVER
         self._has_run |= not is_over
@@ -91,7 +93,7 @@ class RunEnd:
             self._doubts = True
             self._nodes[0].get_logger().warning(
                 f"{STATUS_TOPIC} says {end.state} at {end.time_s:g} of {end.duration_s:g} s: "
-                "another run publishes it; not believed"
+                "another run publishes it; ignored"
             )
 
 

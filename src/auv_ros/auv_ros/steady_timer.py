@@ -1,14 +1,14 @@
 """
 Timers of nodes on the steady clock, in the executor's thread.
 
-The timers and time-outs of rclpy and of the middleware are on the steady clock too, but the wheels are built
-for a C library that cannot wait on it: they wait until a time of the system clock instead, and where that one
-is stepped back by an hour, a timer is late by an hour.  Python waits on the steady clock itself.  So one
-thread of the process waits, and hands what is due to the executors, which wakes them, too.
+The timers and time-outs of rclpy and of the middleware also use the steady clock, but the wheels are built
+for a C library that cannot wait on it. They wait for a time of the system clock instead: if that clock is
+stepped back by an hour, a timer is late by an hour. Python itself waits on the steady clock. So one thread of
+the process waits, and passes due calls to the executors, which also wakes them.
 
-Two threads share Python's lock.  A thread that waits for it is woken in vain each time the other one leaves
-Python for a moment, forty times a millisecond in a fast flight, until the switch interval is over:
-`main_loop` makes that short.
+Two threads share Python's lock. A thread that waits for it is woken in vain each time the other one leaves
+Python for a moment, forty times per millisecond in a fast flight, until the switch interval is over:
+`main_loop` makes this interval short.
 """
 
 from __future__ import annotations
@@ -22,26 +22,26 @@ from collections.abc import Callable
 from typing import Any
 
 NEVER_S = 1e6
-"""Time-out of an executor that a timer here wakes; without any, the executor of the wheels is busy."""
+"""Time-out of an executor that these timers wake; without a time-out the executor of the wheels is busy."""
 
 
 class SteadyTimer:
     """
-    Calls a function of a node in every period, until cancelled.
+    Calls a function of a node once per period, until cancelled.
 
-    Where the executor is busy for longer than a period, calls are left out. An exception ends the timer and
+    If the executor is busy for longer than a period, calls are skipped. An exception ends the timer and
     becomes the `timer_error` of the node.
 
     Parameters
     ----------
     node : rclpy.node.Node
-        Nothing is called before it has an executor.
+        No call is made before it has an executor.
     period_s : float
         Time between two calls (s).
     callback : callable
         Called without arguments, in the thread of the executor.
     first_in_s : float, optional
-        Time until the first call (s); a period without it.
+        Time until the first call (s); by default one period.
 
     """
 
@@ -56,11 +56,11 @@ class SteadyTimer:
         _ticker.add(self)
 
     def cancel(self) -> None:
-        """Call no more: once this returns, nothing is handed over."""
+        """Cancel: after this returns no more calls are passed on."""
         _ticker.remove(self)
 
     def hand_over(self, now_s: float) -> None:
-        """Give the call that is due to the executor, where the last one is done."""
+        """Pass the due call to the executor, if the last call is done."""
         self.due_s = max(self.due_s + self._period_s, now_s)
         executor = self._node.executor
         if executor is not None and not self._is_handed_over:
@@ -71,13 +71,13 @@ class SteadyTimer:
         self._is_handed_over = False
         try:
             self._callback()
-        except Exception as error:  # an executor of events does not survive it
+        except Exception as error:  # an EventsExecutor does not survive it
             self._node.timer_error = error
             self.cancel()
 
 
 class _Ticker:
-    """The thread that waits for all timers of the process; there is none as long as there is no timer."""
+    """The thread that waits for all timers of the process; it exists only while there are timers."""
 
     def __init__(self) -> None:
         self._timers: set[SteadyTimer] = set()
@@ -116,7 +116,7 @@ class _Ticker:
 
 
 class _Bell:
-    """Wakes the thread that waits for it, which would else look for new timers many times a second."""
+    """Wakes the waiting thread, which would otherwise have to check for new timers many times a second."""
 
     def __init__(self) -> None:
         self._heard, self._rung = os.pipe()
@@ -127,7 +127,7 @@ class _Bell:
         os.write(self._rung, b"!")
 
     def wait_until(self, time_s: float) -> None:
-        """Wait for a ring, at most until a time of the steady clock (s); poll knows whole milliseconds."""
+        """Wait for a ring, at most until a time of the steady clock (s); poll has a resolution of 1 ms."""
         left_s = time_s - time.monotonic()
         if left_s > 0.0 and self._poll.poll(int(left_s * 1e3)):
             os.read(self._heard, 4096)

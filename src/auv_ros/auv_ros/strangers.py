@@ -1,9 +1,9 @@
 """
-Programs outside of a run that publish on its topics.
+Foreign programs that publish on the topics of a run.
 
-The middleware keeps such writers from being heard (`auv_ros.qos`); this says that they are there, with what
-the graph knows of them.  Nothing is asked per message: a look counts the writers of each topic, and asks for
-their names where the count has changed.
+The middleware does not deliver their messages (`auv_ros.qos`); this module reports that they exist, with
+their data in the graph. It costs nothing per message: it counts the writers of each topic, and queries their
+names only if the count has changed.
 """
 
 from __future__ import annotations
@@ -17,13 +17,16 @@ from rclpy.qos import LivelinessPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 RUN_TOPICS = ("/clock", "/flock/status", "/recorder/status", "/acoustic/stats", "/acoustic/events")
-"""Topics of a run alone, beside those of its vehicles; on /tf, /markers and others anybody may speak."""
+"""
+Topics that only the run may publish, besides those of its vehicles; on /tf, /markers and others any node may
+publish.
+"""
 _NAMELESS_LOOKS = 5
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"
 
 
 class Stranger(NamedTuple):
-    """A writer that is not the run's own: its node, topic and gid, and whether readers of the run hear it."""
+    """A foreign writer: its node, topic and gid, and whether readers of the run hear it."""
 
     node: str
     topic: str
@@ -32,7 +35,7 @@ class Stranger(NamedTuple):
 
     @property
     def words(self) -> str:
-        """One line for people."""
+        """Description in one line."""
         return f"{self.node} publishes {self.topic}: {'heard' if self.is_heard else 'not heard'}"
 
 
@@ -43,23 +46,23 @@ def full_name(info: TopicEndpointInfo) -> str:
 
 class StrangerWatch:
     """
-    Looks for strangers on behalf of a node.
+    Finds foreign writers for a node.
 
     Parameters
     ----------
     node : Node
-        Whose view of the graph is used.
+        The node whose view of the graph is used.
     own_nodes : iterable of str
         Full names of the nodes of the run.
     vehicle_ids : iterable of str
         Namespaces of the vehicles, without the slash.
     admits_strangers : bool
-        Whether readers of the run hear everybody.
+        Whether readers of the run hear all publishers.
 
     Attributes
     ----------
     found : dict
-        All strangers met so far, by gid; they stay when they leave.
+        All foreign writers found so far, by gid; they stay here after they have left.
 
     """
 
@@ -80,7 +83,7 @@ class StrangerWatch:
         self.found: dict[str, Stranger] = {}
 
     def look(self) -> list[Stranger]:
-        """Return the strangers that were not there at the last look."""
+        """Return the foreign writers that are new since the last call."""
         new = []
         for topic, _ in self._node.get_topic_names_and_types():
             if topic.startswith(self._prefixes) or topic in RUN_TOPICS:
@@ -119,7 +122,7 @@ class StrangerWatch:
 
 
 def _is_offered_as_own(info: TopicEndpointInfo) -> bool:
-    """Return whether a writer offers what readers of a run request."""
+    """Return whether a writer's quality of service matches the readers of a run."""
     return info.qos_profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
 
 

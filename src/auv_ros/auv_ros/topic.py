@@ -1,4 +1,4 @@
-"""What a node says: its topics, each with how its messages are written and who must hear them."""
+"""The topics of a node, each with its message writer and its required readers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ RECORDER = "/recorder_node"
 
 class Topic:
     """
-    One topic on which a node publishes.
+    A topic that a node publishes.
 
     Parameters
     ----------
@@ -27,19 +27,19 @@ class Topic:
     name : str
         Of the topic, in the namespace of the node.
     write : callable, optional
-        Returns a message as bytes.
+        Returns the message as bytes.
     heard_by : collection of str
-        Full names of the nodes that must hear the topic from its first message on.
+        Full names of the nodes that must receive the topic from its first message on.
     qos : QoSProfile
-        What is offered.
+        Offered quality of service.
 
     Attributes
     ----------
     publish : callable
-        Publishes what `write` makes of its arguments; without `write`, a message object.
+        Publishes the message that `write` makes of its arguments; without `write`, a message object.
     publish_bytes : callable
-        Publishes a serialised message. It is what `Publisher.publish` calls after it has looked at the type
-        of the message and taken a lock that a process of one thread does not need.
+        Publishes a serialised message. `Publisher.publish` calls the same function after it has checked the
+        type of the message and taken a lock that a single-threaded process does not need.
 
     """
 
@@ -63,7 +63,7 @@ class Topic:
 
 class Topics:
     """
-    The topics of one node; a recorder of the run must hear all of them.
+    The topics of one node; a recorder of the run must receive all of them.
 
     Parameters
     ----------

@@ -233,6 +233,6 @@ for depth_m in (3.0, 20.0, 77.7):
 def test_without_the_solver_the_line_names_the_command_that_brings_it(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda _name: None)
     with pytest.raises(
-        ValueError, match=r"^propagation\.kind: 'bellhop' is not allowed, since, .*--with bellhop$"
+        ValueError, match=r"^propagation\.kind: 'bellhop' is not allowed, since .*--with bellhop$"
     ):
         Propagation(Params())

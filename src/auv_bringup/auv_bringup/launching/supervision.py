@@ -166,7 +166,7 @@ class Supervisor:
             self._messages.append(
                 f"/flock/status says {status.state} at {status.time_s:g} of {status.duration_s:g} s "
                 f"(this run: {self._run.time_s:g} of {self._run.duration_s:g} s): "
-                "another run publishes it; not believed"
+                "another run publishes it; ignored"
             )
 
     def _contradict_end(self) -> None:
@@ -189,7 +189,7 @@ class Supervisor:
     def _disbelieve(self, what: str, words: str) -> None:
         if what not in self._disbelieved:
             self._disbelieved.add(what)
-            self._messages.append(f"/flock/status says {words}: somebody else publishes it; not believed")
+            self._messages.append(f"/flock/status says {words}: a foreign process publishes it; ignored")
 
     def _confirm_end(self, exit_: Exit) -> bool:
         """Believe the end with which the process of the clock has left, if one was claimed."""

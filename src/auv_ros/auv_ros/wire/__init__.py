@@ -1,1 +1,1 @@
-"""Bytes on the wire: ROS messages made from the data of components, and read back."""
+"""Bytes on the wire: conversion between the data of components and serialised ROS messages."""

@@ -1,9 +1,9 @@
 """
-Outboxes, inboxes, the acoustic log and the counters of links as serialised ROS messages, and back.
+Conversion of outboxes, inboxes, the acoustic log and link counters to and from serialised ROS messages.
 
-Their lengths change from tick to tick, so they cannot be filled in as a `Stencil` is; but to build message
-objects field by field, and to serialise them, costs ten times what writing the bytes does.  The layout is
-that of `cdr`, and a test holds it equal to what ROS serialises.
+Their lengths change from tick to tick, so a `Stencil` cannot be used. To build message objects field by
+field and to serialise them takes ten times as long as to write the bytes. The layout is that of `cdr`, and a
+test compares it with the serialisation of ROS.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ _TIMES = struct.Struct("<iIiI")
 _NUMBER = struct.Struct("<d")
 _EVENT = struct.Struct("<BBBxIiIiI4xdI")
 _SECOND_NS = 1_000_000_000
-# Of eleven limits and twelve classes of delay: behind these numbers links follow each other without padding.
+# Eleven limits and twelve classes of delay: with these numbers links follow each other without padding.
 _DELAY_EDGES = struct.Struct("<I4x11dI")
 _LINK = struct.Struct("<BB2x7I4xQI12I")
 
 
 def outbox_bytes(frame_id: str, tick: int, packets: Sequence[Packet], t_s: float) -> bytes:
-    """Return auv_msgs/AcousticOutbox: what an agent hands to its modem at the time `t_s` (s)."""
+    """Return auv_msgs/AcousticOutbox: the packets of an agent for its modem at the time `t_s` (s)."""
     out = begun(frame_id, t_s)
     out += _OUTBOX.pack(tick, len(packets))
     for packet in packets:
@@ -40,7 +40,7 @@ def outbox_bytes(frame_id: str, tick: int, packets: Sequence[Packet], t_s: float
 
 def inbox_bytes(frame_id: str, inbox: Inbox, t_s: float, epoch_ns: int) -> bytes:
     """
-    Return auv_msgs/AcousticInbox: what a modem tells its vehicle at the time `t_s` (s).
+    Return auv_msgs/AcousticInbox: the data of a modem for its vehicle at the time `t_s` (s).
 
     Scenario time 0 has the stamp `epoch_ns` (ns).
     """
@@ -77,7 +77,7 @@ def stats_bytes(
     delay_edges_s: Sequence[float], links: Sequence[tuple[Sequence[int], Sequence[int]]], t_s: float
 ) -> bytes:
     """
-    Return auv_msgs/AcousticStats: what became of the packets until the time `t_s` (s).
+    Return auv_msgs/AcousticStats: the counters of all links at the time `t_s` (s).
 
     Parameters
     ----------
@@ -138,13 +138,13 @@ class _Reader:
         try:
             return layout.unpack_from(self._data, at)
         except struct.error:
-            raise MalformedError(f"{len(self._data)} bytes that are no such message: it goes on") from None
+            raise MalformedError(f"message of {len(self._data)} bytes is too short") from None
 
     def packet(self) -> Packet:
         *heading, size = self.take(_PACKET)
         at, self._at = self._at, self._at + size
         if self._at > len(self._data):
-            raise MalformedError(f"{len(self._data)} bytes that are no such message: a packet goes on")
+            raise MalformedError(f"message of {len(self._data)} bytes is too short for its packet")
         return Packet._make((*heading, self._data[at : self._at]))
 
     def reception(self, epoch_ns: int) -> Reception:
@@ -158,9 +158,9 @@ class _Reader:
         )
 
     def end(self) -> None:
-        """Refuse a message with more than the padding of a network behind its last field."""
+        """Refuse a message with more than the padding of the network after its last field."""
         if len(self._data) - self._at > MOST_END_PADDING:
-            raise MalformedError(f"{len(self._data)} bytes where {self._at} are such a message")
+            raise MalformedError(f"message has {len(self._data)} bytes; expected {self._at}")
 
 
 def _times(first_s: float, second_s: float, epoch_ns: int) -> tuple[int, ...]:

@@ -1,5 +1,5 @@
 """
-Records to ROS messages and back: the one place where frames, quaternion order and stamps are translated.
+Conversion between records and ROS messages: the only place that converts frames, quaternion order and stamps.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ _TICK = struct.Struct("<q")
 _NEIGHBOUR_NUMBERS = 44
 _HALF_SQRT = math.sqrt(0.5)
 _DIAGONAL_OF_SIX = "48x".join("d" * 6)
-"""Six numbers of a covariance of 36, zeros between them."""
+"""The six diagonal numbers of a covariance of 36, with zeros between them."""
 
 
 def body_frame(vehicle_id: str) -> str:
@@ -60,7 +60,7 @@ def body_frame(vehicle_id: str) -> str:
 
 
 def base_frame(vehicle_id: str) -> str:
-    """Return the frame id of a vehicle's body (forward, left, up) where its navigation believes it to be."""
+    """Return the frame id of a vehicle's body (forward, left, up) at the pose of its navigation."""
     return f"{vehicle_id}/base_link"
 
 
@@ -70,7 +70,7 @@ def odom_frame(vehicle_id: str) -> str:
 
 
 def truth_frame(vehicle_id: str) -> str:
-    """Return the frame id of a vehicle's body (forward, left, up) where it truly is."""
+    """Return the frame id of a vehicle's body (forward, left, up) at its true pose."""
     return f"{vehicle_id}/base_link_truth"
 
 
@@ -167,8 +167,8 @@ def estimate_variances(state: VehicleState, depth_sd_m: float) -> Vec6:
 
 def motion_transforms(vehicle_id: str) -> TransformStencil:
     """
-    Return what a vehicle says on /tf; fill it with the poses of odom in map, of the estimated body in odom,
-    and of the true body in map.
+    Return the message of a vehicle on /tf; fill it with the poses of odom in map, of the estimated body in
+    odom, and of the true body in map.
     """
     return TransformStencil(
         [
@@ -181,7 +181,7 @@ def motion_transforms(vehicle_id: str) -> TransformStencil:
 
 def odom_in_map(frame: OdomFrame) -> Pose:
     """
-    Return the transform map -> odom: map is east-north-up, and so is odom, turned by what was corrected.
+    Return the transform map -> odom: map is east-north-up, and so is odom, rotated by the corrections so far.
     """
     half_rad = -0.5 * frame.turn_rad
     return (frame.east_m, frame.north_m, 0.0, 0.0, 0.0, math.sin(half_rad), math.cos(half_rad))
@@ -224,7 +224,7 @@ def velocity_stencil() -> Stencil:
 
 
 def command_from_bytes(data: bytes, *, takes_velocity: bool) -> Command:
-    """Return the record of a serialised command; raise ValueError when a number in it can be none."""
+    """Return the record of a serialised command; raise ValueError if a number in it is not plausible."""
     values = read_numbers(data, _SIX)
     if not is_command(values):
         raise ValueError(f"a command with a number that is not finite, or beyond {LARGEST:g}: {values}")
@@ -238,7 +238,7 @@ def clock_stencil() -> Stencil:
 
 def control_bytes(vehicle_id: str, t_s: float, tick: int, holding: str, law_state: State) -> bytes:
     """
-    Return auv_msgs/ControlStatus at the time `t_s` (s): what a law remembers, and why its agent holds, if it
+    Return auv_msgs/ControlStatus at the time `t_s` (s): the state of a law, and why its agent holds, if it
     does.
     """
     size = len(law_state)
@@ -258,7 +258,7 @@ def control_bytes(vehicle_id: str, t_s: float, tick: int, holding: str, law_stat
 @cache
 def _control_stencil(vehicle_id: str, size: int) -> Stencil:
     """
-    Return the status of a law that acts and remembers `size` numbers.
+    Return the status of an acting law with a state of `size` numbers.
 
     Fill it with the tick, length and end of an empty text (1 and 0), `size`, and the numbers.
     """

@@ -11,7 +11,7 @@ from auv_core.cdr import COUNT, align, begun, put_text
 @dataclass(frozen=True, slots=True)
 class Status:
     """
-    How a part of a node is: diagnostic_msgs/DiagnosticStatus.
+    Status of a part of a node: diagnostic_msgs/DiagnosticStatus.
 
     `level` is one of that message's constants, `values` are (key, value).
     """

@@ -17,7 +17,7 @@ from auv_ros.wire.stencil import Stencil
 
 MARKER_TICKS = 5
 STANDING_MARKER_TICKS = 50
-"""What does not move (path, obstacles) is drawn again for viewers that come later, which is not urgent."""
+"""Static markers (path, obstacles) are published again for viewers that start later; this is not urgent."""
 
 _STAMP_AT = 8
 _NOWHERE: Vec3 = (1.25e300, -2.5e300, 5e300)
@@ -56,7 +56,7 @@ def lines(
 
 class LineList:
     """
-    A MarkerArray of one line per pair of points, of which only the stamp and the points change.
+    A MarkerArray with one line per pair of points; only the stamp and the points change.
 
     Parameters
     ----------

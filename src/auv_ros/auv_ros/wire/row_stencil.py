@@ -1,9 +1,9 @@
 """
-A message that ends with a list of records, filled from the rows of an array as they lie in memory.
+A message that ends with a list of records, filled from the rows of an array.
 
-A record is an address (one byte) and so many numbers (float64).  In CDR numbers begin at multiples of eight
-bytes behind the encapsulation, and the length of the list stands right before the first record: so the
-numbers of all records lie at even distances, and one assignment fills them in.
+A record is an address (one byte) and a fixed number of float64. In CDR these begin at multiples of eight
+bytes after the encapsulation, and the length of the list directly precedes the first record. So the numbers
+of all records have equal distances, and one assignment fills them in.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ class RowStencil:
     Parameters
     ----------
     message : bytes
-        Serialised, with the addresses of its records; its numbers do not matter.
+        Serialised message with the addresses of its records; its numbers are overwritten.
     count : int
-        How many records it has.
+        Number of records.
     width : int
-        How many numbers a record has.
+        Number of float64 per record.
 
     """
 

@@ -1,8 +1,8 @@
 """
-Messages of which only the stamp and some numbers change, written and read as bytes.
+Messages in which only the stamp and some numbers change, written and read as bytes.
 
-Filling in numbers at known places takes a microsecond; making the message, setting its fields and
-serialising it takes fifty. What is published is the same: a test deserialises it.
+To fill in numbers at known offsets takes one microsecond; to make the message, set its fields and serialise
+it takes fifty. The published message is the same: a test deserialises it.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ class Stencil:
     Parameters
     ----------
     message : ROS message
-        With its frame ids; its numbers do not matter.
+        Message with its frame ids; its numbers are overwritten.
     numbers : str
-        Layout of the numbers that change, in the words of `struct`, without padding of its own.
+        `struct` format of the numbers that change, without padding.
     stamp_at : int
-        Place of the stamp in the serialised message (bytes); behind the encapsulation where a header comes
+        Offset of the stamp in the serialised message (bytes); after the encapsulation if the header comes
         first.
     numbers_at : int, optional
-        Place of the numbers (bytes); at the end of the message if left out.
+        Offset of the numbers (bytes); by default at the end of the message.
 
     """
 
@@ -55,17 +55,17 @@ class Stencil:
 
 def read_numbers(data: bytes, layout: struct.Struct) -> tuple[Any, ...]:
     """
-    Return the numbers of a serialised message that has a header and, behind it, these numbers only.
+    Return the numbers of a serialised message that consists of a header and these numbers.
 
     Raises
     ------
     MalformedError
-        For bytes that are no such message.
+        If the bytes are not such a message.
 
     """
     at = body_at(data)
     if not 0 <= len(data) - at - layout.size <= MOST_END_PADDING:
-        raise MalformedError(f"{len(data)} bytes where {at + layout.size} are such a message")
+        raise MalformedError(f"message has {len(data)} bytes; expected {at + layout.size}")
     return layout.unpack_from(data, at)
 
 

@@ -1,4 +1,4 @@
-"""A message of transforms between fixed frames, filled in as bytes: stamp and poses are all that changes."""
+"""A message of transforms between fixed frames, filled in as bytes: only stamp and poses change."""
 
 from __future__ import annotations
 
