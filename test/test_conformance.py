@@ -4,23 +4,44 @@ import copy
 import importlib
 import inspect
 import math
+from collections.abc import Callable
 from dataclasses import MISSING, fields
 from pathlib import Path
+from typing import Generic, NamedTuple, Protocol
 
 import numpy as np
 import pytest
 import yaml
 
-from auv_control.controllers import MotionView, VelocityReference
-from auv_control.references import PathPoint
+from auv_control.controllers import MotionLaw, MotionView, VelocityController, VelocityReference
+from auv_control.references import PathPoint, ReferencePath
+from auv_core.contracts import fulfilled, members
 from auv_core.messages import VehicleState, VelocityCommand, Wrench
+from auv_core.models import VehicleModel, WrenchModel
 from auv_core.params import ConfigError, dump, load, load_section
 from auv_core.plugins import find_plugin, list_plugins
+from auv_flocking.central import along
 from auv_flocking.codec import Field, Layout
-from auv_flocking.flocking import NOTHING_HEARD, View
+from auv_flocking.consensus import ConsensusFilter, ContinuousFilter
+from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, View
 from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.report import Report, ReportError
-from auv_flocking.separation import mathematical
+from auv_flocking.reports import ReportFormat
+from auv_flocking.separation import (
+    CentralLaw,
+    LearningLaw,
+    ObstacleLaw,
+    PotentialLaw,
+    SeparationLaw,
+    mathematical,
+    obstacle_velocity_of,
+)
+from auv_sim.acoustics.mac import MediumAccess, SensingAccess
+from auv_sim.acoustics.modem import AcousticModem, LevelModem
+from auv_sim.acoustics.outage import PacketLoss
+from auv_sim.acoustics.propagation import SoundPropagation
+from auv_sim.acoustics.sonar import HullSonar
+from auv_sim.navigation import OwnNavigation
 
 PERIOD_S = 0.1
 SEPARATION = mathematical.Separation(mathematical.Params())
@@ -82,7 +103,7 @@ def _fly_model(module, params, inputs):
             assert len(state) == 13
             assert math.hypot(*state[3:7]) == pytest.approx(1.0, abs=1e-9)
             outputs.append((given, state))
-        if model.command == "wrench":
+        if isinstance(model, WrenchModel):
             outputs.append(
                 model.normalised(model.derivative(state, given, inputs.point(0.2))[:3] + state[3:])
             )
@@ -174,8 +195,23 @@ def _use_flocking(module, params, inputs):
 
 def _use_separation(module, params, inputs):
     law = module.Separation(params)
-    own = inputs.point(1.0)
-    return [law.velocity(own, own, 2.0), *(law.velocity(own, inputs.point(3.0), 2.0) for _ in range(20))]
+    own, others = inputs.point(1.0), [inputs.point(3.0) for _ in range(20)]
+    outputs = [law.velocity(own, other, 2.0) for other in (own, *others)]
+    if isinstance(law, ObstacleLaw):
+        outputs += [law.obstacle_velocity(own, other, 2.0) for other in others]
+    if isinstance(law, CentralLaw):
+        assert law.reach_m(2.0) > 0.0
+        of_obstacle = obstacle_velocity_of(law)
+        for other in others:
+            assert along(own, other, 2.0, law.strength, law.numbers) == law.velocity(own, other, 2.0)
+            pushed = along(own, other, 2.0, law.obstacle_strength, law.obstacle_numbers)
+            assert pushed == of_obstacle(own, other, 2.0)
+    if isinstance(law, PotentialLaw):
+        outputs += [(law.potential(r, 2.0), law.obstacle_potential(r, 2.0)) for r in (0.5, 1.0, 2.0, 5.0)]
+    if isinstance(law, LearningLaw):
+        law.adapt([1.5, 2.5], 2.0, PERIOD_S)
+        outputs.append(law.velocity(own, others[0], 2.0))
+    return outputs
 
 
 def _use_consensus(module, params, inputs):
@@ -201,7 +237,8 @@ def _use_consensus(module, params, inputs):
             assert len(shared) == len(layout.fields)
             outputs.append(shared)
     assert layout.saturated == 0
-    if hasattr(consensus, "derivative"):
+    if isinstance(consensus, ContinuousFilter):
+        assert consensus.reach_m > 0.0
         arguments = (inputs.point(), inputs.point(), inputs.points(5), inputs.point(0.2))
         outputs.append(consensus.derivative(*arguments))
     return outputs
@@ -261,9 +298,7 @@ def _use_sonar(module, params, inputs):
 
 
 def _use_propagation(module, params, inputs):
-    if not getattr(module, "is_installed", lambda: True)():
-        pytest.skip("what this propagation calls is not installed")
-    propagation = module.Propagation(params)
+    propagation = _made_propagation(module, params)
     places = [(inputs.point(), inputs.point(1000.0)) for _ in range(10)]
     places.append((places[0][0], places[0][0]))
     delays = [propagation.delay_s(*pair) for pair in places]
@@ -274,6 +309,15 @@ def _use_propagation(module, params, inputs):
     return delays + losses
 
 
+def _made_propagation(module, params):
+    try:
+        return module.Propagation(params)
+    except ValueError as error:
+        if not str(error).startswith("propagation.kind: "):
+            raise
+        pytest.skip("what this propagation calls is not installed")
+
+
 def _use_modem(module, params, _inputs):
     modem = module.Modem(params)
     airtimes = [modem.airtime_s(size) for size in (1, 32)]
@@ -281,7 +325,7 @@ def _use_modem(module, params, _inputs):
     assert modem.max_range_m > 0.0
     assert modem.max_payload_bytes >= 32
     assert isinstance(modem.captures, bool)
-    if modem.frequency_khz is None:
+    if not isinstance(modem, LevelModem):
         return airtimes
     losses_db = (0.0, 60.0, 90.0, 120.0, 1000.0, 1e5)
     snrs = [modem.snr_ratio(loss_db) for loss_db in losses_db]
@@ -305,7 +349,9 @@ def _use_mac(module, params, _inputs):
     for (_, tick, _), start_s in zip(asked, starts, strict=True):
         assert start_s is None or tick * PERIOD_S - 1e-8 <= start_s < (tick + 1) * PERIOD_S
     assert all(any(start_s is not None for start_s in starts[address::4]) for address in range(4))
-    waits = [mac.backoff_s(2, 5, attempt) for attempt in range(1, 9)] if mac.senses else []
+    waits = (
+        [mac.backoff_s(2, 5, attempt) for attempt in range(1, 9)] if isinstance(mac, SensingAccess) else []
+    )
     assert all(wait_s > 0.0 for wait_s in waits)
     return [start_s for start_s in starts if start_s is not None] + waits
 
@@ -318,20 +364,31 @@ def _use_outage(module, params, _inputs):
     return [float(lost) for lost in forward]
 
 
+class Role(NamedTuple):
+    """The class of a plugin folder, its protocols, what it takes beside its params, and its use."""
+
+    name: str
+    contracts: tuple[type, ...]
+    arguments: tuple[object, ...]
+    use: Callable[..., list[object]]
+
+
 ROLES = {
-    "auv_core.models": ("Model", _fly_model),
-    "auv_control.controllers": ("Controller", _use_controller),
-    "auv_control.references": ("Reference", _follow_reference),
-    "auv_flocking.flocking": ("Flocking", _use_flocking),
-    "auv_flocking.separation": ("Separation", _use_separation),
-    "auv_flocking.consensus": ("Consensus", _use_consensus),
-    "auv_flocking.reports": ("Format", _use_format),
-    "auv_sim.navigation": ("Navigation", _use_navigation),
-    "auv_sim.acoustics.propagation": ("Propagation", _use_propagation),
-    "auv_sim.acoustics.modem": ("Modem", _use_modem),
-    "auv_sim.acoustics.mac": ("Mac", _use_mac),
-    "auv_sim.acoustics.outage": ("Outage", _use_outage),
-    "auv_sim.acoustics.sonar": ("Sonar", _use_sonar),
+    "auv_core.models": Role("Model", (VehicleModel,), (), _fly_model),
+    "auv_control.controllers": Role(
+        "Controller", (MotionLaw, VelocityController), (PERIOD_S,), _use_controller
+    ),
+    "auv_control.references": Role("Reference", (ReferencePath,), (), _follow_reference),
+    "auv_flocking.flocking": Role("Flocking", (FlockingLaw,), (SEPARATION, True), _use_flocking),
+    "auv_flocking.separation": Role("Separation", (SeparationLaw,), (), _use_separation),
+    "auv_flocking.consensus": Role("Consensus", (ConsensusFilter,), (4,), _use_consensus),
+    "auv_flocking.reports": Role("Format", (ReportFormat,), ((),), _use_format),
+    "auv_sim.navigation": Role("Navigation", (OwnNavigation,), (3, 1, PERIOD_S), _use_navigation),
+    "auv_sim.acoustics.propagation": Role("Propagation", (SoundPropagation,), (), _use_propagation),
+    "auv_sim.acoustics.modem": Role("Modem", (AcousticModem,), (), _use_modem),
+    "auv_sim.acoustics.mac": Role("Mac", (MediumAccess,), (4, 7), _use_mac),
+    "auv_sim.acoustics.outage": Role("Outage", (PacketLoss,), (1,), _use_outage),
+    "auv_sim.acoustics.sonar": Role("Sonar", (HullSonar,), (3,), _use_sonar),
 }
 FOUND = [(folder, kind) for folder in ROLES for kind in list_plugins(folder)]
 every_plugin = pytest.mark.parametrize(("folder", "kind"), FOUND, ids=[f"{f}.{k}" for f, k in FOUND])
@@ -380,17 +437,42 @@ def test_unknown_keys_are_refused(folder, kind):
 @every_plugin
 def test_the_class_of_the_role_and_everything_public_are_documented(folder, kind):
     module = find_plugin(folder, kind)
-    class_name, _ = ROLES[folder]
-    documented = [module, module.Params, getattr(module, class_name)]
+    made = getattr(module, ROLES[folder].name)
+    documented = [module, module.Params, made]
     documented += [
-        member
-        for name, member in inspect.getmembers(getattr(module, class_name), inspect.isfunction)
-        if not name.startswith("_")
+        member for name, member in inspect.getmembers(made, inspect.isfunction) if not name.startswith("_")
     ]
     for thing in documented:
         assert inspect.getdoc(thing), thing
     for field in fields(module.Params):
         assert field.metadata["doc"], f"{kind}.{field.name}"
+
+
+@every_plugin
+def test_a_plugin_has_all_that_its_protocols_ask_for_by_itself(folder, kind):
+    """It inherits them, so that mypy compares signatures; nothing is left to the empty body of a protocol."""
+    module, role = find_plugin(folder, kind), ROLES[folder]
+    cls = getattr(module, role.name)
+    contracts = [base for base in cls.__mro__ if getattr(base, "_is_protocol", False)]
+    assert all(base.__module__ == folder for base in contracts if base not in (Protocol, Generic))
+    assert set(role.contracts) & set(contracts)
+    params = next(iter(_params(folder, kind).values()))
+    thing = _made_propagation(module, params) if role.name == "Propagation" else cls(params, *role.arguments)
+    for name in members(cls):
+        found = inspect.getattr_static(thing, name)
+        assert not any(name in vars(base) and vars(base)[name] is found for base in contracts), name
+
+
+def test_a_plugin_that_lacks_something_is_refused_in_one_line():
+    class Modem:
+        max_payload_bytes, preamble_s, captures = 32, 0.0, True
+
+    with pytest.raises(ConfigError) as error:
+        fulfilled(Modem(), AcousticModem)
+    assert str(error.value) == (
+        f"{__name__}: Modem has no airtime_s, max_range_m; "
+        "allowed: a class with all that auv_sim.acoustics.modem.AcousticModem has"
+    )
 
 
 @every_plugin
@@ -400,7 +482,7 @@ def test_params_cannot_be_changed(folder, kind):
 
 @every_plugin
 def test_outputs_are_finite_and_inputs_left_alone(folder, kind):
-    _, use = ROLES[folder]
+    use = ROLES[folder].use
     for params in _params(folder, kind).values():
         inputs = _Inputs()
         outputs = _flat(use(find_plugin(folder, kind), params, inputs))
@@ -414,7 +496,7 @@ def test_outputs_are_finite_and_inputs_left_alone(folder, kind):
 
 @every_plugin
 def test_the_same_calls_give_the_same_outputs_to_the_last_bit(folder, kind):
-    _, use = ROLES[folder]
+    use = ROLES[folder].use
     for params in _params(folder, kind).values():
         first, second = (use(find_plugin(folder, kind), params, _Inputs()) for _ in range(2))
         assert repr(first) == repr(second)

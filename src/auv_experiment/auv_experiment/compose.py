@@ -10,14 +10,14 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from auv_core.compiled import use_compiler
-from auv_core.plugins import find_plugin
+from auv_core.models import make_model
 from auv_core.state_checks import LARGEST
 from auv_experiment.scenario.schema import Scenario
 from auv_flocking.agent import Agent
 from auv_flocking.agent_config import AgentConfig
 from auv_flocking.input_limits import InputLimits
 from auv_sim.streams import Purpose, uniform
-from auv_sim.vehicle import MODELS, Vehicle, VehicleConfig
+from auv_sim.vehicle import Vehicle, VehicleConfig
 
 _SPEED_MARGIN = 10.0
 
@@ -77,10 +77,7 @@ def input_limits(scenario: Scenario) -> InputLimits:
     limits = scenario.agent.inputs
     if limits.speed_max_mps is not None:
         return limits
-    held_mps = max(
-        find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params).top_speed_mps
-        for vehicle in scenario.vehicles
-    )
+    held_mps = max(make_model(vehicle.model).top_speed_mps for vehicle in scenario.vehicles)
     fastest_mps = held_mps + math.hypot(*scenario.environment.current_ned_mps)
     return replace(limits, speed_max_mps=min(_SPEED_MARGIN * fastest_mps, LARGEST))
 

@@ -20,6 +20,7 @@ from auv_core.messages import Packet, SonarContact, VehicleState
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.neighbours.table import NeighbourConfig
+from auv_flocking.reports import ReportFormat
 from auv_flocking.senses import Senses
 
 TOLERANCE = 1e-9
@@ -62,7 +63,7 @@ def re_estimate(
     bag: Bag,
     vehicle_ids: Sequence[str],
     config: NeighbourConfig,
-    report_format: Any,
+    report_format: ReportFormat,
     period_s: float,
     limits: InputLimits,
 ) -> Comparison:
@@ -77,7 +78,7 @@ def re_estimate(
     config
         Settings of the filters.
     report_format
-        Format of the reports (`auv_flocking.agent_config.make_format`).
+        Format of the reports (`auv_flocking.agent_config.report_format`).
     period_s
         Control period (s); the estimates of tick k are for k * period_s.
     limits

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 
 from auv_core.machine.free_memory import free_bytes, gigabytes
 from auv_core.params import ConfigError
-from auv_core.plugins import find_plugin
 from auv_experiment.recording_shapes import bytes_of_rows, bytes_per_tick
 from auv_flocking.neighbours.track import HISTORY_S, MOST_MEASUREMENTS
-from auv_sim.acoustics.medium import MAC
+from auv_sim.acoustics.mac import make_mac
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -97,7 +96,7 @@ def _filter_bytes(scenario: Scenario) -> float:
 def _packets_per_tick(scenario: Scenario) -> float:
     """Return how many packets the fleet sends in a tick, as its medium access lets it."""
     section, count = scenario.acoustics.mac, len(scenario.vehicles)
-    mac = find_plugin(MAC, section.kind).Mac(section.params, count, scenario.seed)
+    mac = make_mac(section, count, scenario.seed)
     ticks = min(_MAC_TICKS, scenario.ticks)
     starts = [
         mac.opportunity_s(address, tick, scenario.period_s)

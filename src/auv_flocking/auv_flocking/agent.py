@@ -9,37 +9,29 @@ wrench directly), and passes a report to the modem when the modem asks for one.
 
 from __future__ import annotations
 
-from typing import Any
-
-from auv_control.controllers import VelocityReference
-from auv_control.references import PathPoint
+from auv_control.controllers import Controller, MotionLaw, VelocityReference, make_controller
+from auv_control.references import PathPoint, make_reference
 from auv_core.geometry import Vec3, body_to_ned
 from auv_core.messages import Command, Inbox, Packet, VehicleState, VelocityCommand, Wrench, command_numbers
-from auv_core.plugins import find_plugin
 from auv_core.state_checks import is_command
-from auv_flocking.agent_config import (
-    CONTROLLERS,
-    FLOCKING,
-    REFERENCES,
-    SEPARATION,
-    AgentConfig,
-    make_consensus,
-    make_format,
-)
+from auv_flocking.agent_config import AgentConfig
+from auv_flocking.consensus import ConsensusFilter, make_consensus
 from auv_flocking.flock_task import FlockTask
-from auv_flocking.flocking import FlockVelocity
+from auv_flocking.flocking import FlockVelocity, make_flocking
 from auv_flocking.holding import NO_FINITE_COMMAND, OUT_OF_REPORT
 from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbours.estimates import Estimates
 from auv_flocking.packet_judge import Refusal
 from auv_flocking.report import Report, ReportError, why_not_carried
+from auv_flocking.reports import make_format
 from auv_flocking.senses import Senses
+from auv_flocking.separation import make_separation
 
 
 class Agent:
     """
     The software of one vehicle; `flocks` tells whether it is part of a flock and estimates the flock's
-    centre.
+    centre, `takes_velocity` whether its commands are velocities instead of wrenches.
 
     After a step it offers for inspection: `centre` and `centre_rate` (own estimate of the flocking centre, m
     and m/s; NED), `flock_velocity` (m/s; NED, with its stamp), `reference` (the law's velocity, or the
@@ -49,15 +41,12 @@ class Agent:
 
     def __init__(self, config: AgentConfig) -> None:
         self._config = config
-        self._path = None
-        if config.reference is not None:
-            self._path = find_plugin(REFERENCES, config.reference.kind).Reference(config.reference.params)
-        self._controller = find_plugin(CONTROLLERS, config.controller.kind).Controller(
-            config.controller.params, config.period_s
-        )
-        consensus = make_consensus(config.consensus, config.fleet_size)
-        self._format = make_format(config.report, consensus)
-        self.task = self._make_task(consensus)
+        self._path = None if config.reference is None else make_reference(config.reference)
+        consensus = None if config.consensus is None else make_consensus(config.consensus, config.fleet_size)
+        self._format = make_format(config.report, () if consensus is None else consensus.shared_fields)
+        controller = make_controller(config.controller, config.period_s)
+        self.takes_velocity = controller.command == "velocity"
+        self.task = self._make_task(controller, consensus)
         self.flocks = isinstance(self.task, FlockTask)
         self._senses = Senses(
             config.neighbours, config.inputs, self._format, config.address, config.fleet_size, config.period_s
@@ -67,19 +56,15 @@ class Agent:
         self.holding = ""
         self.neighbours = Estimates.of(())
 
-    def _make_task(self, consensus: Any) -> FlockTask | MotionTask:
+    def _make_task(self, controller: Controller, consensus: ConsensusFilter | None) -> FlockTask | MotionTask:
         config = self._config
+        if isinstance(controller, MotionLaw):
+            return MotionTask(controller, config.obstacles, config.period_s)
         if config.flocking is None or config.separation is None or consensus is None:
-            return MotionTask(self._controller, config.obstacles, config.period_s)
-        separation = find_plugin(SEPARATION, config.separation.kind).Separation(config.separation.params)
-        flocking = find_plugin(FLOCKING, config.flocking.kind)
-        law = flocking.Flocking(config.flocking.params, separation, config.is_leader)
-        return FlockTask(law, consensus, self._controller, config.obstacles, config.period_s)
-
-    @property
-    def takes_velocity(self) -> bool:
-        """Whether the commands of this agent are velocities instead of wrenches."""
-        return bool(self._controller.command == "velocity")
+            raise RuntimeError("a flock without its laws: AgentConfig should have refused it")
+        separation = make_separation(config.separation)
+        law = make_flocking(config.flocking, separation, is_leader=config.is_leader)
+        return FlockTask(law, consensus, controller, config.obstacles, config.period_s)
 
     @property
     def knows_path(self) -> bool:
@@ -134,7 +119,7 @@ class Agent:
     @property
     def saturated(self) -> int:
         """Number of values that exceeded their field of a report and were sent as its bound."""
-        return int(self._format.saturated)
+        return self._format.saturated
 
     @property
     def path_period_s(self) -> float | None:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
+from auv_control.controllers import controller_class
 from auv_core.params import Section, param
-from auv_core.plugins import find_plugin
+from auv_flocking.consensus import make_consensus
 from auv_flocking.flock_task import Obstacles
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.table import NeighbourConfig
-from auv_flocking.reports import compact
+from auv_flocking.reports import ReportFormat, compact, make_format
 
 REFERENCES = "auv_control.references"
 CONTROLLERS = "auv_control.controllers"
@@ -99,7 +99,7 @@ def check_parts(
         name of the part.
 
     """
-    follows = find_plugin(CONTROLLERS, controller.kind).Controller.follows
+    follows = controller_class(controller.kind).follows
     for name, section in (("flocking", flocking), ("separation", separation), ("consensus", consensus)):
         if follows == "velocity" and section is None:
             raise ValueError(
@@ -118,14 +118,7 @@ def check_parts(
         )
 
 
-def make_consensus(section: Section | None, fleet_size: int) -> Any:
-    """Return the consensus filter of a section, or None."""
-    if section is None:
-        return None
-    return find_plugin(CONSENSUS, section.kind).Consensus(section.params, fleet_size)
-
-
-def make_format(report: Section, consensus: Any) -> Any:
-    """Return the format of the reports: the section's, with what the consensus filter adds."""
-    shared_fields = () if consensus is None else consensus.shared_fields
-    return find_plugin(REPORTS, report.kind).Format(report.params, shared_fields)
+def report_format(report: Section, consensus: Section | None, fleet_size: int) -> ReportFormat:
+    """Return the format of the reports: that of a section, with what the consensus filter adds."""
+    shared_fields = () if consensus is None else make_consensus(consensus, fleet_size).shared_fields
+    return make_format(report, shared_fields)

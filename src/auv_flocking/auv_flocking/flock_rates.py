@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 from auv_core.compiled import entry, fastest, inlined, record
 from auv_core.geometry import Vec3, added
 from auv_flocking.central import STRENGTH, Numbers, Strength, along
-from auv_flocking.consensus.thesis import towards
+from auv_flocking.consensus.thesis import Consensus, towards
 from auv_flocking.flock_task import Obstacles
-from auv_flocking.flocking.potential import asked, attraction
+from auv_flocking.flocking.potential import Flocking, Params, asked, attraction
+from auv_flocking.separation import CentralLaw
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -115,7 +116,11 @@ class FlockLaw:
 
 
 def flock_law(
-    laws: Sequence[Any], law_params: Any, separation: Any, consensus: Any, obstacles: Obstacles
+    laws: Sequence[Flocking],
+    law_params: Params,
+    separation: CentralLaw,
+    consensus: Consensus,
+    obstacles: Obstacles,
 ) -> FlockLaw:
     """
     Return the parameters of a flock.
@@ -125,29 +130,26 @@ def flock_law(
     laws : sequence of N flocking.potential.Flocking
         The law of each vehicle, with the parameters `law_params`.
     separation, consensus
-        A separation law with `strength`, and the filter ``thesis``.
+        A separation law along the line between two, and the filter ``thesis``.
     obstacles : sequence of (position, safety distance)
         Obstacles that every vehicle knows of (m; NED).
 
     """
     p = law_params
-    reach_m = getattr(separation, "reach_m", None)
-    push_m = np.inf if reach_m is None else reach_m(p.spacing_m)
     numbers = LawNumbers(
         shares=np.array([(law.path_gain_ps, law.feedforward_share) for law in laws]),
         cohesion_gain_ps=float(p.cohesion_gain_ps),
         bandwidth_ratio=float(p.bandwidth_ratio),
         correction_limit_mps=float(p.correction_limit_mps),
         spacing_m=float(p.spacing_m),
-        push_m=float(push_m),
+        push_m=float(separation.reach_m(p.spacing_m)),
         rate_ps=float(consensus.rate_ps),
         talk_m=float(consensus.reach_m),
         strength_numbers=separation.numbers,
-        obstacle_numbers=getattr(separation, "obstacle_numbers", separation.numbers),
+        obstacle_numbers=separation.obstacle_numbers,
         obstacles=np.array([(*place, safe_m) for place, safe_m in obstacles]).reshape(-1, 4),
     )
-    obstacle_strength = getattr(separation, "obstacle_strength", separation.strength)
-    return FlockLaw(numbers, fastest(separation.strength), fastest(obstacle_strength))
+    return FlockLaw(numbers, fastest(separation.strength), fastest(separation.obstacle_strength))
 
 
 @inlined

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
-from auv_control.controllers import VelocityReference
+from auv_control.controllers import VelocityController, VelocityReference
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
 from auv_core.messages import Command, VehicleState
-from auv_flocking.consensus import centres_within
-from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View
-from auv_flocking.neighbours.estimates import Estimates, NeighbourEstimate, Positions
+from auv_flocking.consensus import ConsensusFilter, ContinuousFilter, centres_within
+from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, FlockVelocity, View
+from auv_flocking.neighbours.estimates import Estimates, Neighbours, Positions
 
 Obstacles = tuple[tuple[Vec3, float], ...]
 
@@ -29,10 +28,16 @@ class FlockTask:
     law_state: tuple[float, ...] = ()
 
     def __init__(
-        self, law: Any, consensus: Any, controller: Any, obstacles: Obstacles, period_s: float
+        self,
+        law: FlockingLaw,
+        consensus: ConsensusFilter,
+        controller: VelocityController,
+        obstacles: Obstacles,
+        period_s: float,
     ) -> None:
         self._law = law
         self._consensus = consensus
+        self._continuous = consensus if isinstance(consensus, ContinuousFilter) else None
         self._controller = controller
         self._obstacles = obstacles
         self._period_s = period_s
@@ -46,7 +51,7 @@ class FlockTask:
         t_s: float,
         nav: VehicleState,
         path: PathPoint,
-        neighbours: Sequence[NeighbourEstimate],
+        neighbours: Neighbours,
         *,
         is_waiting: bool,
     ) -> Command:
@@ -62,14 +67,13 @@ class FlockTask:
         if not is_waiting:
             law.adapt(view, period_s)
         self.reference = VelocityReference(_ZERO if is_waiting else velocity, path.heading_rad)
-        command: Command = self._controller.step(nav, self.reference)
+        command = self._controller.step(nav, self.reference)
         self.centre_rate = consensus.advance(position, estimates, flock, period_s)
         return command
 
     def shared(self) -> tuple[float, ...]:
         """Return the numbers that the consensus filter adds to a packet after this step."""
-        numbers: tuple[float, ...] = self._consensus.shared()
-        return numbers
+        return self._consensus.shared()
 
     def rates(
         self, path: PathPoint, position: Vec3, centre: Vec3, others: Sequence[tuple[Vec3, Vec3]]
@@ -82,7 +86,8 @@ class FlockTask:
         """
         flock = self.flock_velocity.velocity
         positions = tuple([place for place, _ in others])
-        velocity: Vec3 = self._law.velocity(View(position, centre, flock, positions, self._obstacles, path))
-        heard = centres_within(self._consensus.reach_m, position, others)
-        rate: Vec3 = self._consensus.derivative(position, centre, heard, flock)
-        return velocity, rate
+        velocity = self._law.velocity(View(position, centre, flock, positions, self._obstacles, path))
+        if self._continuous is None:
+            raise TypeError("a consensus filter without a continuous form")
+        heard = centres_within(self._continuous.reach_m, position, others)
+        return velocity, self._continuous.derivative(position, centre, heard, flock)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
 
-from auv_control.controllers import MotionView, VelocityReference
+from auv_control.controllers import MotionLaw, MotionView, VelocityReference
 from auv_control.references import PathPoint
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
-from auv_core.messages import Command, Vec6, VehicleState, Wrench
+from auv_core.messages import Command, VehicleState, Wrench
 from auv_flocking.flock_task import Obstacles
 from auv_flocking.flocking import NOTHING_HEARD
-from auv_flocking.neighbours.estimates import Estimates, NeighbourEstimate
+from auv_flocking.neighbours.estimates import Estimates, Neighbours
 
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
 
@@ -26,7 +24,7 @@ class MotionTask:
     path). A vehicle with this task estimates no flocking centre: `centre` is its position.
     """
 
-    def __init__(self, law: Any, obstacles: Obstacles, period_s: float) -> None:
+    def __init__(self, law: MotionLaw, obstacles: Obstacles, period_s: float) -> None:
         self.law = law
         self._obstacles = obstacles
         self._period_s = period_s
@@ -42,7 +40,7 @@ class MotionTask:
         t_s: float,
         nav: VehicleState,
         path: PathPoint | None,
-        neighbours: Sequence[NeighbourEstimate],
+        neighbours: Neighbours,
         *,
         is_waiting: bool,
     ) -> Command:
@@ -54,7 +52,6 @@ class MotionTask:
             self.reference = VelocityReference(path.velocity, path.heading_rad)
         if is_waiting:
             return Wrench((0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-        tau: Vec6
         tau, rate = self.law.evaluate(self.law_state, view)
         after = tuple([z + self._period_s * dz for z, dz in zip(self.law_state, rate, strict=True)])
         if math.isfinite(sum(tau) + sum(after)):

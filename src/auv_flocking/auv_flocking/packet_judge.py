@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from auv_core.messages import Packet
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.report import Report, ReportError
+from auv_flocking.reports import ReportFormat
 
 _CLOCK_SLACK_S = 1.0
 
@@ -50,7 +50,9 @@ class PacketJudge:
     refused, until one is accepted again.
     """
 
-    def __init__(self, report_format: Any, own_address: int, fleet_size: int, limits: InputLimits) -> None:
+    def __init__(
+        self, report_format: ReportFormat, own_address: int, fleet_size: int, limits: InputLimits
+    ) -> None:
         self._format = report_format
         self._own_address = own_address
         self._fleet_size = fleet_size
@@ -72,7 +74,7 @@ class PacketJudge:
 
     def _read(self, t_s: float, packet: Packet) -> tuple[Report | None, str]:
         try:
-            report: Report = self._format.decode(packet.payload, t_s)
+            report = self._format.decode(packet.payload, t_s)
         except ReportError as error:
             return None, str(error)
         if report.address != packet.source:

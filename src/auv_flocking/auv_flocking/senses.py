@@ -8,7 +8,7 @@ for accepted packets and contacts exists once.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from auv_core.messages import Packet, SonarContact, VehicleState
 from auv_flocking.input_limits import InputJudge, InputLimits
@@ -16,6 +16,7 @@ from auv_flocking.neighbours.estimates import Estimates
 from auv_flocking.neighbours.filter import NeighbourConfig, with_rounding
 from auv_flocking.neighbours.table import NeighbourTable
 from auv_flocking.packet_judge import PacketJudge
+from auv_flocking.reports import ReportFormat
 
 
 class Sensed(NamedTuple):
@@ -43,7 +44,7 @@ class Senses:
         self,
         neighbours: NeighbourConfig,
         limits: InputLimits,
-        report_format: Any,
+        report_format: ReportFormat,
         address: int,
         fleet_size: int,
         period_s: float,

@@ -113,8 +113,6 @@ def test_laws_without_a_memory_have_nothing_to_learn():
     before = law.velocity(view)
     law.adapt(view, 0.1)
     assert law.velocity(view) == before
-    assert Params().adapts
-    assert not hasattr(mathematical.Params(), "adapts")
 
 
 def test_sets_out_of_order_are_refused():

@@ -8,9 +8,9 @@ import pytest
 from auv_core.messages import Inbox, Packet, Reception, VehicleState, VelocityCommand
 from auv_core.params import ConfigError, load
 from auv_flocking.agent import Agent
-from auv_flocking.agent_config import AgentConfig, make_format
+from auv_flocking.agent_config import AgentConfig
 from auv_flocking.report import Report
-from auv_flocking.reports import exact
+from auv_flocking.reports import exact, make_format
 
 PERIOD_S = 0.1
 FORMAT = exact.Format(exact.Params(), ())
@@ -216,7 +216,7 @@ def test_coarse_reports_are_believed_no_more_than_their_rounding_allows():
     variances = []
     for report in ({"kind": "compact"}, coarse):
         agent = Agent(_config(report=report))
-        form = make_format(agent._config.report, None)
+        form = make_format(agent._config.report)
         zero = (0.0, 0.0, 0.0)
         payload = form.encode(Report(2, 1, 0.0, (3.0, 9.0, 10.0), zero, (3.0, 9.0, 10.0), zero, zero))
         _step(agent, 0, _heard(0, 2, payload=payload))

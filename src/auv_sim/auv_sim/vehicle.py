@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Command, VehicleState, command_numbers
+from auv_core.models import make_model
 from auv_core.params import Section, param
-from auv_core.plugins import find_plugin
-from auv_sim.navigation import exact
+from auv_sim.navigation import exact, make_navigation
 
 MODELS = "auv_core.models"
 NAVIGATION = "auv_sim.navigation"
@@ -82,7 +82,7 @@ class Vehicle:
     """
 
     def __init__(self, config: VehicleConfig) -> None:
-        self._model = find_plugin(MODELS, config.model.kind).Model(config.model.params)
+        self._model = make_model(config.model)
         self._current = config.current_ned_mps
         self._dt_s = config.dt_s
         self._substeps = substeps(config.period_s, config.dt_s)
@@ -91,11 +91,8 @@ class Vehicle:
         self.state = self._record()
         self._name = config.vehicle_id
         self._period_s = config.period_s
-        navigation = find_plugin(NAVIGATION, config.navigation.kind)
-        self.navigation = navigation.Navigation(
-            config.navigation.params, config.seed, config.address, config.period_s
-        )
-        self.takes_velocity = bool(self._model.command == "velocity")
+        self.navigation = make_navigation(config.navigation, config.seed, config.address, config.period_s)
+        self.takes_velocity = self._model.command == "velocity"
         """Whether this vehicle takes a velocity command instead of a wrench."""
         self.nav: VehicleState = self.navigation.measured(self.state)
 

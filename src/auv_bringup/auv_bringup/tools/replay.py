@@ -49,7 +49,7 @@ def _re_estimate(bag: Bag) -> int:
     from auv_experiment.compose import input_limits
     from auv_experiment.re_estimate import re_estimate
     from auv_experiment.scenario.loading import load_scenario
-    from auv_flocking.agent_config import make_consensus, make_format
+    from auv_flocking.agent_config import report_format
 
     scenario_file = bag.folder.parent / "scenario.yaml"
     if not scenario_file.is_file():
@@ -57,10 +57,10 @@ def _re_estimate(bag: Bag) -> int:
     scenario = load_scenario(str(scenario_file))
     vehicle_ids = [vehicle.id for vehicle in scenario.vehicles]
     settings = scenario.agent
-    report_format = make_format(settings.report, make_consensus(settings.consensus, len(vehicle_ids)))
+    report = report_format(settings.report, settings.consensus, len(vehicle_ids))
     use_compiler(print)
     result = re_estimate(
-        bag, vehicle_ids, settings.neighbours, report_format, scenario.period_s, input_limits(scenario)
+        bag, vehicle_ids, settings.neighbours, report, scenario.period_s, input_limits(scenario)
     )
     _report_comparison(result, len(vehicle_ids))
     return EXIT_DONE if result.agrees else EXIT_DIFFERENT

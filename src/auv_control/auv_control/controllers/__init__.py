@@ -6,42 +6,33 @@ To add one, write one file with ``Params`` and ``Controller(params, period_s)``.
 the vehicle's model takes, and with ``follows`` what it is fed:
 
 ``follows = 'velocity'``
-    The inner loop under a flocking law: ``step(nav, reference) -> Wrench | VelocityCommand``, called once per
-    control period with the vehicle's own navigation (`auv_core.messages.VehicleState`) and a
-    `VelocityReference`.  One that can run in continuous time has, besides, ``evaluate(attitude, nu, integral,
-    reference) -> (tau, growth)``, the wrench at one instant and the rate of an integral of three numbers that
-    the caller keeps.
+    The inner loop under a flocking law: a `VelocityController`, or one that can run in continuous time as
+    well, a `ContinuousVelocityController`.
 
 ``follows = 'path'`` or ``'region'``
-    A law that goes from the `MotionView` of one instant straight to the wrench; with ``'region'`` the view's
-    path is None.  It is pure, and what it remembers (parameter estimates, integrals) is a tuple of floats
-    that the caller keeps and integrates, so that the sampled agent and the continuous-time runner use the
-    same law:
-
-    * ``initial_state(view) -> State``: what it remembers at the start, ``()`` if nothing;
-    * ``evaluate(state, view) -> (tau, rate)``: the wrench (N, N m; body FRD) and the rate of `state` per
-      second;
-    * ``constrained(state) -> State``: `state` brought back to where it is allowed, after each step;
-    * ``candidates``: names of its Lyapunov candidates, and ``lyapunov(state, view, kinetic_energy) ->
-      tuple`` of their values, one for each name; `kinetic_energy` is the plant's nu^T M nu / 2 as a function
-      of nu;
-    * ``proof_gap``: one sentence for people on why the printed proof does not cover a run in which V rises;
-    * ``shared_candidate``: whether the values are shares, whose sum over the vehicles is the candidate.
-
-    One that follows a region has ``region: Box``, a box around it (m; NED).
+    A law that goes from the `MotionView` of one instant straight to the wrench: a `MotionLaw` or a
+    `RegionLaw`. With ``'region'`` the view's path is None.  The law is pure, and what it remembers
+    (parameter estimates, integrals) is a tuple of floats that the caller keeps and integrates, so that the
+    sampled agent and the continuous-time runner use the same law.
 
     ``Params`` has ``frame`` where the law can be told in which frame the plant lives (see
-    `models/four_dof.py`).
+    `models/four_dof.py`), and ``max_force_n`` where the law bounds what it asks along each axis (N).
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple, Protocol, runtime_checkable
 
 from auv_control.references import PathPoint
-from auv_core.geometry import Vec3
-from auv_core.messages import VehicleState
+from auv_core.contracts import fulfilled
+from auv_core.geometry import Box, Quat, Vec3
+from auv_core.integrate import State
+from auv_core.messages import Command, Vec6, VehicleState
+from auv_core.params import Section
+from auv_core.plugins import find_plugin
 
 
 class VelocityReference(NamedTuple):
@@ -65,3 +56,112 @@ class MotionView:
     path: PathPoint | None
     neighbours: tuple[Vec3, ...] = ()
     obstacles: tuple[tuple[Vec3, float], ...] = ()
+
+
+@runtime_checkable
+class VelocityController(Protocol):
+    """The inner loop under a flocking law."""
+
+    command: ClassVar[str]
+    follows: ClassVar[str]
+
+    def step(self, nav: VehicleState, reference: VelocityReference) -> Command:
+        """Return the command of one control period, from the vehicle's own navigation."""
+
+
+@runtime_checkable
+class ContinuousVelocityController(VelocityController, Protocol):
+    """An inner loop whose integral of three numbers the caller can keep."""
+
+    def evaluate(
+        self, attitude: Quat, nu: Vec6, integral: Vec3, reference: VelocityReference
+    ) -> tuple[Vec6, Vec3]:
+        """Return the wrench at one instant (N, N m; body) and the rate of the integral."""
+
+
+@runtime_checkable
+class MotionLaw(Protocol):
+    """
+    A law that gives the wrench by itself.
+
+    `candidates` are the names of its Lyapunov candidates, and `shared_candidate` tells whether their values
+    are shares, whose sum over the vehicles is the candidate.  `proof_gap` says in one sentence why the
+    printed proof does not cover a run in which V rises.
+    """
+
+    command: ClassVar[str]
+    follows: ClassVar[str]
+    candidates: ClassVar[tuple[str, ...]]
+    shared_candidate: ClassVar[bool]
+    proof_gap: str
+
+    def initial_state(self, view: MotionView) -> State:
+        """Return what the law remembers at the start, `()` if nothing."""
+
+    def evaluate(self, state: State, view: MotionView) -> tuple[Vec6, State]:
+        """Return the wrench (N, N m; body FRD) and the rate of `state` per second."""
+
+    def constrained(self, state: State) -> State:
+        """Return `state` brought back to where it is allowed, after each step."""
+
+    def lyapunov(
+        self, state: State, view: MotionView, kinetic_energy: Callable[[Vec6], float]
+    ) -> tuple[float, ...]:
+        """Return the candidates' values; `kinetic_energy` is the plant's nu^T M nu / 2 (J) of nu."""
+
+
+@runtime_checkable
+class RegionLaw(MotionLaw, Protocol):
+    """A law that follows a region; `region` is a box around it (m; NED)."""
+
+    region: Box
+
+
+Controller = VelocityController | MotionLaw
+
+
+@runtime_checkable
+class _Framed(Protocol):
+    frame: str
+
+
+@runtime_checkable
+class _Bounded(Protocol):
+    max_force_n: float | None
+
+
+def controller_class(kind: str) -> type[VelocityController] | type[MotionLaw]:
+    """Return the class of the controller of a kind."""
+    found: type[VelocityController] | type[MotionLaw] = find_plugin(__name__, kind).Controller
+    return found
+
+
+def contract_of(kind: str) -> type:
+    """Return the protocol of a kind: what it follows decides."""
+    follows = controller_class(kind).follows
+    return {"velocity": VelocityController, "region": RegionLaw}.get(follows, MotionLaw)
+
+
+def make_controller(section: Section, period_s: float) -> Controller:
+    """Return the controller of a section, for a control period (s)."""
+    made = find_plugin(__name__, section.kind).Controller(section.params, period_s)
+    controller: Controller = fulfilled(made, contract_of(section.kind))
+    return controller
+
+
+def region_of(section: Section, period_s: float) -> Box | None:
+    """Return a box around the region that the controller of a section follows (m; NED), None for another."""
+    controller = make_controller(section, period_s)
+    return controller.region if isinstance(controller, RegionLaw) else None
+
+
+def frame_of(params: Any) -> str | None:
+    """Return the frame that a law with these parameters is written for, None for any."""
+    return params.frame if isinstance(params, _Framed) else None
+
+
+def max_force_of(params: Any) -> float:
+    """Return the most that a controller with these parameters asks for along each axis (N; inf: no limit)."""
+    if isinstance(params, _Bounded) and params.max_force_n is not None:
+        return params.max_force_n
+    return math.inf

@@ -35,7 +35,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from auv_control.body_regressor import Vec4, body_forces, transposed_times
-from auv_control.controllers import MotionView
+from auv_control.controllers import MotionLaw, MotionView
 from auv_control.path_motion import Motion, composite_error, motion_of, virtual_motion
 from auv_control.references import PathPoint
 from auv_control.start_blend import wrapped
@@ -125,7 +125,7 @@ class Params:
         return tuple(name.format(i) for name in ("m{0}{0}", "dL{0}", "dQ{0}") for i in "1234")
 
 
-class Controller:
+class Controller(MotionLaw):
     """
     The law of one vehicle.
 

@@ -22,7 +22,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from auv_control.controllers import MotionView
+from auv_control.controllers import MotionView, RegionLaw
 from auv_control.region import (
     Layers,
     Ring,
@@ -101,7 +101,7 @@ class Params:
         return tuple(zip(self.layer_radii_m, self.layer_gains_pm3, strict=True))
 
 
-class Controller:
+class Controller(RegionLaw):
     """The law; it has no state."""
 
     command = "wrench"

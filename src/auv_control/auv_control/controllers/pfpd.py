@@ -23,7 +23,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from auv_control.avoidance import obstacle_force, obstacle_potential
-from auv_control.controllers import MotionView
+from auv_control.controllers import MotionLaw, MotionView
 from auv_control.tracking_errors import FRAMES, TrackingErrors, ned_force_in_frame, tracking_errors
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
@@ -57,7 +57,7 @@ class Params:
                 )
 
 
-class Controller:
+class Controller(MotionLaw):
     """The law; it has no state."""
 
     command = "wrench"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from auv_control.controllers import VelocityReference
+from auv_control.controllers import VelocityController, VelocityReference
 from auv_core.geometry import heading_from_quaternion
 from auv_core.messages import VehicleState, VelocityCommand
 from auv_core.params import param
@@ -18,7 +18,7 @@ class Params:
     heading_gain_ps: float = param("yaw rate per heading error (1/s)", default=1.0, minimum=0.0)
 
 
-class Controller:
+class Controller(VelocityController):
     """The unchanged velocity, and a yaw rate towards the heading."""
 
     command = "velocity"

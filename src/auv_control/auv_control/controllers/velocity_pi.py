@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass
 from typing import NamedTuple
 
-from auv_control.controllers import VelocityReference
+from auv_control.controllers import ContinuousVelocityController, VelocityReference
 from auv_core.compiled import entry, fastest, inlined, record
 from auv_core.geometry import (
     Quat,
@@ -117,7 +117,7 @@ def stepped(
     )
 
 
-class Controller:
+class Controller(ContinuousVelocityController):
     """PI on velocity, PD on attitude; the heading is held and roll and pitch are brought to zero."""
 
     command = "wrench"

@@ -1,16 +1,18 @@
 """
 References: the path in space and time that a vehicle follows.
 
-To add one, write one file with ``Params`` and ``Reference(params)`` with ``period_s`` (time of one round, or
-None), ``at(t_s) -> PathPoint``, whose rates are the exact derivatives of its values, and ``reach(duration_s)
--> Box``, a box that the path does not leave in that time (m; NED).  The file's name is its ``kind``.
+To add one, write one file with ``Params`` and ``Reference(params)``, a `ReferencePath`.  The file's name is
+its ``kind``.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
-from auv_core.geometry import Vec3
+from auv_core.contracts import fulfilled
+from auv_core.geometry import Box, Vec3
+from auv_core.params import Section
+from auv_core.plugins import find_plugin
 
 
 class PathPoint(NamedTuple):
@@ -27,3 +29,23 @@ class PathPoint(NamedTuple):
     heading_rad: float = 0.0
     heading_rate_radps: float = 0.0
     heading_acceleration_radps2: float = 0.0
+
+
+class ReferencePath(Protocol):
+    """A path; `period_s` is the time of one round (s), or None."""
+
+    period_s: float | None
+
+    def at(self, t_s: float) -> PathPoint:
+        """Return the point of a time (s); its rates are the exact derivatives of its values."""
+
+    def reach(self, duration_s: float) -> Box:
+        """Return a box that the path does not leave in that time (m; NED)."""
+
+
+def make_reference(section: Section) -> ReferencePath:
+    """Return the path of a section."""
+    path: ReferencePath = fulfilled(
+        find_plugin(__name__, section.kind).Reference(section.params), ReferencePath
+    )
+    return path

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from auv_control.references import PathPoint
+from auv_control.references import PathPoint, ReferencePath
 from auv_core.geometry import Box
 from auv_core.params import param
 
@@ -29,7 +29,7 @@ class Params:
     )
 
 
-class Reference:
+class Reference(ReferencePath):
     """eta_d(t) = (R sin W t, R cos W t, depth): it starts R east of the origin, heading north."""
 
     def __init__(self, params: Params) -> None:

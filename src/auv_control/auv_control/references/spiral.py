@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from auv_control.references import PathPoint
+from auv_control.references import PathPoint, ReferencePath
 from auv_core.geometry import Box
 from auv_core.params import param
 
@@ -25,7 +25,7 @@ class Params:
     heading_rad: float = param("heading to hold (rad, from north towards east)", default=math.pi / 3.0)
 
 
-class Reference:
+class Reference(ReferencePath):
     """eta_d(t) = (R sin W t, R cos W t, z_0 + c t), psi_d constant; it has no period."""
 
     period_s = None

@@ -27,6 +27,7 @@ from auv_core.drag import steady_speed_mps
 from auv_core.geometry import Vec3, clipped, quaternion_from_heading
 from auv_core.integrate import State, rk4_step
 from auv_core.messages import Vec6
+from auv_core.models import WrenchModel
 from auv_core.params import param
 
 Vec4 = tuple[float, float, float, float]
@@ -53,7 +54,7 @@ class Params:
     hull_radius_m: float = param("radius of the sphere around the hull (m)", default=0.3, above=0.0)
 
 
-class Model:
+class Model(WrenchModel):
     """A vehicle that takes a wrench, of which only X, Y, Z and N act; integrated by RK4."""
 
     command = "wrench"

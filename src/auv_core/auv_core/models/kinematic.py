@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from auv_core.geometry import Vec3, heading_from_quaternion, ned_to_body, quaternion_from_heading
 from auv_core.integrate import State
 from auv_core.messages import Vec6
+from auv_core.models import VehicleModel
 from auv_core.params import param
 
 
@@ -23,7 +24,7 @@ class Params:
     hull_radius_m: float = param("radius of the sphere around the hull (m)", default=0.3, above=0.0)
 
 
-class Model:
+class Model(VehicleModel):
     """A vehicle that takes an NED velocity (m/s) and a yaw rate (rad/s)."""
 
     command = "velocity"

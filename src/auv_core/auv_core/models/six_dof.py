@@ -29,6 +29,7 @@ from auv_core.drag import steady_speed_mps
 from auv_core.geometry import Quat, Vec3, clipped, quaternion_from_heading
 from auv_core.integrate import State, rk4
 from auv_core.messages import Vec6
+from auv_core.models import WrenchModel
 from auv_core.models._hull_forces import Constants as Constants
 from auv_core.models._hull_forces import coriolis_force, damping_force, momentum
 from auv_core.params import param
@@ -209,7 +210,7 @@ def advance(x: State, tau: Vec6, current: Vec3, numbers: tuple[float, ...], dt_s
     return x
 
 
-class Model:
+class Model(WrenchModel):
     """A vehicle that takes a wrench, integrated by RK4."""
 
     command = "wrench"

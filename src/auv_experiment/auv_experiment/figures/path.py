@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 
+from auv_core.models import frame_of
 from auv_experiment.figures.files import WIDTH_IN, Drawer, Drawing, Figure, save_figures
 from auv_experiment.figures.plotting import (
     legend_below,
@@ -124,7 +125,7 @@ def _draw_velocity_errors(canvas: Canvas, recording: Recording, scenario: Scenar
 def _draw_forces(canvas: Canvas, recording: Recording, scenario: Scenario) -> tuple[str, str]:
     forces_n = np.full((len(recording.t_s), recording.n_vehicles, 3), np.nan)
     forces_n[:-1] = recording.command[..., :3]
-    is_flat = any(getattr(v.model.params, "frame", "body") == "flat" for v in scenario.vehicles)
+    is_flat = any(frame_of(v.model.params) == "flat" for v in scenario.vehicles)
     _draw_components(canvas, recording, forces_n, "(N)", ("X", "Y", "Z"))
     axes_of = "north, east and down, as this plant takes them" if is_flat else "along the hulls' axes"
     caption = f"Forces that the law asks for, {axes_of}."

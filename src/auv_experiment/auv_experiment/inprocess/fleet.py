@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_control.controllers import velocity_pi
+from auv_control.references import PathPoint, make_reference
 from auv_core.compiled import fastest
 from auv_core.geometry import Vec3, quaternion_from_heading
 from auv_core.models import kinematic, six_dof
 from auv_core.pairs import near_pairs, no_pairs
-from auv_core.plugins import find_plugin
 from auv_experiment.inprocess.fleet_loop import Course, FleetLog, FleetState, fly, lists_pairs
 from auv_experiment.inprocess.hull_lanes import (
     LANES,
@@ -26,10 +26,10 @@ from auv_experiment.inprocess.hull_lanes import (
 )
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario, VehicleEntry
-from auv_flocking.agent_config import FLOCKING, REFERENCES, SEPARATION, make_consensus
 from auv_flocking.consensus import thesis
 from auv_flocking.flock_rates import FlockLaw, flock_law, flock_rates
 from auv_flocking.flocking import potential
+from auv_flocking.separation import CentralLaw, make_separation
 from auv_sim.vehicle import check_finite
 
 Floats = NDArray[np.float64]
@@ -42,8 +42,8 @@ def has_compiled_form(scenario: Scenario) -> bool:
     """
     Return whether the compiled loop knows all laws of a flock and its vehicles.
 
-    It knows the flocking law ``potential``, the consensus filter ``thesis``, separation laws with `strength`,
-    and points, or hulls that are all of one ``six_dof`` model under ``velocity_pi``.
+    It knows the flocking law ``potential``, the consensus filter ``thesis``, separation laws that act along
+    the line between two, and points, or hulls that are all of one ``six_dof`` model under ``velocity_pi``.
     """
     agent = scenario.agent
     if agent.flocking is None or agent.separation is None or agent.consensus is None:
@@ -53,9 +53,7 @@ def has_compiled_form(scenario: Scenario) -> bool:
         or type(agent.consensus.params) is not thesis.Params
     ):
         return False
-    law = find_plugin(SEPARATION, agent.separation.kind).Separation
-    needed = ["velocity", "obstacle_velocity"] if hasattr(law, "obstacle_velocity") else ["velocity"]
-    if not all(hasattr(law(agent.separation.params), n.replace("velocity", "strength")) for n in needed):
+    if not isinstance(make_separation(agent.separation), CentralLaw):
         return False
     models = [vehicle.model.params for vehicle in scenario.vehicles]
     if all(type(params) is kinematic.Params for params in models):
@@ -86,9 +84,7 @@ class Fleet:
         references = [vehicle.reference or scenario.reference for vehicle in vehicles]
         distinct = [section for i, section in enumerate(references) if section not in references[:i]]
         self._path_of = np.array([distinct.index(section) for section in references])
-        self._paths: list[Any] = [
-            find_plugin(REFERENCES, section.kind).Reference(section.params) for section in distinct if section
-        ]
+        self._paths = [make_reference(section) for section in distinct if section]
         positions = [vehicle.position_ned_m or (0.0, 0.0, 0.0) for vehicle in vehicles]
         self.centres = np.array(positions)
         self.is_hull = not scenario.kinematic
@@ -188,15 +184,16 @@ def _law(scenario: Scenario, is_leader: Sequence[bool]) -> FlockLaw:
     agent = scenario.agent
     assert agent.flocking is not None
     assert agent.separation is not None
-    separation = find_plugin(SEPARATION, agent.separation.kind).Separation(agent.separation.params)
-    consensus = make_consensus(agent.consensus, len(is_leader))
-    plugin = find_plugin(FLOCKING, agent.flocking.kind)
-    laws = [plugin.Flocking(agent.flocking.params, separation, leads) for leads in is_leader]
+    assert agent.consensus is not None
+    separation = make_separation(agent.separation)
+    assert isinstance(separation, CentralLaw)
+    consensus = thesis.Consensus(agent.consensus.params, len(is_leader))
+    laws = [potential.Flocking(agent.flocking.params, separation, leads) for leads in is_leader]
     obstacles = tuple((o.position_ned_m, o.safety_distance_m) for o in scenario.environment.obstacles)
     return flock_law(laws, agent.flocking.params, separation, consensus, obstacles)
 
 
-def _path_row(point: Any) -> tuple[float, ...]:
+def _path_row(point: PathPoint) -> tuple[float, ...]:
     """Return a path point in the eight numbers that `flock_rates` knows."""
     facing = quaternion_from_heading(point.heading_rad)
     return (*point.position, *point.velocity, facing[0], facing[3])

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
-from auv_control.controllers import VelocityReference
+from auv_control.controllers import ContinuousVelocityController, VelocityReference, make_controller
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Vec6
-from auv_core.plugins import find_plugin
+from auv_core.models import WrenchModel, make_wrench_model
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario
 from auv_flocking.agent import Agent
-from auv_flocking.agent_config import CONTROLLERS
 from auv_flocking.flock_task import FlockTask
-from auv_sim.vehicle import MODELS, check_finite
+from auv_sim.vehicle import check_finite
 
 _PLANT = 13
 
@@ -45,7 +43,9 @@ class _Point:
 class _Hull:
     """A vehicle with a velocity controller; the state is the 13 numbers of the plant and the integral."""
 
-    def __init__(self, model: Any, controller: Any, start: Vec3, heading_rad: float) -> None:
+    def __init__(
+        self, model: WrenchModel, controller: ContinuousVelocityController, start: Vec3, heading_rad: float
+    ) -> None:
         self._model = model
         self._controller = controller
         self.start: State = (*model.initial_state(start, heading_rad), 0.0, 0.0, 0.0)
@@ -70,9 +70,9 @@ class _Hull:
             recording.command[at], _ = self._control(state, reference)
 
     def _control(self, state: State, reference: VelocityReference) -> tuple[Vec6, Vec3]:
-        attitude, nu, integral = state[3:7], state[7:_PLANT], state[_PLANT:]
-        control: tuple[Vec6, Vec3] = self._controller.evaluate(attitude, nu, integral, reference)
-        return control
+        qw, qx, qy, qz = state[3:7]
+        (u, v, w), (p, q, r), (x, y, z) = state[7:10], state[10:_PLANT], state[_PLANT:]
+        return self._controller.evaluate((qw, qx, qy, qz), (u, v, w, p, q, r), (x, y, z), reference)
 
 
 class FlockSystem:
@@ -84,7 +84,8 @@ class FlockSystem:
 
     def __init__(self, scenario: Scenario, agents: Sequence[Agent]) -> None:
         self._tasks = [agent.task for agent in agents if isinstance(agent.task, FlockTask)]
-        self._paths: list[Any] = [scenario.reference_of(index) for index in range(len(agents))]
+        paths = [scenario.reference_of(index) for index in range(len(agents))]
+        self._paths = [path for path in paths if path is not None]
         self._current = scenario.environment.current_ned_mps
         self._vehicles = _vehicles(scenario)
         starts = [vehicle.start for vehicle in self._vehicles]
@@ -146,8 +147,8 @@ def _vehicles(scenario: Scenario) -> list[_Point | _Hull]:
         if scenario.kinematic:
             vehicles.append(_Point(start))
             continue
-        model = find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params)
-        section = scenario.agent.controller
-        controller = find_plugin(CONTROLLERS, section.kind).Controller(section.params, scenario.period_s)
-        vehicles.append(_Hull(model, controller, start, vehicle.heading_rad))
+        controller = make_controller(scenario.agent.controller, scenario.period_s)
+        if not isinstance(controller, ContinuousVelocityController):
+            raise TypeError("a controller without a continuous form")
+        vehicles.append(_Hull(make_wrench_model(vehicle.model), controller, start, vehicle.heading_rad))
     return vehicles

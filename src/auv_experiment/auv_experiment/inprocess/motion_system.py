@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -11,12 +10,12 @@ from auv_control.controllers import MotionView
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import VehicleState
-from auv_core.plugins import find_plugin
+from auv_core.models import make_wrench_model
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario
 from auv_flocking.agent import Agent
 from auv_flocking.motion_task import MotionTask
-from auv_sim.vehicle import MODELS, check_finite
+from auv_sim.vehicle import check_finite
 
 _PLANT = 13
 
@@ -31,7 +30,7 @@ class _Member:
         self.name = vehicle.id
         self.agent = agent
         self.task: MotionTask = agent.task
-        self.model: Any = find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params)
+        self.model = make_wrench_model(vehicle.model)
         self.plant_start: State = self.model.initial_state(
             vehicle.position_ned_m or (0.0, 0.0, 0.0), vehicle.heading_rad
         )

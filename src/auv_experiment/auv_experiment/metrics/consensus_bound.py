@@ -26,11 +26,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from auv_core.plugins import find_plugin
 from auv_experiment.metrics.finite import norm
 from auv_experiment.metrics.lyapunov import TOLERANCE_RATIO, fall_metrics
 from auv_experiment.recording import FloatArray, Recording
-from auv_flocking.agent_config import SEPARATION
+from auv_flocking.consensus import thesis
+from auv_flocking.separation import PotentialLaw, make_separation
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -115,10 +115,10 @@ def potential_series(recording: Recording, scenario: Scenario) -> dict[str, Floa
     flocking, separation = scenario.agent.flocking, scenario.agent.separation
     if flocking is None or separation is None or np.isfinite(recording.lost_at_s).any():
         return {}
-    law = find_plugin(SEPARATION, separation.kind).Separation(separation.params)
+    law = make_separation(separation)
     params = flocking.params
     is_thesis = flocking.kind == "potential" and params.leader_steers == "itself"
-    if not is_thesis or params.feedforward != "leader" or not hasattr(law, "potential"):
+    if not is_thesis or params.feedforward != "leader" or not isinstance(law, PotentialLaw):
         return {}
     positions, centres = recording.position_ned_m[:-1], recording.centre_ned_m
     path = _path_ned_m(recording, scenario)
@@ -135,15 +135,14 @@ def potential_series(recording: Recording, scenario: Scenario) -> dict[str, Floa
     }
 
 
-def _repulsion(positions: FloatArray, scenario: Scenario, law: Any) -> FloatArray:
+def _repulsion(positions: FloatArray, scenario: Scenario, law: PotentialLaw) -> FloatArray:
     """Return the potential of all pairs, and of all vehicles with all obstacles (m^2/s), (K,)."""
     spacing_m = scenario.agent.flocking.params.spacing_m if scenario.agent.flocking else 0.0
     first, second = np.triu_indices(positions.shape[1], 1)
     total = _summed(law.potential, norm(positions[:, first] - positions[:, second]), spacing_m)
-    of_obstacle = getattr(law, "obstacle_potential", law.potential)
     for obstacle in scenario.environment.obstacles:
         distances_m = norm(positions - np.array(obstacle.position_ned_m))
-        total = total + _summed(of_obstacle, distances_m, obstacle.safety_distance_m)
+        total = total + _summed(law.obstacle_potential, distances_m, obstacle.safety_distance_m)
     return total
 
 
@@ -156,7 +155,7 @@ def _summed(
 
 def _bound_metrics(recording: Recording, scenario: Scenario) -> dict[str, float | bool | None]:
     section = scenario.agent.consensus
-    rate_ps = getattr(section.params, "rate_ps", None) if section is not None else None
+    rate_ps = section.params.rate_ps if section and isinstance(section.params, thesis.Params) else None
     keys = (
         "consensus_rho_mps",
         "consensus_rho_settled_mps",

@@ -12,13 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from auv_control.controllers import MotionView
+from auv_control.controllers import MotionLaw, MotionView, make_controller
 from auv_core.geometry import Vec3
 from auv_core.messages import VehicleState
-from auv_core.plugins import find_plugin
+from auv_core.models import make_wrench_model
 from auv_experiment.recording import FloatArray, Recording
-from auv_flocking.agent_config import CONTROLLERS
-from auv_sim.vehicle import MODELS
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -93,15 +91,15 @@ def fall_metrics(prefix: str, values: FloatArray, t_s: FloatArray) -> dict[str, 
     }
 
 
-def _law(scenario: Scenario) -> Any:
-    section = scenario.agent.controller
-    return find_plugin(CONTROLLERS, section.kind).Controller(section.params, scenario.period_s)
+def _law(scenario: Scenario) -> MotionLaw:
+    law = make_controller(scenario.agent.controller, scenario.period_s)
+    assert isinstance(law, MotionLaw)
+    return law
 
 
-def _values(recording: Recording, scenario: Scenario, law: Any, index: int) -> FloatArray:
+def _values(recording: Recording, scenario: Scenario, law: MotionLaw, index: int) -> FloatArray:
     """Return the (K, number of candidates) values of one vehicle."""
-    model = scenario.vehicles[index].model
-    energy = find_plugin(MODELS, model.kind).Model(model.params).kinetic_energy
+    energy = make_wrench_model(scenario.vehicles[index].model).kinetic_energy
     path = scenario.reference_of(index)
     obstacles = tuple(
         (obstacle.position_ned_m, obstacle.safety_distance_m) for obstacle in scenario.environment.obstacles

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from auv_core.models import frame_of
 from auv_experiment.metrics.finite import largest, smallest
 from auv_experiment.recording import FloatArray, Recording
 
@@ -128,7 +129,7 @@ def velocity_ned_mps(recording: Recording, scenario: Scenario) -> FloatArray:
     """Return the (K + 1, N, 3) velocities of the hulls over ground (m/s; NED), also of flat plants."""
     velocity = recording.velocity_body[..., :3]
     turned = _body_to_ned(recording.attitude_quat_wxyz, velocity)
-    is_flat = [getattr(vehicle.model.params, "frame", "body") == "flat" for vehicle in scenario.vehicles]
+    is_flat = [frame_of(vehicle.model.params) == "flat" for vehicle in scenario.vehicles]
     return np.where(np.array(is_flat)[:, np.newaxis], velocity, turned)
 
 

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import auv_control.controllers
+import auv_core.models
+from auv_control.controllers import ContinuousVelocityController, MotionLaw, controller_class, make_controller
 from auv_core.geometry import distance
-from auv_core.params import shown
-from auv_core.plugins import find_plugin
+from auv_core.models import model_class
+from auv_core.params import Section, shown
 from auv_experiment.scenario.file import ID, ID_WORDS, MOST_VEHICLES
 from auv_experiment.scenario.reach import check_reach
-from auv_flocking.agent_config import CONTROLLERS, check_parts, make_consensus, make_format
+from auv_flocking.agent_config import check_parts, report_format
+from auv_flocking.consensus import ContinuousFilter, consensus_params, make_consensus
+from auv_flocking.flocking import flocking_params
+from auv_flocking.separation import LearningLaw, make_separation
 from auv_sim.acoustics.medium import AcousticMedium
-from auv_sim.vehicle import MODELS
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -87,9 +92,9 @@ def _check_agent(scenario: Scenario) -> None:
 
 def _check_frames(scenario: Scenario) -> None:
     """Check that a law written for one frame steers a plant of that frame."""
-    frame = getattr(scenario.agent.controller.params, "frame", None)
+    frame = auv_control.controllers.frame_of(scenario.agent.controller.params)
     for index, vehicle in enumerate(scenario.vehicles):
-        plant = getattr(vehicle.model.params, "frame", "body")
+        plant = auv_core.models.frame_of(vehicle.model.params)
         if frame is not None and (frame == "flat") != (plant == "flat"):
             allowed = "flat" if plant == "flat" else "body, mixed"
             raise ValueError(
@@ -99,9 +104,9 @@ def _check_frames(scenario: Scenario) -> None:
 
 
 def _check_commands(scenario: Scenario) -> None:
-    given = find_plugin(CONTROLLERS, scenario.agent.controller.kind).Controller.command
+    given = controller_class(scenario.agent.controller.kind).command
     for index, vehicle in enumerate(scenario.vehicles):
-        taken = find_plugin(MODELS, vehicle.model.kind).Model.command
+        taken = model_class(vehicle.model.kind).command
         if taken != given:
             raise ValueError(
                 f"agent.controller.kind: {scenario.agent.controller.kind!r} is not allowed; "
@@ -146,41 +151,42 @@ def _check_starts(scenario: Scenario) -> None:
 def _check_continuous(scenario: Scenario) -> None:
     if scenario.sampling != "continuous":
         return
-    controller = find_plugin(CONTROLLERS, scenario.agent.controller.kind).Controller
-    if not scenario.kinematic and scenario.follows == "velocity" and not hasattr(controller, "evaluate"):
-        raise ValueError(
-            "sampling: 'continuous' is not allowed; allowed: sampled, for a flock under the controller "
-            f"{scenario.agent.controller.kind}, which works once per control period"
+    agent, acoustics = scenario.agent, scenario.acoustics
+    controller = make_controller(agent.controller, scenario.period_s)
+    if not scenario.kinematic and not isinstance(controller, ContinuousVelocityController | MotionLaw):
+        raise _not_continuous(
+            f", for a flock under the controller {agent.controller.kind}, which works once per control period"
         )
     if scenario.environment.navigation.kind != "exact":
-        raise ValueError(
-            "sampling: 'continuous' is not allowed; allowed: sampled, unless environment.navigation is exact"
-        )
-    ideal = scenario.acoustics.propagation.kind == "instant" and scenario.acoustics.outage.kind == "none"
-    ideal = ideal and scenario.acoustics.mac.kind == "unlimited" and scenario.acoustics.modem.kind == "ideal"
+        raise _not_continuous(", unless environment.navigation is exact")
+    ideal = acoustics.propagation.kind == "instant" and acoustics.outage.kind == "none"
+    ideal = ideal and acoustics.mac.kind == "unlimited" and acoustics.modem.kind == "ideal"
     if not ideal and scenario.follows != "path":
-        raise ValueError(
-            "sampling: 'continuous' is not allowed; allowed: sampled, unless acoustics.preset is ideal or "
-            "the controller follows a path and uses no reports"
+        raise _not_continuous(
+            ", unless acoustics.preset is ideal or the controller follows a path and uses no reports"
         )
-    separation = scenario.agent.separation
-    if separation is not None and getattr(separation.params, "adapts", False):
-        raise ValueError(
-            "sampling: 'continuous' is not allowed; allowed: sampled, since agent.separation has a memory "
-            "that is updated once per control period"
-        )
-    for name in ("flocking", "consensus"):
-        section = getattr(scenario.agent, name)
-        if section is not None and getattr(section.params, "uses_flock_velocity", False):
-            raise ValueError(
-                "sampling: 'continuous' is not allowed; allowed: sampled, since "
-                f"agent.{name}.params send the flock's velocity in packets"
-            )
+    if agent.flocking is not None and flocking_params(agent.flocking).uses_flock_velocity:
+        raise _not_continuous(", since agent.flocking.params send the flock's velocity in packets")
+    if agent.separation is not None and isinstance(make_separation(agent.separation), LearningLaw):
+        raise _not_continuous(", since agent.separation has a memory that is updated once per control period")
+    if agent.consensus is not None:
+        _check_continuous_filter(agent.consensus, len(scenario.vehicles))
+
+
+def _check_continuous_filter(consensus: Section, fleet_size: int) -> None:
+    if consensus_params(consensus).uses_flock_velocity:
+        raise _not_continuous(", since agent.consensus.params send the flock's velocity in packets")
+    if not isinstance(make_consensus(consensus, fleet_size), ContinuousFilter):
+        raise _not_continuous(", since agent.consensus works once per control period")
+
+
+def _not_continuous(why: str) -> ValueError:
+    return ValueError(f"sampling: 'continuous' is not allowed; allowed: sampled{why}")
 
 
 def _check_medium(scenario: Scenario) -> None:
-    consensus = make_consensus(scenario.agent.consensus, len(scenario.vehicles))
-    payload_bytes = make_format(scenario.agent.report, consensus).payload_bytes
+    agent = scenario.agent
+    payload_bytes = report_format(agent.report, agent.consensus, len(scenario.vehicles)).payload_bytes
     try:
         AcousticMedium(scenario.medium_config).check_payload(payload_bytes)
     except ValueError as error:

@@ -18,7 +18,7 @@ import auv_control.controllers
 import auv_core.models
 import auv_sim.acoustics
 from auv_core.params import ConfigError, shown
-from auv_core.plugins import PluginError, find_plugin, plugin_places
+from auv_core.plugins import PluginError, plugin_places
 from auv_experiment.scenario.strict_yaml import parse_yaml, read_text
 
 MOST_VEHICLES = 254
@@ -199,7 +199,7 @@ def _with_flock(filled: dict[str, Any]) -> dict[str, Any]:
     if not isinstance(agent, Mapping) or not isinstance(acoustics, Mapping) or "flocking" in agent:
         return filled
     try:
-        controller = find_plugin("auv_control.controllers", agent["controller"]["kind"]).Controller
+        controller = auv_control.controllers.controller_class(agent["controller"]["kind"])
     except (KeyError, TypeError, PluginError):
         return filled
     modem = acoustics.get("modem")

@@ -10,14 +10,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from auv_control.controllers import max_force_of, region_of
+from auv_control.references import ReferencePath
 from auv_core.geometry import Box, Vec3, distance
-from auv_core.plugins import find_plugin
-from auv_flocking.agent_config import CONTROLLERS, make_consensus, make_format
+from auv_core.models import make_model
+from auv_flocking.agent_config import report_format
+from auv_flocking.flocking import flocking_params
 from auv_flocking.reports import Bounds
-from auv_sim.acoustics.medium import MODEM, PROPAGATION
-from auv_sim.vehicle import MODELS
+from auv_sim.acoustics.modem import AcousticModem, LevelModem, make_modem
+from auv_sim.acoustics.propagation import SoundPropagation, bottom_m, make_propagation
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -52,9 +55,8 @@ def _check_speeds(scenario: Scenario) -> None:
     """Check that the actuators hold a vehicle in the current and move it along its path through the water."""
     current = scenario.environment.current_ned_mps
     for index, vehicle in enumerate(scenario.vehicles):
-        model = find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params)
-        max_force_n = getattr(scenario.agent.controller.params, "max_force_n", None)
-        held_mps = model.speed_held_mps(math.inf if max_force_n is None else max_force_n)
+        model = make_model(vehicle.model)
+        held_mps = model.speed_held_mps(max_force_of(scenario.agent.controller.params))
         holder = "actuators" if held_mps == model.top_speed_mps else "controller and actuators"
         held = f"at most {held_mps:.3g} m/s, which the {holder} of vehicles[{index}] hold against the drag"
         if math.hypot(*current) > held_mps:
@@ -83,12 +85,12 @@ def _check_surface(scenario: Scenario) -> None:
 
 def _check_bottom(scenario: Scenario) -> None:
     """Check that vehicles stay above the sea floor, if the propagation has one."""
-    bottom_m = getattr(scenario.acoustics.propagation.params, "water_depth_m", math.inf)
+    deepest_m = bottom_m(scenario.acoustics.propagation)
     for key, reach in _places(scenario):
-        if reach.highest[2] > bottom_m:
+        if reach.highest[2] > deepest_m:
             raise ValueError(
                 f"{key}: reaches a depth of {reach.highest[2]:.6g} m, which is not allowed; allowed: at most "
-                f"{bottom_m:g} m, acoustics.propagation.params.water_depth_m"
+                f"{deepest_m:g} m, acoustics.propagation.params.water_depth_m"
             )
 
 
@@ -118,8 +120,8 @@ def _check_report_velocities(scenario: Scenario) -> None:
             continue
         fastest_mps = _fastest_mps(path, scenario.duration_s, (0.0, 0.0, 0.0))
         if scenario.agent.flocking is not None:
-            model = find_plugin(MODELS, vehicle.model.kind).Model(vehicle.model.params)
-            asked_mps = fastest_mps + scenario.agent.flocking.params.largest_correction_mps
+            model = make_model(vehicle.model)
+            asked_mps = fastest_mps + flocking_params(scenario.agent.flocking).largest_correction_mps
             driven_mps = model.top_speed_mps + math.hypot(*scenario.environment.current_ned_mps)
             bounded_mps = min(asked_mps, driven_mps)
             if math.isfinite(bounded_mps):  # else the law's error sets the speed, and only the path is known
@@ -157,9 +159,10 @@ def _check_hearing(scenario: Scenario) -> None:
     starts = _starts(scenario)
     if scenario.agent.flocking is None or len(starts) < len(scenario.vehicles):
         return
-    modem = find_plugin(MODEM, scenario.acoustics.modem.kind).Modem(scenario.acoustics.modem.params)
-    section = scenario.acoustics.propagation
-    propagation = find_plugin(PROPAGATION, section.kind).Propagation(section.params)
+    modem, propagation = (
+        make_modem(scenario.acoustics.modem),
+        make_propagation(scenario.acoustics.propagation),
+    )
     deaf = set(range(1, len(starts)))
     heard = [0]
     while heard and deaf:
@@ -175,14 +178,14 @@ def _check_hearing(scenario: Scenario) -> None:
         )
 
 
-def _is_audible(modem: Any, propagation: Any, source: Vec3, receiver: Vec3) -> bool:
+def _is_audible(modem: AcousticModem, propagation: SoundPropagation, source: Vec3, receiver: Vec3) -> bool:
     """Return whether a modem recognises a packet in ambient noise alone."""
     if distance(source, receiver) > modem.max_range_m:
         return False
-    if modem.frequency_khz is None:
+    if not isinstance(modem, LevelModem):
         return True
     loss_db = propagation.loss_db(source, receiver, modem.frequency_khz)
-    return bool(modem.acquires(modem.snr_ratio(loss_db)))
+    return modem.acquires(modem.snr_ratio(loss_db))
 
 
 def _places(scenario: Scenario) -> list[tuple[str, Box]]:
@@ -204,10 +207,7 @@ def _places(scenario: Scenario) -> list[tuple[str, Box]]:
 def _reach(scenario: Scenario, index: int) -> Box | None:
     """Return a box around the path of a vehicle, or around its region (m; NED)."""
     if scenario.follows == "region":
-        section = scenario.agent.controller
-        law = find_plugin(CONTROLLERS, section.kind).Controller(section.params, scenario.period_s)
-        region: Box = law.region
-        return region
+        return region_of(scenario.agent.controller, scenario.period_s)
     path = scenario.reference_of(index)
     return None if path is None else path.reach(scenario.duration_s)
 
@@ -222,11 +222,10 @@ def _formation_radius_m(scenario: Scenario) -> float:
     """Return the radius of a formed flock around its path: a ball with room for each vehicle (m)."""
     if scenario.agent.flocking is None:
         return 0.0
-    spacing_m: float = scenario.agent.flocking.params.formation_spacing_m
-    return spacing_m * math.cbrt(len(scenario.vehicles))
+    return flocking_params(scenario.agent.flocking).formation_spacing_m * math.cbrt(len(scenario.vehicles))
 
 
-def _fastest_mps(path: Any, duration_s: float, current: Sequence[float]) -> float:
+def _fastest_mps(path: ReferencePath, duration_s: float, current: Sequence[float]) -> float:
     """Return the largest speed along a path, relative to the moving water (m/s; NED)."""
     span_s = duration_s if path.period_s is None else min(path.period_s, duration_s)
     velocities = (path.at(span_s * k / _PATH_SAMPLES).velocity for k in range(_PATH_SAMPLES + 1))
@@ -239,6 +238,5 @@ def _starts(scenario: Scenario) -> list[Vec3]:
 
 
 def _bounds(scenario: Scenario) -> Bounds:
-    consensus = make_consensus(scenario.agent.consensus, len(scenario.vehicles))
-    bounds: Bounds = make_format(scenario.agent.report, consensus).carries
-    return bounds
+    agent = scenario.agent
+    return report_format(agent.report, agent.consensus, len(scenario.vehicles)).carries

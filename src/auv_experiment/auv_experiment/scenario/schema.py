@@ -10,14 +10,15 @@ scenario.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from auv_control.controllers import controller_class
+from auv_control.references import ReferencePath, make_reference
 from auv_core.geometry import Vec3
+from auv_core.models import model_class
 from auv_core.params import Section, param, shown
-from auv_core.plugins import find_plugin
 from auv_experiment.scenario.checks import check_scenario
 from auv_experiment.scenario.file import ID, ID_WORDS
 from auv_flocking.agent_config import (
@@ -227,7 +228,7 @@ class Scenario:
     @property
     def kinematic(self) -> bool:
         """Whether the vehicles take velocity commands."""
-        return bool(find_plugin(MODELS, self.vehicles[0].model.kind).Model.command == "velocity")
+        return model_class(self.vehicles[0].model.kind).command == "velocity"
 
     @property
     def medium_config(self) -> MediumConfig:
@@ -244,13 +245,13 @@ class Scenario:
             sonar=a.sonar,
         )
 
-    def reference_of(self, index: int | None = None) -> Any | None:
+    def reference_of(self, index: int | None = None) -> ReferencePath | None:
         """Return the path of a vehicle, or of the flock: a ``Reference`` of the plugin folder, or None."""
         section = None if index is None else self.vehicles[index].reference
         section = self.reference if section is None else section
-        return None if section is None else find_plugin(REFERENCES, section.kind).Reference(section.params)
+        return None if section is None else make_reference(section)
 
     @property
     def follows(self) -> str:
         """What the controllers follow: velocity (of a flocking law), path or region."""
-        return str(find_plugin(CONTROLLERS, self.agent.controller.kind).Controller.follows)
+        return controller_class(self.agent.controller.kind).follows

@@ -2,30 +2,83 @@
 Consensus filters: how a vehicle estimates the flocking centre from its own position and what its neighbours
 say.
 
-To add one, write one file with ``Params`` and ``Consensus(params, fleet_size)`` with
-
-* ``shared_fields: tuple[Field, ...]``: what it adds to every packet beside the centre and its rate, `()` for
-  nothing; see `auv_flocking.codec.Field`;
-* ``centre(own, heard) -> Vec3``: the estimate at this control period (m; NED), from the own position and the
-  estimates of the neighbours that count; called once per period, first;
-* ``advance(own, heard, flock_velocity, dt_s) -> Vec3``: called once per period, after `centre`, with the
-  flock's velocity as the vehicle believes it now: move the memory on by one period, and return the rate (m/s;
-  NED) with which the others may carry the estimate on until they hear more;
-* ``shared() -> tuple[float, ...]``: the numbers for the shared fields; called after `advance`, only in a
-  period in which a packet is handed to the modem.
-
-A filter that can run in continuous time has, besides, ``derivative(own, centre, neighbour_centres,
-flock_velocity) -> Vec3``, the rate of an estimate that the caller keeps, and ``reach_m``, the distance from
-which on it hears no neighbour (m; inf for none).  Where a filter looks at the flock's
-velocity, ``Params`` says so with a property ``uses_flock_velocity``: packets carry it, so such a filter is
-refused in continuous time.  The file's name is its ``kind``.
+To add one, write one file with ``Params``, which are `ConsensusParams`, and ``Consensus(params,
+fleet_size)``, a `ConsensusFilter`, or a `ContinuousFilter` if it can run in continuous time.  The file's
+name is its ``kind``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Protocol, runtime_checkable
 
+from auv_core.contracts import fulfilled
 from auv_core.geometry import Vec3, distance
+from auv_core.params import Section
+from auv_core.plugins import find_plugin
+from auv_flocking.codec import Field
+from auv_flocking.neighbours.estimates import Neighbours
+
+
+class ConsensusParams(Protocol):
+    """What a scenario must know of a filter."""
+
+    @property
+    def uses_flock_velocity(self) -> bool:
+        """Whether it looks at the flock's velocity: packets carry that, continuous time does not."""
+
+
+class ConsensusFilter(Protocol):
+    """
+    The filter of one vehicle.
+
+    `shared_fields`: what it adds to every packet beside the centre and its rate, `()` for nothing.
+    """
+
+    shared_fields: tuple[Field, ...]
+
+    def centre(self, own: Vec3, heard: Neighbours) -> Vec3:
+        """
+        Return the estimate at this control period (m; NED); called first, once per period.
+
+        It follows from the own position (m; NED) and the estimates of the neighbours that count.
+        """
+
+    def advance(self, own: Vec3, heard: Neighbours, flock_velocity: Vec3, dt_s: float) -> Vec3:
+        """
+        Move the memory on by one period of `dt_s`; called once per period, after `centre`.
+
+        Returns the rate (m/s; NED) with which the others may carry the estimate on until they hear more.
+        `flock_velocity` is the flock's as this vehicle knows it (m/s; NED).
+        """
+
+    def shared(self) -> tuple[float, ...]:
+        """Return the numbers for the shared fields; called after `advance` when a packet is handed over."""
+
+
+@runtime_checkable
+class ContinuousFilter(ConsensusFilter, Protocol):
+    """A filter whose estimate the caller can keep; `reach_m`: it hears none from there on (m; inf: all)."""
+
+    reach_m: float
+
+    def derivative(
+        self, own: Vec3, centre: Vec3, neighbour_centres: Sequence[Vec3], flock_velocity: Vec3
+    ) -> Vec3:
+        """Return the rate of the estimate `centre` (m/s; NED), for a position and estimates (m; NED)."""
+
+
+def make_consensus(section: Section, fleet_size: int) -> ConsensusFilter:
+    """Return the filter of a section for a vehicle of a fleet."""
+    made = find_plugin(__name__, section.kind).Consensus(section.params, fleet_size)
+    item: ConsensusFilter = fulfilled(made, ConsensusFilter)
+    return item
+
+
+def consensus_params(section: Section) -> ConsensusParams:
+    """Return the parameters of a section as what every filter has."""
+    params: ConsensusParams = fulfilled(section.params, ConsensusParams)
+    return params
 
 
 def centres_within(reach_m: float, own: Vec3, others: Sequence[tuple[Vec3, Vec3]]) -> list[Vec3]:

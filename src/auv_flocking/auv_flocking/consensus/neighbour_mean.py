@@ -16,6 +16,7 @@ from auv_core.compiled import entry, fastest
 from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
+from auv_flocking.consensus import ConsensusFilter
 from auv_flocking.neighbours.estimates import Neighbours, position_rows
 
 
@@ -43,7 +44,7 @@ def mean(own: Vec3, rows: NDArray[np.float64]) -> Vec3:
     return (x / count, y / count, z / count)
 
 
-class Consensus:
+class Consensus(ConsensusFilter):
     """One vehicle's filter."""
 
     shared_fields: tuple[Field, ...] = ()

@@ -39,6 +39,7 @@ from dataclasses import dataclass
 from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
+from auv_flocking.consensus import ConsensusFilter
 from auv_flocking.neighbours.estimates import Neighbours
 
 _HALF_RANGE_M = 1024.0
@@ -80,7 +81,7 @@ def _wrapped(value: float) -> float:
     return (value + _HALF_RANGE_M) % (2.0 * _HALF_RANGE_M) - _HALF_RANGE_M
 
 
-class Consensus:
+class Consensus(ConsensusFilter):
     """One vehicle's filter; it starts at the own position."""
 
     shared_fields: tuple[Field, ...] = tuple(

@@ -45,6 +45,7 @@ from dataclasses import dataclass
 from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
+from auv_flocking.consensus import ConsensusFilter
 from auv_flocking.neighbours.estimates import NeighbourEstimate, Neighbours
 
 _LENGTH_RANGE_M = 2.0**17
@@ -89,7 +90,16 @@ def _wrapped(value: float, span: float) -> float:
     return value - span * math.floor(value / span + 0.5)
 
 
-class Consensus:
+def _shared_fields(*, with_frame: bool) -> tuple[Field, ...]:
+    """Return the running sums of the shares to one receiver, and the own frame where it is sent too."""
+    half_m, half_frame_m = 0.5 * _LENGTH_RANGE_M, 0.5 * _FRAME_RANGE_M
+    given = [Field(f"given_{a}_m", -half_m, half_m, _LENGTH_STEP_M, wraps=True) for a in _AXES]
+    weight = Field("given_weight", -0.5 * _WEIGHT_RANGE, 0.5 * _WEIGHT_RANGE, _WEIGHT_STEP, wraps=True)
+    frame = [Field(f"frame_{a}_m", -half_frame_m, half_frame_m, _FRAME_STEP_M, wraps=True) for a in _AXES]
+    return (*given, weight, *(frame if with_frame else ()))
+
+
+class Consensus(ConsensusFilter):
     """One vehicle's filter; it starts at the own position."""
 
     def __init__(self, params: Params, fleet_size: int) -> None:
@@ -102,15 +112,7 @@ class Consensus:
         self._input: list[float] | None = None
         self._given = [0.0, 0.0, 0.0, 0.0]
         self._taken: dict[int, tuple[float, tuple[float, ...]]] = {}
-
-    @property
-    def shared_fields(self) -> tuple[Field, ...]:
-        """Running sums of the shares to one receiver; with `follow_flock` also the own frame."""
-        half_m, half_frame_m = 0.5 * _LENGTH_RANGE_M, 0.5 * _FRAME_RANGE_M
-        given = [Field(f"given_{a}_m", -half_m, half_m, _LENGTH_STEP_M, wraps=True) for a in _AXES]
-        weight = Field("given_weight", -0.5 * _WEIGHT_RANGE, 0.5 * _WEIGHT_RANGE, _WEIGHT_STEP, wraps=True)
-        frame = [Field(f"frame_{a}_m", -half_frame_m, half_frame_m, _FRAME_STEP_M, wraps=True) for a in _AXES]
-        return (*given, weight, *(frame if self._params.follow_flock else ()))
+        self.shared_fields = _shared_fields(with_frame=params.follow_flock)
 
     def centre(self, own: Vec3, heard: Neighbours) -> Vec3:
         """Take new shares from packets and the change of the own position; return the estimate (m; NED)."""

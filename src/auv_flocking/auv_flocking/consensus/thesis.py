@@ -27,7 +27,7 @@ from auv_core.compiled import inlined
 from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
-from auv_flocking.consensus import centres_within
+from auv_flocking.consensus import ContinuousFilter, centres_within
 from auv_flocking.neighbours.estimates import Neighbours
 
 
@@ -64,7 +64,7 @@ def towards(pull: Vec3, other: Vec3, centre: Vec3) -> Vec3:
     )
 
 
-class Consensus:
+class Consensus(ContinuousFilter):
     """One vehicle's filter; in continuous time the caller keeps the estimate."""
 
     shared_fields: tuple[Field, ...] = ()

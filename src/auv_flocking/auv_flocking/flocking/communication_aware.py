@@ -39,9 +39,8 @@ docs/explanation/safe_flocking.md measures what each part is worth.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +49,7 @@ from auv_control.references import PathPoint
 from auv_core.compiled import fastest, specialised
 from auv_core.geometry import Vec3, limited
 from auv_core.params import param
-from auv_flocking.flocking import FlockVelocity, View
+from auv_flocking.flocking import FlockingLaw, FlockVelocity, View
 from auv_flocking.flocking._correction import (
     Gains,
     correction,
@@ -59,8 +58,8 @@ from auv_flocking.flocking._correction import (
     outlook,
     remember_ages,
 )
-from auv_flocking.flocking.potential import SeparationLaw
-from auv_flocking.neighbours.estimates import FLOCK_STAMP, FLOCK_VELOCITY, Estimates, NeighbourEstimate
+from auv_flocking.neighbours.estimates import FLOCK_STAMP, FLOCK_VELOCITY, Estimates, Neighbours
+from auv_flocking.separation import CentralLaw, LearningLaw, SeparationLaw, obstacle_velocity_of
 
 Matrix = NDArray[np.float64]
 Obstacles = tuple[tuple[Vec3, float], ...]
@@ -150,21 +149,23 @@ class Params:
         return True
 
 
-class Flocking:
+class Flocking(FlockingLaw):
     """The law of one vehicle; its only state is the average age of its packets."""
 
     def __init__(self, params: Params, separation: SeparationLaw, is_leader: bool) -> None:
         self._params = params
         self._separation = separation
-        self._from_obstacle = getattr(separation, "obstacle_velocity", separation.velocity)
-        self._learn = getattr(separation, "adapt", None)
+        self._from_obstacle = obstacle_velocity_of(separation)
+        self._learning = separation if isinstance(separation, LearningLaw) else None
         self._is_leader = is_leader
         self._gains = _gains(params)
         self._gain_numbers = (*self._gains,)
-        self._is_central = hasattr(separation, "strength")
-        self._correction = _correction(separation) if self._is_central else correction
-        numbers = getattr(separation, "numbers", _NO_NUMBERS)
-        self._numbers = numbers, getattr(separation, "obstacle_numbers", numbers)
+        self._is_central = isinstance(separation, CentralLaw)
+        self._correction: Callable[..., Vec3] = correction
+        self._numbers = _NO_NUMBERS, _NO_NUMBERS
+        if isinstance(separation, CentralLaw):
+            self._correction = _correction(separation)
+            self._numbers = separation.numbers, separation.obstacle_numbers
         self._obstacles: tuple[Obstacles, Matrix] = ((), np.empty((0, 4)))
         self._running_s = 0.0
         self._remember, self._newer_stamp = fastest(remember_ages), fastest(newer_stamp)
@@ -176,7 +177,7 @@ class Flocking:
         """Factor g on cohesion and steering."""
         return matched(self._params.lag_budget_rad, self.age_s)
 
-    def hear(self, estimates: Sequence[NeighbourEstimate], dt_s: float) -> None:
+    def hear(self, estimates: Neighbours, dt_s: float) -> None:
         """
         Measure the age A of the information (`age_s`), once per control period of `dt_s`.
 
@@ -195,7 +196,7 @@ class Flocking:
         path: PathPoint,
         centre: Vec3,
         own: FlockVelocity,
-        estimates: Sequence[NeighbourEstimate],
+        estimates: Neighbours,
     ) -> FlockVelocity:
         """
         Return this vehicle's estimate of the flock's velocity w (m/s; NED).
@@ -252,9 +253,9 @@ class Flocking:
 
     def adapt(self, view: View, dt_s: float) -> None:
         """Update a separation law with a state for one control period of `dt_s`; see `potential`."""
-        if self._learn is not None:
+        if self._learning is not None:
             distances_m = [math.dist(view.position, other) for other in view.neighbours]
-            self._learn(distances_m, self._params.spacing_m, dt_s)
+            self._learning.adapt(distances_m, self._params.spacing_m, dt_s)
 
     def _pushes(self, view: View, estimates: Estimates) -> Matrix:
         """Return the velocities from neighbours and obstacles for a separation law without `strength`."""
@@ -280,11 +281,10 @@ class Flocking:
         return self._obstacles[1]
 
 
-def _correction(separation: Any) -> Callable[..., Vec3]:
+def _correction(law: CentralLaw) -> Callable[..., Vec3]:
     """Return the fastest correction with a separation law that acts along a line."""
-    strength = separation.strength
-    of_obstacle = getattr(separation, "obstacle_strength", strength)
-    return fastest(specialised(correction, strength=strength, obstacle_strength=of_obstacle))
+    strengths = {"strength": law.strength, "obstacle_strength": law.obstacle_strength}
+    return fastest(specialised(correction, **strengths))
 
 
 def _gains(params: Params) -> Gains:

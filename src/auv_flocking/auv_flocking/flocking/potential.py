@@ -25,16 +25,15 @@ Deviations, each behind a parameter whose default is the thesis's form:
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 from auv_control.references import PathPoint
 from auv_core.compiled import inlined
 from auv_core.geometry import Vec3, added, limited
 from auv_core.params import param
-from auv_flocking.flocking import FlockVelocity, View
-from auv_flocking.neighbours.estimates import NeighbourEstimate
+from auv_flocking.flocking import FlockingLaw, FlockVelocity, View
+from auv_flocking.neighbours.estimates import Neighbours
+from auv_flocking.separation import LearningLaw, SeparationLaw, obstacle_velocity_of
 
 UNLIMITED_MPS = 1e9
 
@@ -80,13 +79,6 @@ class Params:
         return self.feedforward == "flock"
 
 
-class SeparationLaw(Protocol):
-    """What every law of the folder ``separation`` has; that folder says what some have besides."""
-
-    def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
-        """Return the velocity because of another (m/s; NED)."""
-
-
 @inlined
 def attraction(own: Vec3, centre: Vec3, path: Vec3, cohesion_gain_ps: float, path_gain_ps: float) -> Vec3:
     """Return F_c + F_d (m/s; NED) of a vehicle at `own`, for its centre and its path point (m; NED)."""
@@ -107,7 +99,7 @@ def asked(
     return (kept[0] + share * ahead[0], kept[1] + share * ahead[1], kept[2] + share * ahead[2])
 
 
-class Flocking:
+class Flocking(FlockingLaw):
     """
     The law of one vehicle.
 
@@ -118,14 +110,14 @@ class Flocking:
     def __init__(self, params: Params, separation: SeparationLaw, is_leader: bool) -> None:
         self._params = params
         self._separation = separation
-        self._from_obstacle = getattr(separation, "obstacle_velocity", separation.velocity)
-        self._learn = getattr(separation, "adapt", None)
+        self._from_obstacle = obstacle_velocity_of(separation)
+        self._learning = separation if isinstance(separation, LearningLaw) else None
         self._is_leader = is_leader
         steers_itself = params.leader_steers == "itself" if is_leader else params.followers == "printed"
         self.path_gain_ps = params.path_gain_ps if steers_itself else 0.0
         self.feedforward_share = 1.0 if is_leader or params.feedforward == "flock" else 0.0
 
-    def hear(self, estimates: Sequence[NeighbourEstimate], dt_s: float) -> None:
+    def hear(self, estimates: Neighbours, dt_s: float) -> None:
         """Do nothing: this law does not use the age of its information."""
 
     def flock_velocity(
@@ -134,7 +126,7 @@ class Flocking:
         path: PathPoint,
         centre: Vec3,
         own: FlockVelocity,
-        estimates: Sequence[NeighbourEstimate],
+        estimates: Neighbours,
     ) -> FlockVelocity:
         """
         Return this vehicle's estimate of the flock's velocity (m/s; NED).
@@ -188,6 +180,6 @@ class Flocking:
         The agent calls it once per control period, after `velocity` with the same view, and not while it
         holds station.
         """
-        if self._learn is not None:
+        if self._learning is not None:
             distances_m = [math.dist(view.position, other) for other in view.neighbours]
-            self._learn(distances_m, self._params.spacing_m, dt_s)
+            self._learning.adapt(distances_m, self._params.spacing_m, dt_s)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple, overload
+from typing import NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -182,7 +182,7 @@ class Positions(Sequence[Vec3]):
         return self._estimates.positions()[index]
 
 
-def position_rows(heard: Sequence[Any]) -> Matrix:
+def position_rows(heard: Neighbours) -> Matrix:
     """Return rows that begin with the neighbours' positions (m; NED)."""
     if isinstance(heard, Estimates):
         return heard.rows

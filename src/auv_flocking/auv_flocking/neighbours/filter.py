@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from auv_flocking.neighbours.motion import flock_motion, process_noise, transiti
 from auv_flocking.neighbours.navigation_offset import OwnFix, Stated, Unaided, offset_noise, offset_transition
 from auv_flocking.neighbours.sonar_contact import Sighting
 from auv_flocking.report import Report
+from auv_flocking.reports import ReportFormat
 
 Matrix = NDArray[np.float64]
 
@@ -84,7 +85,7 @@ class NeighbourConfig:
     )
 
 
-def with_rounding(config: NeighbourConfig, report_format: Any) -> NeighbourConfig:
+def with_rounding(config: NeighbourConfig, report_format: ReportFormat) -> NeighbourConfig:
     """
     Return the noise that a filter assumes: at least the rounding error of the report format, a step over the
     square root of twelve.

@@ -1,29 +1,25 @@
 """
 Formats of the report: how many bytes it takes and what is lost on the way.
 
-To add one, write one file with ``Params`` and ``Format(params, shared)``, where `shared` is the sequence of
-`auv_flocking.codec.Field` that the consensus filter adds to every report, with
-
-* ``payload_bytes``: bytes of every payload, the same for all;
-* ``encode(report) -> bytes``: raises `auv_flocking.report.ReportError` for numbers that cannot be sent (NaN),
-  and lets values out of bounds saturate;
-* ``decode(payload, now_s) -> Report``: raises `ReportError`, and nothing else, for whatever is not a report
-  of this format: another length, another version, address 0, bits without a meaning; `now_s` (s) tells which
-  of the possible times a wrapped time tag means;
-* ``saturated``: how many values had to be bounded so far;
-* ``carries: Bounds``: what it carries without saturating: a scenario that reaches beyond is refused, and a
-  vehicle of a fleet whose position lies beyond holds; and
-* ``position_resolution_m`` and ``velocity_resolution_mps``: steps of the sender's position and velocity (0
-  where there are none to speak of), so that a filter knows what rounding adds to its noise.
+To add one, write one file with ``Params`` and ``Format(params, shared)``, a `ReportFormat`, where `shared`
+is the sequence of `auv_flocking.codec.Field` that the consensus filter adds to every report.  The file's
+name is its ``kind``.
 
 Every format begins with its version in the four lowest (`exact`) or highest (`compact`) bits of the first
 byte and has another length, so that none is taken for another.  A flock's vehicles use one format.
-The file's name is its ``kind``.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
+from auv_core.contracts import fulfilled
 from auv_core.geometry import Box
+from auv_core.params import Section
+from auv_core.plugins import find_plugin
+from auv_flocking.codec import Field
+from auv_flocking.report import Report
 
 
 class Bounds(NamedTuple):
@@ -37,3 +33,60 @@ class Bounds(NamedTuple):
     position: Box
     velocity_mps: float
     centre_distance_m: float
+
+
+class ReportFormat(Protocol):
+    """
+    Bytes of a report.
+
+    Attributes
+    ----------
+    payload_bytes : int
+        Bytes of every payload, the same for all.
+    carries : Bounds
+        What it carries without saturating: a scenario that reaches beyond is refused, and a vehicle of a
+        fleet whose position lies beyond holds.
+    position_resolution_m, velocity_resolution_mps : float
+        Steps of the sender's position and velocity (0 where there are none to speak of), so that a filter
+        knows what rounding adds to its noise.
+
+    """
+
+    payload_bytes: int
+    carries: Bounds
+    position_resolution_m: float
+    velocity_resolution_mps: float
+
+    @property
+    def saturated(self) -> int:
+        """How many values had to be bounded so far."""
+
+    def encode(self, report: Report) -> bytes:
+        """
+        Return the payload; values out of bounds saturate.
+
+        Raises
+        ------
+        ReportError
+            For numbers that cannot be sent (NaN).
+
+        """
+
+    def decode(self, payload: bytes, now_s: float) -> Report:
+        """
+        Return the report; `now_s` (s) tells which of the possible times a wrapped time tag means.
+
+        Raises
+        ------
+        ReportError
+            And nothing else, for whatever is not a report of this format: another length, another version,
+            address 0, bits without a meaning.
+
+        """
+
+
+def make_format(section: Section, shared_fields: Sequence[Field] = ()) -> ReportFormat:
+    """Return the format of a section, with the fields that the consensus filter adds."""
+    made = find_plugin(__name__, section.kind).Format(section.params, shared_fields)
+    report_format: ReportFormat = fulfilled(made, ReportFormat)
+    return report_format

@@ -18,7 +18,7 @@ from auv_core.geometry import Box, Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field, Layout
 from auv_flocking.report import NEVER, Report, ReportError
-from auv_flocking.reports import Bounds
+from auv_flocking.reports import Bounds, ReportFormat
 
 VERSION = 3
 _TIME_RESOLUTION_S = 0.01
@@ -82,7 +82,7 @@ def _corner(fields: Sequence[Field], side: str) -> Vec3:
     return (x, y, z)
 
 
-class Format:
+class Format(ReportFormat):
     """Encodes and decodes reports."""
 
     def __init__(self, params: Params, shared: Sequence[Field]) -> None:

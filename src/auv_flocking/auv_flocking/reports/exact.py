@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from auv_core.geometry import Box
 from auv_flocking.codec import Field
 from auv_flocking.report import NEVER, Report, ReportError
-from auv_flocking.reports import Bounds
+from auv_flocking.reports import Bounds, ReportFormat
 
 VERSION = 2
 _LARGEST = 1e9
@@ -30,7 +30,7 @@ class Params:
     """Nothing to choose."""
 
 
-class Format:
+class Format(ReportFormat):
     """Encodes and decodes reports."""
 
     position_resolution_m = 0.0
@@ -45,7 +45,12 @@ class Format:
         self._n_shared = len(shared)
         self._layout = struct.Struct(f"<BBId15fdf{self._n_shared}d")
         self.payload_bytes = self._layout.size
-        self.saturated = 0
+        self._saturated = 0
+
+    @property
+    def saturated(self) -> int:
+        """How many values had to be bounded so far."""
+        return self._saturated
 
     def encode(self, report: Report) -> bytes:
         """
@@ -68,7 +73,7 @@ class Format:
         if stamp_s != NEVER:
             stamp_s = self._bounded(stamp_s)
         if stamp_s > time_s:
-            self.saturated += 1
+            self._saturated += 1
             stamp_s = time_s
         vectors = (
             *report.position,
@@ -93,7 +98,7 @@ class Format:
             return value
         if math.isnan(value):
             raise ReportError("a number that is not a number cannot be sent")
-        self.saturated += 1
+        self._saturated += 1
         return math.copysign(_LARGEST, value)
 
     def decode(self, payload: bytes, now_s: float) -> Report:

@@ -20,6 +20,7 @@ s and the age of acoustic information.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -29,6 +30,7 @@ from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.central import along
 from auv_flocking.mamdani import Peaks, check_peaks, curve
+from auv_flocking.separation import CentralLaw, LearningLaw, ObstacleLaw
 from auv_flocking.separation.fuzzy import repulsion, strength
 
 
@@ -56,13 +58,8 @@ class Params:
         check_peaks("input_peaks_m", self.input_peaks_m)
         check_peaks("output_peaks_mps", self.output_peaks_mps)
 
-    @property
-    def adapts(self) -> bool:
-        """Whether the law has a state, which continuous time cannot keep."""
-        return True
 
-
-class Separation:
+class Separation(CentralLaw, LearningLaw, ObstacleLaw):
     """
     Repulsion within a distance that adapts until pairs settle at the spacing; `numbers` are those of `fuzzy`
     with the current shift.
@@ -106,6 +103,10 @@ class Separation:
     def obstacle_velocity(self, own: Vec3, obstacle: Vec3, spacing_m: float) -> Vec3:
         """Return the velocity because of an obstacle (m/s; NED): with unmoved peaks, away from it only."""
         return along(own, obstacle, spacing_m, repulsion, self.obstacle_numbers)
+
+    def reach_m(self, spacing_m: float) -> float:
+        """Return infinity: the curve ends nowhere."""
+        return math.inf
 
     def adapt(self, distances_m: Sequence[float], spacing_m: float, dt_s: float) -> None:
         """Move the peaks for one control period of `dt_s` with the distances to the neighbours (m)."""

@@ -27,6 +27,7 @@ from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.central import STRENGTH, Numbers, along
 from auv_flocking.mamdani import Peaks, check_peaks, curve, interpolated
+from auv_flocking.separation import CentralLaw, ObstacleLaw, PotentialLaw
 
 _NO_DIRECTION_M = 1e-9
 
@@ -75,7 +76,7 @@ def repulsion(square_m2: float, spacing_m: float, numbers: Numbers) -> float:
     return strength(square_m2, spacing_m, numbers)
 
 
-class Separation:
+class Separation(CentralLaw, ObstacleLaw, PotentialLaw):
     """Repulsion inside the spacing distance, attraction outside."""
 
     strength = staticmethod(strength)
@@ -85,7 +86,7 @@ class Separation:
         self._gain = params.gain
         self._only_repels = params.obstacles == "repel"
         self.obstacle_strength = repulsion if self._only_repels else strength
-        self.numbers = np.array((params.gain, 0.0, *self._curve.table))
+        self.numbers = self.obstacle_numbers = np.array((params.gain, 0.0, *self._curve.table))
 
     def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
         """
@@ -104,6 +105,10 @@ class Separation:
     def obstacle_velocity(self, own: Vec3, obstacle: Vec3, spacing_m: float) -> Vec3:
         """Return the velocity because of an obstacle (m/s; NED): as `velocity`, away from it only."""
         return along(own, obstacle, spacing_m, self.obstacle_strength, self.numbers)
+
+    def reach_m(self, spacing_m: float) -> float:
+        """Return infinity: the curve ends nowhere."""
+        return math.inf
 
     def potential(self, distance_m: float, spacing_m: float) -> float:
         """

@@ -19,6 +19,7 @@ from auv_core.compiled import entry
 from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.central import STRENGTH, Numbers, along
+from auv_flocking.separation import CentralLaw, PotentialLaw
 
 _NO_DIRECTION_M2 = 1e-18
 
@@ -41,14 +42,14 @@ def strength(square_m2: float, spacing_m: float, numbers: Numbers) -> float:
     return float(numbers[0]) * 2.0 * (spacing_m * spacing_m - square_m2) / (square_m2 * square_m2)
 
 
-class Separation:
+class Separation(CentralLaw, PotentialLaw):
     """Repulsion inside the spacing distance, no force outside."""
 
-    strength = staticmethod(strength)
+    strength = obstacle_strength = staticmethod(strength)
 
     def __init__(self, params: Params) -> None:
         self._gain = params.gain
-        self.numbers = np.array([params.gain])
+        self.numbers = self.obstacle_numbers = np.array([params.gain])
 
     def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
         """
@@ -79,3 +80,7 @@ class Separation:
             return 0.0
         square = (distance_m / spacing_m) ** 2
         return self._gain * (math.log(square) + 1.0 / square - 1.0) if square > 0.0 else math.inf
+
+    def obstacle_potential(self, distance_m: float, spacing_m: float) -> float:
+        """Return the same of an obstacle, which is treated as a vehicle is (m^2/s)."""
+        return self.potential(distance_m, spacing_m)

@@ -13,16 +13,18 @@ import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from auv_core.geometry import Vec3
 from auv_core.messages import AcousticEvent, Inbox, Outcome, Packet, Reception, VehicleState
 from auv_core.params import Section, param
-from auv_core.plugins import find_plugin
 from auv_sim.acoustics.event_log import in_order
 from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
+from auv_sim.acoustics.mac import SensingAccess, make_mac
+from auv_sim.acoustics.modem import make_modem
+from auv_sim.acoustics.outage import make_outage
+from auv_sim.acoustics.propagation import make_propagation
 from auv_sim.acoustics.receiver import TOUCH_S, Receiver, Signal, Transmission
-from auv_sim.acoustics.sonar import none
+from auv_sim.acoustics.sonar import make_sonar, none
 
 __all__ = ["DELAY_EDGES_S", "AcousticMedium", "LinkCounters", "MediumConfig"]
 
@@ -74,15 +76,12 @@ class AcousticMedium:
     def __init__(self, config: MediumConfig) -> None:
         self._period_s = config.period_s
         self._addresses = range(1, config.fleet_size + 1)
-        propagation: Any = find_plugin(PROPAGATION, config.propagation.kind).Propagation(
-            config.propagation.params
-        )
-        self._modem: Any = find_plugin(MODEM, config.modem.kind).Modem(config.modem.params)
-        self._mac: Any = find_plugin(MAC, config.mac.kind).Mac(
-            config.mac.params, config.fleet_size, config.seed
-        )
-        outage: Any = find_plugin(OUTAGE, config.outage.kind).Outage(config.outage.params, config.seed)
-        self._sonar: Any = find_plugin(SONAR, config.sonar.kind).Sonar(config.sonar.params, config.seed)
+        propagation = make_propagation(config.propagation)
+        self._modem = make_modem(config.modem)
+        self._mac = make_mac(config.mac, config.fleet_size, config.seed)
+        self._sensing = self._mac if isinstance(self._mac, SensingAccess) else None
+        outage = make_outage(config.outage, config.seed)
+        self._sonar = make_sonar(config.sonar, config.seed)
         self._sees = config.sonar.kind != NO_SONAR.kind
         self._receivers = [
             Receiver(address, self._modem, propagation, outage, config.seed) for address in self._addresses
@@ -170,7 +169,7 @@ class AcousticMedium:
             for packet in packets[source]:
                 self._check_addresses(source, packet)
                 start_s = self._start_s(packet)
-                if self._mac.senses:
+                if self._sensing is not None:
                     self._held[source] = _Held(packet, start_s)
                 else:
                     self._send(packet, start_s)
@@ -215,17 +214,17 @@ class AcousticMedium:
             raise ValueError(
                 f"modem {source} was handed a packet in tick {packet.tick}, where it still has another one"
             )
-        return float(start_s)
+        return start_s
 
     def _send_held(self, until_s: float) -> None:
         """Let modems with carrier sense listen, in the order of time, up to a moment."""
-        while self._held:
+        while self._held and self._sensing is not None:
             source, held = min(self._held.items(), key=lambda item: (item[1].at_s, item[0]))
             if held.at_s >= until_s:
                 return
             if self._receivers[source - 1].hears(held.at_s, self._states[source - 1].position):
                 held.attempts += 1
-                held.at_s += self._mac.backoff_s(source, held.packet.sequence, held.attempts)
+                held.at_s += self._sensing.backoff_s(source, held.packet.sequence, held.attempts)
             else:
                 del self._held[source]
                 self._send(held.packet, held.at_s)

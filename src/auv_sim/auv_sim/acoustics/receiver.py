@@ -20,10 +20,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 from auv_core.geometry import Vec3, distance
 from auv_core.messages import Outcome, Packet
+from auv_sim.acoustics.modem import AcousticModem, LevelModem
+from auv_sim.acoustics.outage import PacketLoss
+from auv_sim.acoustics.propagation import SoundPropagation
 from auv_sim.acoustics.water import packet_error_prob
 from auv_sim.streams import Purpose, uniform
 
@@ -74,13 +76,20 @@ class Signal:
 class Receiver:
     """The receiver of the modem at one address."""
 
-    def __init__(self, address: int, modem: Any, propagation: Any, outage: Any, seed: int) -> None:
+    def __init__(
+        self,
+        address: int,
+        modem: AcousticModem,
+        propagation: SoundPropagation,
+        outage: PacketLoss,
+        seed: int,
+    ) -> None:
         self._address = address
         self._modem = modem
         self._propagation = propagation
         self._outage = outage
         self._seed = seed
-        self._has_levels = modem.frequency_khz is not None
+        self._levels = modem if isinstance(modem, LevelModem) else None
         self._signals: list[Signal] = []
         self._own: list[tuple[float, float]] = []
         self._lock: Signal | None = None
@@ -161,13 +170,14 @@ class Receiver:
         """Return whether there is a signal, and its ratio of signal to noise power."""
         modem = self._modem
         is_audible = modem.max_range_m == math.inf or distance(origin, position) <= modem.max_range_m
-        if not self._has_levels:
+        levels = self._levels
+        if levels is None:
             return is_audible, math.nan
-        loss_db = self._propagation.loss_db(origin, position, modem.frequency_khz)
-        return is_audible, modem.snr_ratio(loss_db)
+        loss_db = self._propagation.loss_db(origin, position, levels.frequency_khz)
+        return is_audible, levels.snr_ratio(loss_db)
 
     def _recognises(self, snr_ratio: float) -> bool:
-        return not self._has_levels or bool(self._modem.acquires(snr_ratio))
+        return self._levels is None or self._levels.acquires(snr_ratio)
 
     def _try_lock(self, signal: Signal) -> None:
         """Lock on to a signal at its start, if possible."""
@@ -176,10 +186,10 @@ class Receiver:
             return
         if lock is not None and lock.end_s - start_s > TOUCH_S and not self._transmits(lock.start_s, start_s):
             return
-        if self._has_levels:
+        if self._levels is not None:
             rivals = self._rivals(signal, start_s, start_s + 2.0 * TOUCH_S)
             interference = sum(rival.snr_ratio for rival in rivals)
-            if not self._modem.acquires(signal.snr_ratio / (1.0 + interference)):
+            if not self._levels.acquires(signal.snr_ratio / (1.0 + interference)):
                 return
         signal.is_locked = True
         self._lock = signal
@@ -222,35 +232,16 @@ class Receiver:
         self, signal: Signal, rivals: Sequence[Signal], event: tuple[int, int, int]
     ) -> Outcome | None:
         """Draw whether a packet has a bit error; return its cause, or None."""
-        if not self._has_levels:
+        if self._levels is None:
             return None
-        quiet = self._packet_error_prob(signal, ())
-        error_prob = self._packet_error_prob(signal, rivals) if rivals else quiet
+        quiet = _packet_error_prob(self._levels, signal, ())
+        error_prob = _packet_error_prob(self._levels, signal, rivals) if rivals else quiet
         if error_prob < _NO_CHANCE:
             return None
         luck = uniform(self._seed, Purpose.NOISE, *event)
         if luck < quiet:
             return Outcome.NOISE
         return Outcome.COLLISION if luck < error_prob else None
-
-    def _packet_error_prob(self, signal: Signal, rivals: Sequence[Signal]) -> float:
-        """Return the probability of at least one bit error, with interfering signals while they overlap."""
-        bits = 8.0 * len(signal.transmission.packet.payload)
-        if not rivals:
-            return packet_error_prob(self._modem.bit_error_prob(signal.snr_ratio), bits)
-        begin_s, end_s = signal.start_s + self._modem.preamble_s, signal.end_s
-        edges_s = {begin_s, end_s}
-        for rival in rivals:
-            edges_s.update(t_s for t_s in (rival.start_s, rival.end_s) if begin_s < t_s < end_s)
-        times_s = sorted(edges_s)
-        log_success = 0.0
-        for from_s, to_s in pairwise(times_s):
-            middle_s = 0.5 * (from_s + to_s)
-            noise = 1.0 + sum(r.snr_ratio for r in rivals if r.start_s <= middle_s < r.end_s)
-            error_prob = self._modem.bit_error_prob(signal.snr_ratio / noise)
-            share = (to_s - from_s) / (end_s - begin_s)
-            log_success += bits * share * math.log1p(-error_prob)
-        return -math.expm1(log_success)
 
     def _forget(self, now_s: float) -> None:
         """Drop signals that can no longer overlap with others."""
@@ -267,3 +258,23 @@ class Receiver:
 def _order(signal: Signal) -> tuple[float, int, int]:
     packet = signal.transmission.packet
     return (signal.start_s, packet.source, packet.sequence)
+
+
+def _packet_error_prob(modem: LevelModem, signal: Signal, rivals: Sequence[Signal]) -> float:
+    """Return the probability of at least one bit error, with interfering signals while they overlap."""
+    bits = 8.0 * len(signal.transmission.packet.payload)
+    if not rivals:
+        return packet_error_prob(modem.bit_error_prob(signal.snr_ratio), bits)
+    begin_s, end_s = signal.start_s + modem.preamble_s, signal.end_s
+    edges_s = {begin_s, end_s}
+    for rival in rivals:
+        edges_s.update(t_s for t_s in (rival.start_s, rival.end_s) if begin_s < t_s < end_s)
+    times_s = sorted(edges_s)
+    log_success = 0.0
+    for from_s, to_s in pairwise(times_s):
+        middle_s = 0.5 * (from_s + to_s)
+        noise = 1.0 + sum(r.snr_ratio for r in rivals if r.start_s <= middle_s < r.end_s)
+        error_prob = modem.bit_error_prob(signal.snr_ratio / noise)
+        share = (to_s - from_s) / (end_s - begin_s)
+        log_success += bits * share * math.log1p(-error_prob)
+    return -math.expm1(log_success)

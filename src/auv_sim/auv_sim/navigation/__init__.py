@@ -1,12 +1,46 @@
 """
-Navigation: what a vehicle believes of its own motion.
+Navigation: what a vehicle knows of its own motion.
 
-To add one, write one file with ``Params`` and ``Navigation(params, seed, address, period_s)`` with
-``measured(state) -> VehicleState``: what the vehicle's own navigation says when the truth is `state`, once
-per control period, with the standard deviations that it believes of itself, and with ``is_valid`` false
-where it has no solution.  It may look at the truth of this tick and remember what came before, nothing else;
-randomness comes from `auv_sim.streams`.  The file's name is its ``kind``.
-
-People and tools also see, on ``odom`` and ``/tf``: ``odom_frame`` (an `auv_core.odom_frame.OdomFrame` that
-takes up the jumps of the estimate), ``depth_sd_m``, and ``velocity_sd_mps`` along the body's three axes.
+To add one, write one file with ``Params`` and ``Navigation(params, seed, address, period_s)``, an
+`OwnNavigation`.  The file's name is its ``kind``.  It may look at the truth of a tick and remember what came
+before, nothing else; randomness comes from `auv_sim.streams`.
 """
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from auv_core.contracts import fulfilled
+from auv_core.geometry import Vec3
+from auv_core.messages import VehicleState
+from auv_core.odom_frame import OdomFrame
+from auv_core.params import Section
+from auv_core.plugins import find_plugin
+
+
+class OwnNavigation(Protocol):
+    """
+    The navigation of one vehicle.
+
+    People and tools also see, on ``odom`` and ``/tf``: `odom_frame`, which takes up the jumps of the
+    estimate, `depth_sd_m`, and `velocity_sd_mps` along the body's three axes.
+    """
+
+    odom_frame: OdomFrame
+    depth_sd_m: float
+    velocity_sd_mps: Vec3
+
+    def measured(self, state: VehicleState) -> VehicleState:
+        """
+        Return what the navigation says when the truth is `state`; called once per control period.
+
+        It has the standard deviations that the navigation states of itself, and `is_valid` is false where it
+        has no solution.
+        """
+
+
+def make_navigation(section: Section, seed: int, address: int, period_s: float) -> OwnNavigation:
+    """Return the navigation of a section for the vehicle with this address."""
+    made = find_plugin(__name__, section.kind).Navigation(section.params, seed, address, period_s)
+    navigation: OwnNavigation = fulfilled(made, OwnNavigation)
+    return navigation

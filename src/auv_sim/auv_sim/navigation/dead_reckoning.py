@@ -9,6 +9,7 @@ from auv_core.geometry import body_to_ned, quaternion_from_heading, quaternion_p
 from auv_core.messages import VehicleState
 from auv_core.odom_frame import OdomFrame
 from auv_core.params import param
+from auv_sim.navigation import OwnNavigation
 from auv_sim.navigation._drift import Drift
 from auv_sim.streams import Purpose, generator, uniform
 
@@ -56,7 +57,7 @@ class Params:
     )
 
 
-class Navigation:
+class Navigation(OwnNavigation):
     """
     The position is the start plus the integral of the log's velocity, rotated by the compass; the depth is
     measured.

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from auv_core.messages import VehicleState
 from auv_core.odom_frame import OdomFrame
+from auv_sim.navigation import OwnNavigation
 
 
 @dataclass(frozen=True)
@@ -13,7 +14,7 @@ class Params:
     """Nothing to choose."""
 
 
-class Navigation:
+class Navigation(OwnNavigation):
     """The truth."""
 
     odom_frame = OdomFrame()

@@ -8,6 +8,7 @@ from auv_core.geometry import Vec3
 from auv_core.messages import VehicleState
 from auv_core.odom_frame import OdomFrame
 from auv_core.params import param
+from auv_sim.navigation import OwnNavigation
 from auv_sim.streams import Purpose, generator
 
 
@@ -26,7 +27,7 @@ class Params:
     )
 
 
-class Navigation:
+class Navigation(OwnNavigation):
     """Noise by (seed, address, tick): the number of vehicles does not change it."""
 
     odom_frame = OdomFrame()

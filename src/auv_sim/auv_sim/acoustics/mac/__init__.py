@@ -1,15 +1,53 @@
 """
 Medium access: when a modem asks its vehicle for data, and when it puts them on the air.
 
-To add one, write one file with ``Params`` and ``Mac(params, fleet_size, seed)`` with
-
-* ``opportunity_s(address, tick, period_s) -> float | None``: the first time (s) in the control period [tick,
-  tick + 1) at which this modem would begin a transmission, or None; the same answer whenever it is asked;
-* ``check(airtime_s)``, which raises ValueError (message ``field: ...``) when a transmission of that length
-  does not fit the scheme;
-* ``senses: bool``: whether the modem listens at that time and, while it hears anything, waits for
-  ``backoff_s(source, sequence, attempt) -> float`` (s, above zero) and listens again, with the same packet.
-
-A modem that is on the air, or holds a packet, does not ask.  Random numbers come from `auv_sim.streams` and
-depend on nothing but the seed, the address, and the slot or packet.
+To add one, write one file with ``Params`` and ``Mac(params, fleet_size, seed)``, a `MediumAccess`, or a
+`SensingAccess` if the modem listens before it transmits.  A modem that is on the air, or holds a packet,
+does not ask.  Random numbers come from `auv_sim.streams` and depend on nothing but the seed, the address,
+and the slot or packet.
 """
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+from auv_core.contracts import fulfilled
+from auv_core.params import Section
+from auv_core.plugins import find_plugin
+
+
+class MediumAccess(Protocol):
+    """When the modems of a fleet may transmit."""
+
+    def opportunity_s(self, address: int, tick: int, period_s: float) -> float | None:
+        """
+        Return when a modem would begin a transmission (s), or None; the same whenever it is asked.
+
+        It is the first such time in the control period [tick, tick + 1).
+        """
+
+    def check(self, airtime_s: float) -> None:
+        """
+        Accept transmissions of a length (s).
+
+        Raises
+        ------
+        ValueError
+            With a message ``field: ...``, where that length does not fit the scheme.
+
+        """
+
+
+@runtime_checkable
+class SensingAccess(MediumAccess, Protocol):
+    """A modem that listens at that time and, while it hears anything, waits with the same packet."""
+
+    def backoff_s(self, source: int, sequence: int, attempt: int) -> float:
+        """Return how long it waits (s, above zero) before it listens again, for the first attempt 1."""
+
+
+def make_mac(section: Section, fleet_size: int, seed: int) -> MediumAccess:
+    """Return the medium access of a section."""
+    made = find_plugin(__name__, section.kind).Mac(section.params, fleet_size, seed)
+    mac: MediumAccess = fulfilled(made, MediumAccess)
+    return mac

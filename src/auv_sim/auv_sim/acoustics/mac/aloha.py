@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from auv_core.params import param
+from auv_sim.acoustics.mac import MediumAccess
 from auv_sim.acoustics.mac._poisson import PoissonTimes
 
 
@@ -17,10 +18,8 @@ class Params:
     )
 
 
-class Mac:
+class Mac(MediumAccess):
     """A transmission starts at the random time, unless the modem is still on the air with the last one."""
-
-    senses = False
 
     def __init__(self, params: Params, fleet_size: int, seed: int) -> None:
         del fleet_size

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from auv_core.params import param
+from auv_sim.acoustics.mac import SensingAccess
 from auv_sim.acoustics.mac._poisson import PoissonTimes
 from auv_sim.streams import Purpose, uniform
 
@@ -34,15 +35,13 @@ class Params:
             )
 
 
-class Mac:
+class Mac(SensingAccess):
     """
     Non-persistent, with binary exponential backoff of at most three doublings.
 
     A quiet channel is no guarantee: a signal may still be on its way, and the receiver may hear signals that
     do not reach this modem.
     """
-
-    senses = True
 
     def __init__(self, params: Params, fleet_size: int, seed: int) -> None:
         del fleet_size

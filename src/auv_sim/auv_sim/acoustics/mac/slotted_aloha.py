@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from auv_core.params import param
+from auv_sim.acoustics.mac import MediumAccess
 from auv_sim.acoustics.mac._slots import check_slot
 from auv_sim.streams import Purpose, uniform
 
@@ -21,10 +22,8 @@ class Params:
     )  # fmt: skip
 
 
-class Mac:
+class Mac(MediumAccess):
     """A modem transmits at the start of a slot with that probability, by (seed, address, slot)."""
-
-    senses = False
 
     def __init__(self, params: Params, fleet_size: int, seed: int) -> None:
         self._slot_s = params.slot_s

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from auv_core.params import param
+from auv_sim.acoustics.mac import MediumAccess
 from auv_sim.acoustics.mac._slots import check_slot
 
 
@@ -16,15 +17,13 @@ class Params:
     slot_s: float = param("length of a slot (s), airtime and guard together", default=0.25, above=0.0)
 
 
-class Mac:
+class Mac(MediumAccess):
     """
     Modem a of n owns the slots m with m mod n = a - 1; slot m starts at m slot_s.
 
     The rest of a slot after a transmission is a guard time: no two packets overlap at any receiver if travel
     times differ by less than that.
     """
-
-    senses = False
 
     def __init__(self, params: Params, fleet_size: int, seed: int) -> None:
         del seed

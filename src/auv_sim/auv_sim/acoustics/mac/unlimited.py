@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from auv_sim.acoustics.mac import MediumAccess
+
 
 @dataclass(frozen=True)
 class Params:
     """Nothing to choose."""
 
 
-class Mac:
+class Mac(MediumAccess):
     """A transmission may start at every tick; with airtime above zero all packets collide."""
-
-    senses = False
 
     def __init__(self, params: Params, fleet_size: int, seed: int) -> None:
         del params, fleet_size, seed

@@ -1,17 +1,63 @@
 """
 Modems: how long a packet is on the air, how it is heard, and how much it holds.
 
-To add one, write one file with ``Params`` and ``Modem(params)`` with
-
-* ``max_payload_bytes: int``, ``airtime_s(payload_bytes) -> float`` and ``preamble_s: float``, the part of the
-  airtime before the first bit;
-* ``max_range_m: float``, beyond which there is no signal at all (``math.inf`` for none);
-* ``captures: bool``: whether a receiver that has locked on to a packet keeps it when another one comes, or
-  loses both to any overlap with a signal that it could have acquired;
-* ``frequency_khz: float | None``: the carrier, for the transmission loss; None for a modem that knows no
-  levels, recognises whatever is in range, has no bit errors, and needs nothing of what follows;
-* ``snr_ratio(loss_db) -> float``: signal to ambient noise in the band, as a ratio of powers, after that loss;
-* ``acquires(snr_ratio) -> bool``: whether the start of a packet is recognised; ``snr_ratio`` is that to noise
-  and interference;
-* ``bit_error_prob(snr_ratio) -> float``: likewise, for one bit.
+To add one, write one file with ``Params`` and ``Modem(params)``, an `AcousticModem`: it recognises whatever
+is in range and has no bit errors.  One that knows levels is a `LevelModem`.
 """
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+from auv_core.contracts import fulfilled
+from auv_core.params import Section
+from auv_core.plugins import find_plugin
+
+
+class AcousticModem(Protocol):
+    """
+    One kind of modem.
+
+    Attributes
+    ----------
+    max_payload_bytes : int
+        Largest payload.
+    preamble_s : float
+        The part of the airtime before the first bit (s).
+    max_range_m : float
+        Range beyond which there is no signal at all (m; inf for none).
+    captures : bool
+        Whether a receiver that has locked on to a packet keeps it when another one comes, or loses both to
+        any overlap with a signal that it could have acquired.
+
+    """
+
+    max_payload_bytes: int
+    preamble_s: float
+    max_range_m: float
+    captures: bool
+
+    def airtime_s(self, payload_bytes: int) -> float:
+        """Return how long a packet is on the air (s)."""
+
+
+@runtime_checkable
+class LevelModem(AcousticModem, Protocol):
+    """A modem that knows levels; `frequency_khz` is its carrier, for the transmission loss (kHz)."""
+
+    frequency_khz: float
+
+    def snr_ratio(self, loss_db: float) -> float:
+        """Return signal to ambient noise in the band, as a ratio of powers, after a loss (dB)."""
+
+    def acquires(self, snr_ratio: float) -> bool:
+        """Return whether the start of a packet is recognised, for a ratio to noise and interference."""
+
+    def bit_error_prob(self, snr_ratio: float) -> float:
+        """Return the probability of an error of one bit, likewise."""
+
+
+def make_modem(section: Section) -> AcousticModem:
+    """Return the modem of a section."""
+    modem: AcousticModem = fulfilled(find_plugin(__name__, section.kind).Modem(section.params), AcousticModem)
+    return modem

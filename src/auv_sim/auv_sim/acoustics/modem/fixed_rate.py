@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from auv_core.params import param
+from auv_sim.acoustics.modem import AcousticModem
 
 
 @dataclass(frozen=True)
@@ -25,10 +26,8 @@ class Params:
     )
 
 
-class Modem:
+class Modem(AcousticModem):
     """Airtime is the preamble plus the payload's bits over the rate."""
-
-    frequency_khz = None
 
     def __init__(self, params: Params) -> None:
         self._params = params

@@ -5,20 +5,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from auv_sim.acoustics.modem import AcousticModem
+
 
 @dataclass(frozen=True)
 class Params:
     """Nothing to choose."""
 
 
-class Modem:
+class Modem(AcousticModem):
     """Every packet fits and takes no time, so that packets never overlap."""
 
     max_range_m = math.inf
     max_payload_bytes = 65535
     preamble_s = 0.0
     captures = True
-    frequency_khz = None
 
     def __init__(self, params: Params) -> None:
         del params

@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass
 
 from auv_core.params import param
+from auv_sim.acoustics.modem import LevelModem
 from auv_sim.acoustics.water import (
     ambient_noise_db,
     bpsk_bit_error_prob,
@@ -59,7 +60,7 @@ class Params:
     wind_mps: float = param("wind at the surface (m/s)", default=0.0, minimum=0.0, maximum=100.0)
 
 
-class Modem:
+class Modem(LevelModem):
     """Ratios are relative to the ambient noise in the band: 1 is as loud as the noise."""
 
     max_range_m = math.inf
@@ -76,7 +77,7 @@ class Modem:
         noise_db = ambient_noise_db(self.frequency_khz, params.shipping_ratio, params.wind_mps)
         self._snr_at_source_db = level_db - noise_db - 10.0 * math.log10(params.bandwidth_hz)
         self._acquisition_ratio = 10.0 ** (0.1 * params.acquisition_db)
-        self.bit_error_prob = _BIT_ERRORS[params.modulation]
+        self._bit_error_prob = _BIT_ERRORS[params.modulation]
 
     def airtime_s(self, payload_bytes: int) -> float:
         """Return the time on the air (s) of a payload."""
@@ -89,3 +90,7 @@ class Modem:
     def acquires(self, snr_ratio: float) -> bool:
         """Return whether a packet's start is recognised at this ratio of signal to noise and interference."""
         return snr_ratio >= self._acquisition_ratio
+
+    def bit_error_prob(self, snr_ratio: float) -> float:
+        """Return the probability of an error of one bit, by the modulation."""
+        return self._bit_error_prob(snr_ratio)

@@ -1,8 +1,33 @@
 """
 Outage: losses that no model of range or noise explains.
 
-To add one, write one file with ``Params`` and ``Outage(params, seed)`` with
-``lost(source, destination, sequence) -> bool``.  The answer may depend on nothing else than the seed and
-these three, so that adding a vehicle does not change the others' luck; `auv_sim.streams.uniform`
-gives the numbers.
+To add one, write one file with ``Params`` and ``Outage(params, seed)``, a `PacketLoss`.
 """
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from auv_core.contracts import fulfilled
+from auv_core.params import Section
+from auv_core.plugins import find_plugin
+
+
+class PacketLoss(Protocol):
+    """Losses by no other cause."""
+
+    def lost(self, source: int, destination: int, sequence: int) -> bool:
+        """
+        Return whether a packet is lost on the way to a modem.
+
+        The answer depends on nothing else than the seed and these three, so that adding a vehicle does not
+        change the others' luck; `auv_sim.streams.uniform` gives the numbers.
+        """
+
+
+def make_outage(section: Section, seed: int) -> PacketLoss:
+    """Return the losses of a section."""
+    outage: PacketLoss = fulfilled(
+        find_plugin(__name__, section.kind).Outage(section.params, seed), PacketLoss
+    )
+    return outage

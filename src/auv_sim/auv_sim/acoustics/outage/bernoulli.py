@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from auv_core.params import param
+from auv_sim.acoustics.outage import PacketLoss
 from auv_sim.streams import Purpose, uniform
 
 
@@ -15,7 +16,7 @@ class Params:
     loss_prob: float = param("probability that one reception is lost", default=0.2, minimum=0.0, maximum=1.0)
 
 
-class Outage:
+class Outage(PacketLoss):
     """One random number per (source, destination, sequence)."""
 
     def __init__(self, params: Params, seed: int) -> None:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from auv_core.params import param
+from auv_sim.acoustics.outage import PacketLoss
 from auv_sim.streams import Purpose, uniform
 
 
@@ -40,7 +41,7 @@ class Params:
         return (1.0 - bad) * self.loss_good_prob + bad * self.loss_bad_prob
 
 
-class Outage:
+class Outage(PacketLoss):
     """
     A chain of two states per link, Gilbert (1960) and Elliott (1963).
 

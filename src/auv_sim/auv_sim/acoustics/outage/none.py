@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from auv_sim.acoustics.outage import PacketLoss
+
 
 @dataclass(frozen=True)
 class Params:
     """Nothing to choose."""
 
 
-class Outage:
+class Outage(PacketLoss):
     """Nothing is lost."""
 
     def __init__(self, params: Params, seed: int) -> None:

@@ -1,9 +1,44 @@
 """
 Propagation: how long sound takes from one place to another, and what is left of it.
 
-To add one, write one file with ``Params`` (see `auv_core.params.param`) and ``Propagation(params)`` with
-``delay_s(source, receiver) -> float`` (s) and ``loss_db(source, receiver, frequency_khz) -> float``, the
-transmission loss (dB), for two NED positions (m).  The loss is asked for only by modems that know levels.
-A file that calls what is no requirement of the project has ``is_installed() -> bool``, and its
-``Propagation`` raises ValueError, ``propagation.kind: ...``, where that is missing.
+To add one, write one file with ``Params`` and ``Propagation(params)``, a `SoundPropagation`.  A file that
+calls what is no requirement of the project raises ValueError, ``propagation.kind: ...``, where that is
+missing. ``Params`` has ``water_depth_m`` where the water has a bottom.
 """
+
+from __future__ import annotations
+
+import math
+from typing import Protocol, runtime_checkable
+
+from auv_core.contracts import fulfilled
+from auv_core.geometry import Vec3
+from auv_core.params import Section
+from auv_core.plugins import find_plugin
+
+
+class SoundPropagation(Protocol):
+    """Sound between two places (m; NED)."""
+
+    def delay_s(self, source: Vec3, receiver: Vec3) -> float:
+        """Return how long sound takes (s)."""
+
+    def loss_db(self, source: Vec3, receiver: Vec3, frequency_khz: float) -> float:
+        """Return the transmission loss (dB); only modems that know levels ask for it."""
+
+
+@runtime_checkable
+class _WithBottom(Protocol):
+    water_depth_m: float
+
+
+def make_propagation(section: Section) -> SoundPropagation:
+    """Return the propagation of a section."""
+    made = find_plugin(__name__, section.kind).Propagation(section.params)
+    propagation: SoundPropagation = fulfilled(made, SoundPropagation)
+    return propagation
+
+
+def bottom_m(section: Section) -> float:
+    """Return the depth of the water (m; inf where there is no bottom)."""
+    return section.params.water_depth_m if isinstance(section.params, _WithBottom) else math.inf

@@ -32,6 +32,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from auv_core.geometry import Vec3, distance
 from auv_core.params import param
+from auv_sim.acoustics.propagation import SoundPropagation
 from auv_sim.acoustics.water import absorption_db_per_km, transmission_loss_db
 
 # With this loss no modem recognises any possible source.
@@ -126,7 +127,7 @@ class Params:
         return np.interp(depth_m, self.sound_speed_depths_m, self.sound_speed_mps)
 
 
-class Propagation:
+class Propagation(SoundPropagation):
     """
     Delay and loss from tables that are solved when a source depth is first used, once per process.
 

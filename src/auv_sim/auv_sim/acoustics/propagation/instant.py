@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from auv_core.geometry import Vec3
+from auv_sim.acoustics.propagation import SoundPropagation
 
 
 @dataclass(frozen=True)
@@ -12,7 +13,7 @@ class Params:
     """Nothing to choose."""
 
 
-class Propagation:
+class Propagation(SoundPropagation):
     """Sound arrives at once and without loss."""
 
     def __init__(self, params: Params) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from auv_core.geometry import Vec3, distance
 from auv_core.params import param
+from auv_sim.acoustics.propagation import SoundPropagation
 from auv_sim.acoustics.water import sound_speed_mps, transmission_loss_db
 
 
@@ -27,7 +28,7 @@ class Params:
     )  # fmt: skip
 
 
-class Propagation:
+class Propagation(SoundPropagation):
     """
     Delay is range over the sound speed at the mean depth of source and receiver; loss as in `straight`.
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from auv_core.geometry import Vec3, distance
 from auv_core.params import param
+from auv_sim.acoustics.propagation import SoundPropagation
 from auv_sim.acoustics.water import transmission_loss_db
 
 
@@ -20,7 +21,7 @@ class Params:
     )  # fmt: skip
 
 
-class Propagation:
+class Propagation(SoundPropagation):
     """Delay is range over sound speed; loss is spreading and Thorp's absorption."""
 
     def __init__(self, params: Params) -> None:

@@ -1,10 +1,37 @@
 """
 Sonar: what a vehicle sees of other hulls by itself, with no packet.
 
-To add one, write one file with ``Params`` and ``Sonar(params, seed)`` with ``contacts(address, tick,
-period_s, states) -> tuple[SonarContact, ...]``: what the vehicle with this address sees when the fleet is in
-`states` (the truth, in the order of addresses), and () in a tick without a ping.  A contact has no
-identity, so neither may the order of contacts betray one.  Randomness comes from `auv_sim.streams` by
-observer, target and tick, so that another vehicle does not change anybody's luck.  The file's name is its
+To add one, write one file with ``Params`` and ``Sonar(params, seed)``, a `HullSonar`.  The file's name is its
 ``kind``.
 """
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from auv_core.contracts import fulfilled
+from auv_core.messages import SonarContact, VehicleState
+from auv_core.params import Section
+from auv_core.plugins import find_plugin
+
+
+class HullSonar(Protocol):
+    """The sonars of a fleet."""
+
+    def contacts(
+        self, address: int, tick: int, period_s: float, states: Sequence[VehicleState]
+    ) -> tuple[SonarContact, ...]:
+        """
+        Return what the vehicle with this address sees, and () in a tick without a ping.
+
+        `states` are the truth, in the order of addresses.  A contact has no identity, so neither may the
+        order of contacts betray one.  Randomness comes from `auv_sim.streams` by observer, target and tick,
+        so that another vehicle does not change any other luck.
+        """
+
+
+def make_sonar(section: Section, seed: int) -> HullSonar:
+    """Return the sonars of a section."""
+    sonar: HullSonar = fulfilled(find_plugin(__name__, section.kind).Sonar(section.params, seed), HullSonar)
+    return sonar

@@ -10,6 +10,7 @@ from operator import attrgetter
 from auv_core.geometry import ned_to_body
 from auv_core.messages import SonarContact, VehicleState
 from auv_core.params import param
+from auv_sim.acoustics.sonar import HullSonar
 from auv_sim.streams import Purpose, generator
 
 _SLACK_PINGS = 1e-6
@@ -48,7 +49,7 @@ class Params:
     )
 
 
-class Sonar:
+class Sonar(HullSonar):
     """
     Detects hull centres from the own hull centre, in the body frame of the true attitude at the tick.
 

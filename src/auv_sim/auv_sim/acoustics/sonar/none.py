@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from auv_core.messages import SonarContact, VehicleState
+from auv_sim.acoustics.sonar import HullSonar
 
 
 @dataclass(frozen=True)
@@ -13,7 +14,7 @@ class Params:
     """Nothing to choose."""
 
 
-class Sonar:
+class Sonar(HullSonar):
     """Nothing is seen."""
 
     def __init__(self, params: Params, seed: int) -> None:

@@ -1,0 +1,40 @@
+"""
+What the object of a plugin must have: the `Protocol` in the ``__init__.py`` of its folder.
+
+The classes of this tree inherit their protocol, so that mypy compares them.  A class of somebody else's
+folder need not: what it lacks is said in one line when it is made.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+from auv_core.params import ConfigError
+
+
+def members(contract: type) -> list[str]:
+    """Return the names that a protocol and those that it extends ask for, sorted."""
+    asking = [
+        base for base in contract.__mro__ if getattr(base, "_is_protocol", False) and base is not Protocol
+    ]
+    names = {name for base in asking for name in (*vars(base), *vars(base).get("__annotations__", ()))}
+    return sorted(name for name in names if not name.startswith("_"))
+
+
+def fulfilled(made: Any, contract: type) -> Any:
+    """
+    Return what a plugin made, if it has all that its protocol asks for.
+
+    Raises
+    ------
+    ConfigError
+        With the names that it lacks.
+
+    """
+    lacking = [name for name in members(contract) if not hasattr(made, name)]
+    if lacking:
+        raise ConfigError(
+            f"{type(made).__module__}: {type(made).__name__} has no {', '.join(lacking)}; "
+            f"allowed: a class with all that {contract.__module__}.{contract.__name__} has"
+        )
+    return made
