@@ -12,7 +12,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import product
 from typing import Any
 
 from rclpy.node import Node
@@ -30,24 +29,22 @@ from auv_ros.pace import Pace, tick_clock
 from auv_ros.parameters import declare_config
 from auv_ros.qos import own_qos
 from auv_ros.run_config import RELAY_PHASE, RunConfig
-from auv_ros.steady_timer import SteadyTimer
-from auv_ros.strangers import StrangerWatch
-from auv_ros.topic import RECORDER, Topics
+from auv_ros.topic import Topics
 from auv_ros.wire import conversions as convert
 from auv_ros.wire.acoustics import events_bytes, inbox_bytes, read_outbox
 from auv_ros.wire.markers import MARKER_TICKS
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
 from auv_sim.barrier import Barrier
 from auv_sim.nodes.adrift import Adrift
-from auv_sim.nodes.clock_node import ClockNode, WatchConfig
+from auv_sim.nodes.clock_node import ClockNode
 from auv_sim.nodes.link_reports import LinkReports
+from auv_sim.nodes.stranger_report import StrangerReport
+from auv_sim.run_state import WatchConfig
+from auv_sim.silences import ROLES, Silences
 from auv_sim.state_watch import StateWatch
 from auv_sim.vehicle import VehicleConfig
 
 _STATS_TICKS = 10
-_COMMON_NODES = {"/acoustic_relay_node", "/clock_node", RECORDER}
-_STRANGERS_S = 1.0
-_ROLES = ("agent_node", "vehicle_node")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +75,6 @@ class AcousticRelayNode(Node):
         fleet = declare_config(self, FleetConfig)
         self._ids = fleet.vehicle_ids
         self._period_s = medium.period_s
-        self._timeout_s = watch.answer_timeout_s
         self._medium = AcousticMedium(medium)
         self._ticks = tick_clock(run, medium.period_s)
         self._barrier = Barrier(len(self._ids))
@@ -87,8 +83,8 @@ class AcousticRelayNode(Node):
         self._states: list[VehicleState] = []
         self._newest: dict[int, VehicleState] = {}
         self._outboxes: dict[int, list[Packet]] = {}
-        self._heard_at_s: dict[tuple[str, int], float] = {}
-        followers = [f"/{name}/{role}" for name in self._ids for role in _ROLES]
+        self._silences = Silences(len(self._ids), watch.answer_timeout_s)
+        followers = [f"/{name}/{role}" for name in self._ids for role in ROLES]
         self.clock = ClockNode(
             watch,
             self._ticks,
@@ -102,9 +98,14 @@ class AcousticRelayNode(Node):
         self.clock.on_room = self._try_advance
         topics = self._make_topics(run, self._hulls(watch))
         self._connect(own_qos(admits_strangers=run.admits_strangers))
-        self._admits_strangers = run.admits_strangers
-        own = {*followers, *_COMMON_NODES}
-        self._strangers = StrangerWatch(self, own, self._ids, admits_strangers=run.admits_strangers)
+        self._strangers = StrangerReport(
+            self,
+            self._reports,
+            self._hearing.refused,
+            own_nodes=followers,
+            vehicle_ids=self._ids,
+            are_admitted=run.admits_strangers,
+        )
         self._pace = Pace(
             self,
             self._ticks,
@@ -155,22 +156,15 @@ class AcousticRelayNode(Node):
             self._try_advance()
         else:
             self.clock.announce()
-            SteadyTimer(self, _STRANGERS_S, self._look_for_strangers)
+            self._strangers.begin(self._report_stamp_s)  # in lock-step the launcher does: bags are equal
 
     def waits_for(self) -> str:
         """Return for what the node waits, in words, or nothing."""
         owed = self._watch.explained(listed(self._awaited())) if self._pace.ready else ""
         return self._pace.waits_for(self._barrier.tick, owed)
 
-    def _look_for_strangers(self) -> None:
-        """Name who else publishes on topics of the run; in lock-step the launcher does: bags are equal."""
-        if not self._ticks.started or self.clock.done:
-            return
-        for stranger in self._strangers.look():
-            self.get_logger().warning(stranger.words)
-        t_s = self._ticks.stamp_s(max(self._barrier.tick, 0))
-        found = self._strangers.found.values()
-        self._reports.tell_strangers(found, self._hearing.refused, t_s, are_admitted=self._admits_strangers)
+    def _report_stamp_s(self) -> float | None:
+        return None if self.clock.done else self._ticks.stamp_s(max(self._barrier.tick, 0))
 
     def _take_state(self, index: int, data: bytes) -> None:
         """Take an answer in lock-step."""
@@ -205,7 +199,7 @@ class AcousticRelayNode(Node):
         """Take a state in real time."""
         if index in self._adrift.lost:
             return
-        self._heard_at_s["vehicle_node", index] = time.monotonic()
+        self._silences.hear("vehicle_node", index, time.monotonic())
         state = convert.state_from_bytes(data)
         if self._watch.hear(index, state, self._ticks.tick_now_or(state.tick)):
             self._newest[index] = state
@@ -213,7 +207,7 @@ class AcousticRelayNode(Node):
     def _hear_outbox(self, index: int, data: bytes) -> None:
         """Take packets in real time."""
         _, packets = read_outbox(data)
-        self._heard_at_s["agent_node", index] = time.monotonic()
+        self._silences.hear("agent_node", index, time.monotonic())
         if self._all_known and self._watch.may_send(index, self._ticks.tick_now(), len(packets)):
             self._states = self._fleet()
             self._transmit(index, packets)
@@ -223,7 +217,7 @@ class AcousticRelayNode(Node):
         if not self._all_known or self.clock.done:
             return
         if self._barrier.tick < 0:
-            self._heard_at_s = dict.fromkeys(product(_ROLES, range(len(self._ids))), time.monotonic())
+            self._silences.begin(time.monotonic())
         last = self._barrier.tick
         if tick > last:
             self._drift()
@@ -292,12 +286,7 @@ class AcousticRelayNode(Node):
         return f"/{self._ids[index]}/{role}"
 
     def _silent(self) -> list[tuple[str, int]]:
-        now = time.monotonic()
-        return [
-            (role, index)
-            for (role, index), heard_at_s in self._heard_at_s.items()
-            if index not in self._adrift.lost and now - heard_at_s > self._timeout_s
-        ]
+        return self._silences.silent(time.monotonic(), without=self._adrift.lost)
 
     def _drop(self) -> list[str]:
         """Go on without the vehicles that owe an answer; return their ids."""
