@@ -50,6 +50,7 @@ class Publisher:
         return False
 
 class Unheard(Node):
+    exit_code = EXIT_CODE
     publishers = [Publisher(b"", False), Publisher(b"handed over\\n", True)]
 
 def make_nodes():
@@ -97,7 +98,7 @@ def test_a_second_signal_while_python_shuts_down_does_no_harm(late, tmp_path):
 
 
 def test_a_sigterm_after_another_signal_ends_the_wait_for_readers_that_are_dead(tmp_path):
-    (tmp_path / "unheard.py").write_text(UNHEARD)
+    (tmp_path / "unheard.py").write_text(UNHEARD.replace("EXIT_CODE", "0"))
     with process("unheard", cwd=tmp_path) as child:
         assert child.stdout.readline() == "up\n"
         child.send_signal(signal.SIGINT)
@@ -108,6 +109,15 @@ def test_a_sigterm_after_another_signal_ends_the_wait_for_readers_that_are_dead(
         child.send_signal(signal.SIGTERM)
         _, errors = child.communicate(timeout=LIMIT_S)
         assert (child.returncode, errors) == (0, "")
+
+
+def test_a_node_of_a_lost_run_does_not_wait_long_for_readers_that_are_dead(tmp_path):
+    (tmp_path / "unheard.py").write_text(UNHEARD.replace("EXIT_CODE", "3"))
+    with process("unheard", cwd=tmp_path) as child:
+        assert child.stdout.readline() == "up\n"
+        child.send_signal(signal.SIGINT)
+        _, errors = child.communicate(timeout=LIMIT_S)
+        assert (child.returncode, errors) == (3, "")
 
 
 def test_after_a_step_of_the_system_clock_nobody_waits_for_the_middleware_to_end(tmp_path):

@@ -27,6 +27,7 @@ from auv_experiment.scenario.loading import load_scenario
 pytestmark = pytest.mark.ros
 
 PATIENCE_S = 120.0
+SOME_TICKS_S = 0.2
 RECORDED_BYTES = 300_000
 """More than the definitions at the head of a bag: chunks of the flight are on disk."""
 NODES = [
@@ -94,14 +95,15 @@ class Run:
             )
         self.watches = {}
 
-    def wait_until_up(self):
-        """Wait until the flight has begun and something is recorded, and keep an eye on every process."""
+    def wait_until_up(self, recorded_bytes=0):
+        """Wait until the flight has begun and so much is on disk, and keep an eye on every process."""
         pause, deadline_s = threading.Event(), time.monotonic() + PATIENCE_S
-        while "all nodes are up" not in self.errors.read_text() or self.recorded_bytes < RECORDED_BYTES:
+        while "all nodes are up" not in self.errors.read_text() or self.recorded_bytes < recorded_bytes:
             assert time.monotonic() < deadline_s, self.errors.read_text()
             assert self.process.poll() is None, self.errors.read_text()
             pause.wait(0.02)
         self.watches = {pid: os.pidfd_open(pid) for pid in descendants_of(self.process.pid)}
+        pause.wait(SOME_TICKS_S)
         return self
 
     def wait_for_word(self, word):
@@ -266,7 +268,7 @@ def test_a_frozen_node_is_named_and_stops_the_flight(start):
 
 @pytest.mark.parametrize("layout", ["node", "vehicle"])
 def test_a_flight_goes_on_without_a_killed_vehicle(start, layout):
-    run = start("--set", "on_vehicle_loss=continue", "--duration", "250", "--layout", layout).wait_until_up()
+    run = start("--set", "on_vehicle_loss=continue", "--duration", "150", "--layout", layout).wait_until_up()
     os.kill(run.node("auv_2.agent_node"), signal.SIGKILL)
     status, output, errors = run.wait()
     metrics = json.loads((run.folder / "metrics.json").read_text())
@@ -302,7 +304,7 @@ def test_a_run_may_have_few_processes_and_none_interrupts_another(start):
 
 
 def test_nodes_die_with_a_killed_launcher(start):
-    run = start().wait_until_up()
+    run = start().wait_until_up(RECORDED_BYTES)
     assert len(run.watches) == 8
     run.process.kill()
     run.wait()
@@ -374,7 +376,7 @@ def test_results_that_are_moved_in_flight_are_one_line_at_its_end(start):
 
 
 def test_a_stopped_writer_of_the_bag_is_named_and_does_not_hold_the_end(start):
-    run = start("--layout", "single").wait_until_up()
+    run = start("--layout", "single").wait_until_up(RECORDED_BYTES)
     stopped_at_s = time.monotonic()
     os.kill(run.node("auv_bag.process"), signal.SIGSTOP)
     run.wait_for_word("auv_bag.process, started by /node_container, is stopped by a signal")

@@ -81,13 +81,13 @@ def test_an_end_after_which_the_run_goes_on_ends_no_node(monkeypatch):
         say(status(FlockStatus.RUNNING, 10.0))
         assert not run_end.is_past()
         say(status(FlockStatus.ABORTED, 20.0))
-        assert run_end.is_past()
+        assert (run_end.is_past(), run_end.is_lost) == (True, True)
         assert warnings == []
         say(status(FlockStatus.RUNNING, 11.0))
-        assert not run_end.is_past()
+        assert (run_end.is_past(), run_end.is_lost) == (False, False)
         assert "says aborted at 20 of 30 s" in warnings[0]
         say(status(FlockStatus.FINISHED, 30.0))
-        assert run_end.is_past()
+        assert (run_end.is_past(), run_end.is_lost) == (True, False)
 
 
 def test_an_end_before_the_first_word_of_the_run_ends_no_node_either(monkeypatch):

@@ -38,6 +38,9 @@ _WAKE_S = 0.25
 _SWITCH_S = 1e-4
 """How long a thread waits before it requests Python's lock, see `auv_ros.steady_timer`."""
 _HAND_OVER_S = 5.0
+_HAND_OVER_LOST_S = 1.5
+"""The same in a run that was lost: what is dead never acknowledges."""
+_LOST_STATUS = 3
 _HAND_OVER_UNSEEN_S = 0.5
 _HAND_OVER_LOOK = Duration(nanoseconds=100_000_000)
 
@@ -73,6 +76,7 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
     rclpy.init(args=list(given), signal_handler_options=SignalHandlerOptions.NO)
     wall = WallWatch(time.monotonic, time.time)
     nodes: Sequence[Node] = ()
+    run_end: RunEnd | None = None
     status = 0
     try:
         nodes = make_nodes()
@@ -94,12 +98,14 @@ def main_loop(make_nodes: Callable[[], Sequence[Node]], arguments: Sequence[str]
         for node in nodes:
             getattr(node, "on_stop", _nothing)()
         is_clock_stepped = bool(wall.warning())
+        status = status or max((getattr(node, "exit_code", 0) for node in nodes), default=0)
+        is_lost = status == _LOST_STATUS or (run_end is not None and run_end.is_lost)
         _hand_over(
             nodes,
+            limit_s=_HAND_OVER_LOST_S if is_lost else _HAND_OVER_S,
             is_in_vain=lambda: signal.SIGTERM in stopping[1:],
             is_clock_stepped=is_clock_stepped,
         )
-        status = status or max((getattr(node, "exit_code", 0) for node in nodes), default=0)
         if is_clock_stepped:
             leave(status)
         return status
@@ -147,9 +153,11 @@ def _refuse_changes(parameters: Sequence[Parameter]) -> SetParametersResult:
     )
 
 
-def _hand_over(nodes: Sequence[Node], *, is_in_vain: Callable[[], bool], is_clock_stepped: bool) -> None:
+def _hand_over(
+    nodes: Sequence[Node], *, limit_s: float, is_in_vain: Callable[[], bool], is_clock_stepped: bool
+) -> None:
     """
-    Wait, not for long, until every reader has what was published to it, or until that `is_in_vain`.
+    Wait, at most `limit_s`, until every reader has what was published to it, or until that `is_in_vain`.
 
     A publisher with a dead reader does not prevent the wait for the others.
 
@@ -159,7 +167,7 @@ def _hand_over(nodes: Sequence[Node], *, is_in_vain: Callable[[], bool], is_cloc
     if is_clock_stepped:
         time.sleep(_HAND_OVER_UNSEEN_S)
         return
-    deadline = time.monotonic() + _HAND_OVER_S
+    deadline = time.monotonic() + limit_s
     waiting = deque(publisher for node in nodes for publisher in node.publishers)
     while waiting and time.monotonic() < deadline and not is_in_vain():
         publisher = waiting.popleft()

@@ -60,6 +60,11 @@ class RunEnd:
         self._nodes[0].get_logger().info("the run is over, so this process ends")
         return True
 
+    @property
+    def is_lost(self) -> bool:
+        """Whether the run has ended, and not as planned."""
+        return self._end_heard is not None and self._end_heard[0].state == FlockStatus.ABORTED
+
     def _hear(self, data: bytes) -> None:
         may_be_over = any(word in data for word in _OVER_BYTES)
         if not may_be_over and self._run is not None and self._end_heard is None:

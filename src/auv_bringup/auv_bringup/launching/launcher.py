@@ -79,6 +79,17 @@ class Flight:
     strangers: tuple[str, ...] = ()
 
 
+def compile_for_nodes(scenario: Scenario, tell: Callable[[str], None]) -> None:
+    """
+    Compile what the nodes call, where they will be forks of this process.
+
+    It can take a minute, and is not part of `fly` so that Ctrl-C ends it at once; `tell` gets a line for the
+    user then.
+    """
+    if threads_allow_fork():
+        compile_ahead(scenario, tell)
+
+
 def fly(
     scenario: Scenario,
     *,
@@ -117,8 +128,6 @@ def fly(
     bag_dir = results_dir / BAG if with_bag else None
     nodes = node_specs(scenario, mode=mode, bag_dir=bag_dir)
     environ = node_environment(os.environ, domain_id=domain_id, discovery=discovery)
-    if threads_allow_fork():
-        compile_ahead(scenario, progress.message)
     if mode == "lockstep":
         schedule_as_batch()
     clear_shared_memory()  # of runs that were killed

@@ -133,7 +133,7 @@ def _fly_in_process(plan: Plan, folder: Path, options: argparse.Namespace) -> in
 
 
 def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim: DomainClaim) -> int:
-    from auv_bringup.launching.launcher import fly
+    from auv_bringup.launching.launcher import compile_for_nodes, fly
     from auv_bringup.launching.node_start import export_line, reach_notes
     from auv_core.cli.progress import Progress
     from auv_core.machine.interrupts import Interrupts
@@ -147,6 +147,7 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
         print(line, flush=True)
     if not options.no_bag and (line := memory_warning(plan.scenario)):
         print(f"warning: {line}", file=sys.stderr, flush=True)
+    compile_for_nodes(plan.scenario, lambda line: print(line, file=sys.stderr, flush=True))
     with Interrupts() as interrupts, Progress(plan.scenario.duration_s) as progress:
         flight = fly(
             plan.scenario,
