@@ -23,7 +23,7 @@ from auv_msgs.msg import VehicleState
 pytestmark = pytest.mark.ros
 
 REPLAY = "auv_bringup.tools.replay"
-ENOUGH = ("--delay", 4)  # for discovery on a machine that is busy with other tests
+ENOUGH = ("--delay", 2.5)  # for discovery on a machine that is busy with other tests
 N_TICKS = 30
 KINDS = {"/clock": Clock, "/auv_1/state": VehicleState, "/auv_2/reference": TwistStamped}
 

@@ -15,6 +15,9 @@ from pathlib import Path
 from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader
 
+from auv_bringup.launching.status_listener import EAR, EAR_MODULE
+from auv_core.machine.process_states import children_of
+
 NAMED_WITHIN_S = 5.0
 RUN_LIMIT_S = 90.0
 REPORT_LIMIT_S = 60.0
@@ -89,7 +92,7 @@ class HitRun:
         return self._said.read_text(errors="replace")
 
     def processes(self) -> dict[int, str]:
-        """Return the command line of every node, and of the process that writes the bag, by process id."""
+        """Return the command lines of nodes, launcher's ear and writer of the bag, by process id."""
         found = {}
         for entry in Path("/proc").iterdir():
             if entry.name.isdecimal() and int(entry.name) != self.process.pid:
@@ -104,12 +107,13 @@ class HitRun:
             words = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
             # A forked node has written its command line over its environment.
             is_node = "node_container" in words and self._folder in words
+            is_ear = EAR_MODULE in words and int(entry.name) in children_of(self.process.pid)
             is_writer = "auv_bag.process" in words and self._mark in (entry / "environ").read_text(
                 errors="replace"
             )
         except OSError:
             return ""
-        return words if is_node or is_writer else ""
+        return words if is_node or is_ear or is_writer else ""
 
     def end(self) -> None:
         """Kill whatever is left, also a process that was stopped."""
@@ -188,6 +192,8 @@ def _names_of(words: str) -> list[str]:
     """Return the words by which a process may be named, the first one for the table."""
     if words == "launcher":
         return ["launcher"]
+    if EAR_MODULE in words:
+        return [EAR.name]
     if "auv_bag.process" in words:
         return ["auv_bag.process", "recorder_node", "the bag"]
     parts = words.split("--node ")[1:]
