@@ -15,7 +15,9 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -87,7 +89,9 @@ def beside_peers(blocks: int, block_s: float, peers: Path | None) -> Iterator[Ro
                 rates, theirs = taking_turns(measures, blocks)
             ratios = [a / b for a, b in zip(rates, theirs, strict=True)]
             ratio = statistics.median(ratios)
-            asked = {"bar": f"at least {bar:g}", "kept": ratio >= bar} if peer == "auv_sim_bench" else {}
+            asked: dict[str, Any] = (
+                {"bar": f"at least {bar:g}", "kept": ratio >= bar} if peer == "auv_sim_bench" else {}
+            )
             yield Row(name, spread(rates), f"{peer}: {spread(theirs)}", spread(ratios), **asked)
 
 
@@ -96,7 +100,7 @@ def growth(counts: tuple[int, ...], blocks: int, block_s: float) -> Iterator[Row
     flights = [Flight(count) for count in counts]
     for flight in flights:
         flight.fly()
-    found = taking_turns([lambda flight=flight: flight.rate(block_s) for flight in flights], blocks)
+    found = taking_turns([partial(flight.rate, block_s) for flight in flights], blocks)
     for flight, rates in zip(flights, found, strict=True):
         yield Row(f"kernel, {flight.count} vehicles at one density: vehicle-steps/s", spread(rates))
     chosen = [i for i, count in enumerate(counts) if count >= GROWTH_FROM] or list(range(len(counts)))

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -63,7 +64,12 @@ def test_a_peer_that_is_not_there_is_told():
 
 def test_blocks_take_turns():
     order = []
-    found = taking_turns([lambda: order.append("a") or 1.0, lambda: order.append("b") or 2.0], 3)
+
+    def measure(name, rate):
+        order.append(name)
+        return rate
+
+    found = taking_turns([partial(measure, "a", 1.0), partial(measure, "b", 2.0)], 3)
     assert order == ["a", "b"] * 3
     assert found == [[1.0] * 3, [2.0] * 3]
     assert spread([3.0, 1.0, 2.0]) == "2 [1..3]"

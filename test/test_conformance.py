@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import MISSING, fields
 from pathlib import Path
-from typing import Generic, NamedTuple, Protocol
+from typing import Any, Generic, NamedTuple, Protocol
 
 import numpy as np
 import pytest
@@ -95,7 +95,7 @@ def _fly_model(module, params, inputs):
     assert model.command in ("wrench", "velocity")
     assert params.hull_radius_m > 0.0
     state = model.initial_state(inputs.point(), 0.7)
-    outputs = []
+    outputs: list[Any] = []
     for size in (0.1, 10.0, 1e4):
         given = model.limited_command(inputs.six(size))
         for _ in range(5):
@@ -118,8 +118,8 @@ def _use_controller(module, params, inputs):
     controller = module.Controller(params, PERIOD_S)
     if controller.follows != "velocity":
         return _use_motion_law(controller, params, inputs)
-    made = {"wrench": Wrench, "velocity": VelocityCommand}[controller.command]
-    outputs = []
+    made: Any = {"wrench": Wrench, "velocity": VelocityCommand}[controller.command]
+    outputs: list[Any] = []
     for tick in range(20):
         nav = VehicleState(tick, inputs.point(), inputs.attitude(), inputs.six(1.0))
         command = controller.step(nav, VelocityReference(inputs.point(1.0), 0.5))
@@ -144,7 +144,7 @@ def _use_motion_law(law, params, inputs):
     assert law.follows in ("path", "region")
     assert len(law.proof_gap) > 20
     state = law.initial_state(_motion_view(inputs, 0, law.follows))
-    outputs = []
+    outputs: list[Any] = []
     for tick in range(20):
         view = inputs.kept(_motion_view(inputs, tick, law.follows))
         tau, rate = law.evaluate(state, view)
@@ -176,7 +176,7 @@ def _follow_reference(module, params, _inputs):
 
 
 def _use_flocking(module, params, inputs):
-    outputs = []
+    outputs: list[Any] = []
     for is_leader in (True, False):
         law = module.Flocking(params, SEPARATION, is_leader)
         assert params.formation_spacing_m > 0.0
@@ -245,16 +245,16 @@ def _use_consensus(module, params, inputs):
 
 
 def _use_format(module, params, inputs):
-    outputs = []
+    outputs: list[Any] = []
     for shared in ((), (Field("sum", -8.0, 8.0, 0.125, wraps=True), Field("weight", 0.0, 1.0, 0.125))):
         form = module.Format(params, shared)
         assert form.carries.position.holds((0.0, 0.0, 0.0))
         assert min(form.carries.velocity_mps, form.carries.centre_distance_m) > 0.0
         numbers = (0.5, 0.25)[: len(shared)]
         for tick in range(1, 20):
-            velocities = [inputs.point(1.0) for _ in range(3)]
+            velocity, *rates = (inputs.point(1.0) for _ in range(3))
             report = Report(
-                1 + tick, tick, 0.1 * tick, inputs.point(), velocities[0], inputs.point(), *velocities[1:],
+                1 + tick, tick, 0.1 * tick, inputs.point(), velocity, inputs.point(), rates[0], rates[1],
                 0.1 * (tick // 2), 0.5, numbers,
             )  # fmt: skip
             payload = form.encode(inputs.kept(report))
@@ -395,7 +395,7 @@ every_plugin = pytest.mark.parametrize(("folder", "kind"), FOUND, ids=[f"{f}.{k}
 
 
 def _presets(package):
-    return sorted((Path(importlib.import_module(package).__file__).parent / "presets").glob("*.yaml"))
+    return sorted((Path(str(importlib.import_module(package).__file__)).parent / "presets").glob("*.yaml"))
 
 
 def _params(folder, kind):

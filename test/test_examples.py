@@ -32,6 +32,8 @@ def test_an_example_runs(path, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(folder, "__path__", [*folder.__path__])  # own_law adds to it
     monkeypatch.setattr("sys.argv", [str(path)])
     spec = importlib.util.spec_from_file_location(f"example_{path.stem}", path)
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     module.main()

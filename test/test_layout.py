@@ -44,7 +44,8 @@ def allowed(name):
 
 def circle_in(graph):
     """Return a circle of a graph as a list, [] if there is none."""
-    done, path = set(), []
+    done: set[str] = set()
+    path: list[str] = []
 
     def visit(module):
         if module in path:

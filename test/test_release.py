@@ -33,6 +33,8 @@ MARKDOWN = """# Changelog
 @pytest.fixture(scope="module")
 def script():
     spec = importlib.util.spec_from_file_location("release", ROOT / "scripts" / "release.py")
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from auv_core.cli.failures import DONE
 from auv_thesis import cli
 from auv_thesis.items import chapters
 from auv_thesis.runs.store import plan_run
@@ -64,4 +65,4 @@ def test_runs_can_be_resolved(scenario):
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
 def test_all_of_it_is_made(tmp_path):
-    assert cli.main(["--out", str(tmp_path)]) == cli.DONE
+    assert cli.main(["--out", str(tmp_path)]) == DONE

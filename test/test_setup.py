@@ -5,13 +5,14 @@ import shutil
 import subprocess
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
 
 
-def run_setup(checkout: Path, *arguments: str, timeout_s: float = 60.0, **environment: str):
+def run_setup(checkout: Path, *arguments: str, timeout_s: float = 60.0, **environment: Any):
     """Run the set-up of `checkout` in a bare environment."""
     return subprocess.run(
         ["/bin/bash", str(checkout / "scripts" / "setup"), *arguments],
@@ -121,7 +122,7 @@ def test_check_changes_nothing(checkout):
 
 @pytest.mark.ros  # only where the workspace is built
 def test_set_up_again_does_nothing_and_is_quick():
-    environment = {
+    environment: dict[str, Any] = {
         key: os.environ[key]
         for key in ("AMENT_PREFIX_PATH", "ROS_DISTRO", "SHOAL_PYTHON")
         if key in os.environ

@@ -59,7 +59,8 @@ def fly() -> int:
     publish("waiting", 0.0, waiting_for=["/auv_1/agent_node"])
     while not stop.is_set() and not publisher.get_subscription_count():
         pause.wait(0.01)  # a flight of a second could be over before the launcher has found it
-    tick, status, lost = 0, 0, []
+    tick, status = 0, 0
+    lost: list[str] = []
     while not stop.is_set() and tick * PERIOD_S < duration_s:
         time_s = tick * PERIOD_S
         publish("running", time_s, lost_vehicles=lost)

@@ -38,7 +38,8 @@ CONFIG = load(
 
 
 def packet(address, tag_s):
-    report = Report(address, 1, tag_s, (5.0, 9.0, 10.0), *[(0.0,) * 3] * 4)
+    zero = (0.0, 0.0, 0.0)
+    report = Report(address, 1, tag_s, (5.0, 9.0, 10.0), zero, zero, zero, zero)
     return Reception(Packet(0, address, 0, 1, FORMAT.encode(report)), 0.0, 0.0, math.nan)
 
 

@@ -99,7 +99,7 @@ def fly_through_a_step(scenario_file, library, mode, step_s, layout="single"):
 
 @pytest.mark.parametrize(("mode", "step_s"), CASES)
 def test_a_flight_goes_on_over_a_step_of_the_system_clock(mode, step_s, scenario_file, library):
-    check(*fly_through_a_step(scenario_file, library, mode, step_s), mode, step_s)
+    check(fly_through_a_step(scenario_file, library, mode, step_s), mode, step_s)
 
 
 @pytest.mark.parametrize(("layout", "step_s"), LAYOUTS_WITHOUT_WAITS)
@@ -107,11 +107,12 @@ def test_a_flight_in_real_time_needs_no_timed_wait_of_the_middleware(
     layout, step_s, scenario_file, library_without_waits
 ):
     flown = fly_through_a_step(scenario_file, library_without_waits, "realtime", step_s, layout)
-    check(*flown, "realtime", step_s)
+    check(flown, "realtime", step_s)
 
 
-def check(status, console, folder, mode, step_s):
+def check(flown, mode, step_s):
     """Check that the flight came to its end, and that the step was one warning."""
+    status, console, folder = flown
     assert status == 0, console
     assert console.count("the system clock was stepped by") == 1
     assert f"stepped by {step_s:+.1f} s; the run goes on by the steady clock" in console

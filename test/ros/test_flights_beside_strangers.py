@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from typing import Any
 
 import pytest
 
@@ -149,7 +150,7 @@ def forge_ends_during(at, run, state):
 )
 def test_a_forged_end_or_loss_ends_no_flight_and_no_process(scenario_file, state, mode, layout):
     duration_s = 80.0 if mode == "lockstep" else 5.0
-    arguments = ("--mode", mode, "--layout", layout, "--duration", duration_s)
+    arguments: tuple[Any, ...] = ("--mode", mode, "--layout", layout, "--duration", duration_s)
     if layout == "node":
         arguments += ("--set", "on_vehicle_loss=continue")
     with desk() as at:

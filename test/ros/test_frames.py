@@ -4,6 +4,7 @@ import math
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,7 +31,8 @@ def messages(tmp_path_factory):
     done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     (folder,) = Path(out).iterdir()
-    bag, found = Bag(folder), {}
+    bag = Bag(folder)
+    found: dict[str, Any] = {}
     for message in bag.messages(bag.topics.keys()):
         found.setdefault(message.topic, []).append(bag.decode(message))
     return found

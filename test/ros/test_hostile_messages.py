@@ -11,6 +11,7 @@ import struct
 import sys
 import threading
 import time
+from typing import Any
 
 import pytest
 
@@ -143,7 +144,7 @@ def bombard(tmp_path, count):
     assert is_alive, text[-3000:]
     assert "Traceback" not in text, text[-3000:]
     assert status == 0, text[-3000:]
-    notes = []
+    notes: list[Any] = []
     began_s = time.monotonic()
     recording = read_recording(tmp_path / "bag", scenario, notes.append)
     assert recording.n_ticks > 0

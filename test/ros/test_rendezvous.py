@@ -7,6 +7,7 @@ import threading
 import time
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -89,7 +90,7 @@ def test_a_reader_that_asks_for_more_than_is_offered_keeps_nobody_waiting(ros):
     assert spin_until(lambda: talker.count_subscribers("said") == 1)
     assert not meeting.ready
     assert meeting.missing() == ["/listener"]
-    heard = []
+    heard: list[Any] = []
     listener.create_subscription(Int64, "said", heard.append, EVERY_TICK)
     assert spin_until(lambda: bool(ready))
     topic.publish(Int64(data=7))
@@ -110,7 +111,12 @@ def test_nodes_that_wait_do_not_ask_the_graph(ros, monkeypatch):
     asked = []
     for name in ("get_publishers_info_by_topic", "get_subscriptions_info_by_topic"):
         whole = getattr(talker, name)
-        monkeypatch.setattr(talker, name, lambda topic, ask=whole: (asked.append(topic), ask(topic))[1])
+
+        def ask(topic, whole=whole):
+            asked.append(topic)
+            return whole(topic)
+
+        monkeypatch.setattr(talker, name, ask)
     topic = Topic(talker, Int64, "said", heard_by=["/listener"])
     ready = []
     Rendezvous(talker, [topic], lambda: ready.append(True))
@@ -128,8 +134,12 @@ def test_a_process_of_many_nodes_has_no_services_of_parameters(monkeypatch, coun
     from auv_bringup.nodes import node_container
 
     made = []
-    module = SimpleNamespace(make_nodes=lambda **options: [made.append(options)])
-    monkeypatch.setattr(node_container, "import_module", lambda _: module)
+
+    def make_nodes(**options):
+        made.append(options)
+        return [options]
+
+    monkeypatch.setattr(node_container, "import_module", lambda _: SimpleNamespace(make_nodes=make_nodes))
     monkeypatch.setattr(node_container, "main_loop", lambda make_nodes, _: len(make_nodes()))
     assert node_container.run([Part("module", "/", "params.yaml")] * count) == count
     for options in made:

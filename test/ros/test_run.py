@@ -14,6 +14,7 @@ import termios
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -229,7 +230,7 @@ def test_a_killed_node_is_named_and_stops_the_flight(start):
 def stop_while_it_starts(run):
     """Stop an agent as soon as its process is there; return the status and the errors of the run."""
     pause, deadline_s = threading.Event(), time.monotonic() + PATIENCE_S
-    agents = []
+    agents: list[Any] = []
     while not agents:
         assert time.monotonic() < deadline_s
         pause.wait(0.001)

@@ -1,6 +1,7 @@
 """Claim: who may end a node is the clock of its own run, whatever else arrives on /flock/status."""
 
 from functools import partial
+from typing import Any
 
 import pytest
 
@@ -49,7 +50,8 @@ def publish(at, publisher, seen, message):
 @pytest.mark.parametrize("own", [status(FlockStatus.FINISHED, 30.0), status(FlockStatus.ABORTED, 12.0)])
 def test_only_the_end_of_the_own_run_ends_a_node(forged, own):
     with desk() as at:
-        ends, warnings = [], []
+        ends: list[Any] = []
+        warnings: list[str] = []
         at.node.on_run_end = lambda: ends.append(None)
         at.node.get_logger().warning = warnings.append
         RunEnd([at.node])
@@ -72,7 +74,7 @@ def test_only_the_end_of_the_own_run_ends_a_node(forged, own):
 def test_an_end_after_which_the_run_goes_on_ends_no_node(monkeypatch):
     monkeypatch.setattr(run_watch, "_GRACE_S", 0.0)
     with desk() as at:
-        warnings = []
+        warnings: list[Any] = []
         at.node.get_logger().warning = warnings.append
         run_end = RunEnd([at.node])
         publisher = at.publisher(FlockStatus, "/flock/status", latched=True)
@@ -106,7 +108,8 @@ def test_an_end_before_the_first_word_of_the_run_ends_no_node_either(monkeypatch
 
 def test_the_process_of_the_clock_believes_no_end_but_its_own():
     with desk() as at:
-        ends, warnings = [], []
+        ends: list[Any] = []
+        warnings: list[str] = []
         at.node.on_run_end = lambda: ends.append(None)
         at.node.get_logger().warning = warnings.append
         publisher = at.publisher(FlockStatus, "/flock/status", latched=True)

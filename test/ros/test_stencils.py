@@ -330,11 +330,11 @@ def test_a_control_status_holds_what_the_law_remembers_and_why_it_holds(size, ho
     from auv_msgs.msg import ControlStatus
     from auv_ros.wire import conversions as convert
 
-    memory = [1.5 * k for k in range(1, size + 1)]
+    memory = tuple(1.5 * k for k in range(1, size + 1))
     data = convert.control_bytes("auv_1", 2.5, 25, holding, memory)
     message = read(data, ControlStatus)
     assert_stamped(message.header, 2.5, "auv_1/base_link_frd")
-    assert (message.tick, message.holding, list(message.law_state)) == (25, holding, memory)
+    assert (message.tick, message.holding, tuple(message.law_state)) == (25, holding, memory)
 
 
 def test_a_sphere_filled_in_is_the_sphere_built():
@@ -370,7 +370,7 @@ def test_counters_of_links_hold_every_number(count):
     from auv_ros.wire.acoustics import stats_bytes
     from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
 
-    links = [LinkCounters(*range(k, k + 8), [k + n for n in range(12)]) for k in range(count)]
+    links = [LinkCounters(*[*range(k, k + 8), [k + n for n in range(12)]]) for k in range(count)]
     rows = [((k + 1, k + 2, *link.numbers()), link.delay_counts) for k, link in enumerate(links)]
     messages = [
         AcousticLinkStats(source=k + 1, destination=k + 2, **asdict(link)) for k, link in enumerate(links)

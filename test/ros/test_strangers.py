@@ -3,6 +3,7 @@
 import os
 import signal
 import time
+from typing import Any
 
 import pytest
 
@@ -30,7 +31,7 @@ MESSAGES = 6 * OWN_DEPTH
 def test_a_reader_that_stalls_holds_no_writer(tmp_path):
     with desk() as at:
         publisher = at.publisher(Int64, "said")
-        heard = []
+        heard: list[Any] = []
         at.node.create_subscription(Int64, "said", heard.append, EVERY_TICK, raw=True)
         with process("auv_bringup.tools.topic", "hz", "/said") as echo:
             at.until(lambda: publisher.get_subscription_count() == 2, "both readers are found")
@@ -49,7 +50,8 @@ def test_a_reader_that_stalls_holds_no_writer(tmp_path):
 def test_who_is_heard_is_the_runs_own_or_anybody(publishers, numbers):
     with desk() as at:
         stranger, own = at.stranger(Int64, "said"), at.publisher(Int64, "said")
-        heard, overheard = [], at.listen(Int64, "said")
+        heard: list[Any] = []
+        overheard = at.listen(Int64, "said")
         qos = own_qos(admits_strangers=publishers == "any")
         at.node.create_subscription(Int64, "said", heard.append, qos)
         at.until(lambda: stranger.get_subscription_count() == len(numbers), "discovery")
@@ -107,7 +109,7 @@ def test_strangers_on_topics_of_a_run_are_named_once(monkeypatch):
         other.stranger(Int64, "/clock")
         for topic in ("/chatter", "/tf", "/auv_10/nav"):
             other.stranger(Int64, topic)
-        found = []
+        found: list[Any] = []
 
         def are_found():
             # Writers of nodes that an earlier test killed may still be known.
@@ -128,9 +130,11 @@ def test_who_offers_what_the_run_offers_and_is_not_of_it_is_heard_and_named():
     with desk() as at:
         watch = StrangerWatch(at.node, {"/auv_1/agent_node"}, ["auv_1"])
         at.publisher(Int64, "/auv_1/nav")
-        found = []
-        at.until(
-            lambda: found.extend(each for each in watch.look() if each.node == "/desk") or found,
-            "the stranger",
-        )
+        found: list[Any] = []
+
+        def look():
+            found.extend(each for each in watch.look() if each.node == "/desk")
+            return found
+
+        at.until(look, "the stranger")
     assert [stranger.words for stranger in found] == ["/desk publishes /auv_1/nav: heard"]

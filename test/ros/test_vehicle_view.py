@@ -1,6 +1,7 @@
 """What a vehicle node publishes for people and tools, at which ticks, and from which side of the truth."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -29,7 +30,9 @@ def flown():
     from auv_sim.vehicle import Vehicle
 
     config = vehicle_configs(load_scenario("flock_acoustic", overrides=[NOISY]))[0]
-    vehicle, topics, kinds = Vehicle(config), {}, {}
+    vehicle = Vehicle(config)
+    topics: dict[str, Any] = {}
+    kinds: dict[str, Any] = {}
 
     def create_publisher(kind, topic, _qos):
         kinds[topic] = kind

@@ -54,7 +54,8 @@ def tree_of(name):
 
 def imports_of(tree, *, type_checking=True):
     """Return (module or name, node) of every import below a node, those in functions included."""
-    found, waiting = [], [tree]
+    found: list[tuple[str, ast.Import | ast.ImportFrom]] = []
+    waiting = [tree]
     while waiting:
         node = waiting.pop()
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test) and not type_checking:
@@ -65,7 +66,7 @@ def imports_of(tree, *, type_checking=True):
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, "imports are absolute"
             full = [f"{node.module}.{alias.name}" for alias in node.names]
-            found += [(each if each in MODULES else node.module, node) for each in full]
+            found += [(each if each in MODULES else str(node.module), node) for each in full]
         waiting += ast.iter_child_nodes(node)
     return found
 

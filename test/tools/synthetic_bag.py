@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rosbags.interfaces import Nodetype
@@ -77,7 +78,7 @@ def _random(kind, rng: np.random.Generator):
         if detail[0] == "string":
             return "abcdefghi"[: rng.integers(0, 10)]
         return _random_numbers(detail[0], 1, rng)[0].item()
-    element, count = detail[0], detail[1] if node == Nodetype.ARRAY else rng.integers(0, 4)
+    element, count = detail[0], detail[1] if node == Nodetype.ARRAY else int(rng.integers(0, 4))
     if element[0] == Nodetype.BASE and element[1][0] != "string":
         return _random_numbers(element[1][0], count, rng)
     return [_random(element, rng) for _ in range(count)]
@@ -104,7 +105,7 @@ class FakeScenario:
     ticks: int = 1000
 
 
-def scenario(n: int, period_s: float = 0.1) -> FakeScenario:
+def scenario(n: int, period_s: float = 0.1) -> Any:
     return FakeScenario(tuple(FakeVehicle(f"auv_{i + 1}") for i in range(n)), period_s)
 
 

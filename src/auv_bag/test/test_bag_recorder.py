@@ -1,5 +1,7 @@
 """The recorder without ROS: which time each message gets."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import synthetic_bag as synthetic
@@ -203,7 +205,7 @@ def test_bytes_that_are_no_message_do_not_enter_the_bag(desk):
 def test_the_order_of_arrival_leaves_no_trace_in_a_lockstep_bag(tmp_path):
     def record(name, seed):
         desk, rng = Desk(tmp_path / name / "bag", lockstep=True), np.random.default_rng(seed)
-        parts = [[] for _ in range(4)]
+        parts: list[list[Any]] = [[] for _ in range(4)]
         for k in range(2 * FIRST_HELD_TICKS + HELD_TICKS):
             t_ns = (k + 10) * 10**8
             for part, call in zip(parts, (desk.clock, desk.centre, desk.path, desk.transform), strict=True):

@@ -53,11 +53,11 @@ class Filtered(synthetic.SyntheticRun):
         recorder.write(f"/auv_{i + 1}/neighbours", neighbours, t_ns)
 
     def report(self, k, j):
-        numbers = np.float32(self.state[k, j, :3]).tolist(), np.float32(self.state[k, j, 7:10]).tolist()
-        zero = (0.0, 0.0, 0.0)
-        return Report(
-            j + 1, k, max(k - 2, 0) * PERIOD_S, tuple(numbers[0]), tuple(numbers[1]), zero, zero, zero
+        position, velocity = (
+            tuple(self.state[k, j, at : at + 3].astype(np.float32).tolist()) for at in (0, 7)
         )
+        zero = (0.0, 0.0, 0.0)
+        return Report(j + 1, k, max(k - 2, 0) * PERIOD_S, position, velocity, zero, zero, zero)
 
     def reception(self, k, j):
         payload = b"?" if k == 8 else FORMAT.encode(self.report(k, j))  # once, a packet that is not a report

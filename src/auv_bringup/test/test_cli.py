@@ -129,7 +129,7 @@ def test_a_bad_ros_domain_is_bad_input(tmp_path, capsys, monkeypatch):
 
 
 def test_nodes_without_ros_are_bad_input(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(cli.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     assert run(tmp_path, "--mode", "lockstep") == 2
     assert "rclpy" in capsys.readouterr().err
     assert folders(tmp_path) == []
@@ -318,6 +318,7 @@ def test_an_interrupted_run_in_one_process_leaves_no_folder(tmp_path):
         text=True,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(SOURCES)},
     )
+    assert process.stdout is not None
     for line in process.stdout:
         if line.startswith("results go to"):
             break

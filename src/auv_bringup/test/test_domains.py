@@ -35,6 +35,7 @@ def start_holder(name):
         text=True,
         env=environ,
     )
+    assert holder.stdout is not None
     return holder, int(holder.stdout.readline())
 
 

@@ -39,8 +39,12 @@ def test_errors_have_a_status_and_one_line(capsys, keep_signal_handlers):
 
 
 def test_a_full_disk_is_one_line_and_status_3(tmp_path, capsys, keep_signal_handlers):
+    def write():
+        write_text(tmp_path / "a.txt", "x" * 2000)
+        return DONE
+
     with files_of_at_most(100):
-        status = answered(lambda: write_text(tmp_path / "a.txt", "x" * 2000) or DONE, ())
+        status = answered(write, ())
     assert status == NOT_WRITTEN
     assert capsys.readouterr().err == f"error: cannot write {tmp_path / 'a.txt'}: File too large\n"
 
@@ -89,6 +93,7 @@ def test_a_command_outlives_a_closed_terminal_and_a_full_log(tmp_path, is_full):
     for stream in (process.stdout, process.stderr):
         if stream is not None:
             stream.close()
+    assert process.stdin is not None
     process.stdin.write(b"\n")
     process.stdin.close()
     assert process.wait(20) == (NOT_WRITTEN if is_full else DONE)

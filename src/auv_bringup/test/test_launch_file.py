@@ -8,6 +8,7 @@ import sys
 from contextlib import ExitStack
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
+from typing import Any
 
 import pytest
 import yaml
@@ -65,9 +66,13 @@ def launch_file(monkeypatch):
         for name in names:
             setattr(module, name, class_named(name))
         monkeypatch.setitem(sys.modules, module_name, module)
-    sys.modules["launch.substitutions"].LaunchConfiguration = LaunchConfiguration
-    sys.modules["launch.events"].matches_action = lambda action: ("matches", action)
+    substitutions: Any = sys.modules["launch.substitutions"]
+    events: Any = sys.modules["launch.events"]
+    substitutions.LaunchConfiguration = LaunchConfiguration
+    events.matches_action = lambda action: ("matches", action)
     spec = importlib.util.spec_from_file_location("flock_launch", LAUNCH_FILE)
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -108,7 +113,7 @@ def claims(launch_file, monkeypatch):
 @pytest.fixture
 def cleared(launch_file, monkeypatch):
     """Grows by one whenever shared memory is cleared of what dead processes left."""
-    times = []
+    times: list[Any] = []
     monkeypatch.setattr(launch_file, "clear_shared_memory", lambda: times.append(len(times)))
     return times
 
@@ -285,7 +290,7 @@ class Flight:
     def __init__(self, actions):
         self.on_exit = handler(actions, "OnProcessExit")["on_exit"]
         self.on_shutdown = handler(actions, "OnShutdown")["on_shutdown"]
-        self.nodes = {}
+        self.nodes: dict[Any, Any] = {}
         for node in of_kind(actions, "Node"):
             self.nodes.setdefault(node.options["executable"], []).append(node)
         self.others = [*self.nodes.get("vehicle_node", []), *self.nodes.get("agent_node", [])]
@@ -297,7 +302,8 @@ class Flight:
 
     def end_all(self, returncode=0):
         """End the relay, the others and the recorder; return what is done then."""
-        self.end(*self.nodes["acoustic_relay_node"], returncode)
+        (relay,) = self.nodes["acoustic_relay_node"]
+        self.end(relay, returncode)
         for node in self.others:
             done = self.end(node)
         for recorder in self.nodes.get("recorder_node", []):

@@ -116,10 +116,13 @@ def test_git_state_of_a_checkout_but_not_of_a_guest_in_it(tmp_path):
     git("add", "tracked.py")
     git("commit", "-m", "first")
     state = git_state(tracked)
+    assert state is not None
     assert len(state["revision"]) == 40
     assert state["has_local_changes"] is False
     tracked.write_text("changed = True\n")
-    assert git_state(tracked)["has_local_changes"] is True
+    state = git_state(tracked)
+    assert state is not None
+    assert state["has_local_changes"] is True
     assert git_state(guest) is None
 
 

@@ -3,6 +3,7 @@
 import json
 import math
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -241,10 +242,11 @@ def test_hulls_in_the_air_are_counted_and_said(tmp_path, capsys):
 def test_hulls_in_the_water_give_no_warning():
     recording = Recording.empty(["a", "b"], np.array([0.0, 0.1]))
     recording.position_ned_m[:] = (0.0, 0.0, -0.3)  # a hull of this radius still touches the water
-    metrics = surface_metrics(recording, SimpleNamespace(hull_radius_m=0.3))
+    hull: Any = SimpleNamespace(hull_radius_m=0.3)
+    metrics = surface_metrics(recording, hull)
     assert metrics == {"hull_in_air_ratio": 0.0, "hull_in_air_height_m": None}
     assert surface_warning(metrics) == ""
     recording.position_ned_m[1, 1, 2] = -0.8
-    metrics = surface_metrics(recording, SimpleNamespace(hull_radius_m=0.3))
+    metrics = surface_metrics(recording, hull)
     assert metrics == {"hull_in_air_ratio": 0.25, "hull_in_air_height_m": pytest.approx(0.5)}
     assert "by up to 0.50 m, for 25.0 % of the time" in surface_warning(metrics)

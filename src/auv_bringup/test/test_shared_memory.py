@@ -65,6 +65,7 @@ def test_what_a_process_holds_stays_whole_until_it_is_killed(tmp_path, names, lo
         [sys.executable, "-c", HOLD, tmp_path / lock], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
     try:
+        assert holder.stdout is not None
         assert holder.stdout.readline() == b"held\n"
         assert clear_shared_memory(tmp_path) == 0
         assert left(tmp_path) == sorted(names)
@@ -81,6 +82,7 @@ def test_a_port_without_a_lock_stays_while_a_process_has_it_in_its_memory(tmp_pa
         [sys.executable, "-c", MAP, tmp_path / names[0]], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
     try:
+        assert sender.stdout is not None
         assert sender.stdout.readline() == b"mapped\n"
         assert clear_shared_memory(tmp_path) == 0
     finally:

@@ -73,6 +73,7 @@ def test_overrides_and_files_read_numbers_alike(tmp_path):
     )
     assert by_file.seed == by_override.seed == 10
     assert by_file.random_starts == by_override.random_starts
+    assert by_file.random_starts is not None
     assert by_file.random_starts.centre_ned_m == (-0.5, 10.0, 10.0)
 
 

@@ -1,6 +1,7 @@
 """Every way in which a flight ends, without a process."""
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -362,7 +363,7 @@ def test_nodes_that_end_well_after_the_finish_are_no_loss(policy):
 def test_a_large_fleet_is_given_more_time_for_start_and_ticks():
     """Its vehicles have more pairs to work on in each tick, and more nodes to make."""
     fleet = load_scenario("swarm", overrides=["vehicles.count=128", "random_starts.radius_m=60"])
-    specs = process_specs(node_specs(fleet, mode="lockstep", bag_dir="bag"), "single")
+    specs = process_specs(node_specs(fleet, mode="lockstep", bag_dir=Path("bag")), "single")
     small, large = make(layout="single"), Supervisor(specs, on_vehicle_loss="stop")
     large.status_arrived(running(1.0, duration_s=fleet.duration_s), 100.0)
     for supervisor in (small, large):

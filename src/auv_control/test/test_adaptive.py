@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from auv_core.models.four_dof import Params as Plant
 from auv_core.params import load
 
 MODERATE = settings(max_examples=80, deadline=None)
-NOMINAL = {
+NOMINAL: dict[str, Any] = {
     "inertia": (99.0, 108.5, 126.5, 29.1),
     "linear_damping": (10.0, 0.0, 10.0, 1.603),
     "quadratic_damping": (227.18, 405.42, 227.18, 12.937),
@@ -65,8 +66,8 @@ def flat_view(
     error, error_rate, *, velocity=(0.1, 0.2, -0.3), acceleration=(0.01, 0.02, 0.03), turn=(0.0, 0.0)
 ):
     """Return a view with given e and e' (four-vectors) to a path through the origin."""
-    heading, rate, extra = 0.4, *turn
-    nu = tuple(v + e for v, e in zip(velocity, error_rate[:3], strict=True))
+    heading, (rate, extra) = 0.4, turn
+    nu: Any = tuple(v + e for v, e in zip(velocity, error_rate[:3], strict=True))
     return MotionView(
         3.0,
         VehicleState(
@@ -171,7 +172,7 @@ def test_the_regressor_with_the_true_constants_is_the_plant(nu, heading):
     rate = plant.derivative(
         (0.0, 0.0, 0.0, *quaternion_from_heading(heading), *nu[:3], 0.0, 0.0, nu[3]), tau, STILL_WATER
     )
-    forces = body_forces(TRUE, nu, nu, (*rate[7:10], rate[12]))
+    forces = body_forces(TRUE, nu, nu, (rate[7], rate[8], rate[9], rate[12]))
     assert forces == pytest.approx((30.0, -20.0, 10.0, 5.0), abs=1e-9)
 
 

@@ -1,6 +1,7 @@
 """Claims about the H-infinity law at run time: where it comes to, what it rejects, what it refuses."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,7 +27,9 @@ OBSTACLES = (((8.0, 5.0, 0.0), 2.0),)
 
 
 def _plant(factor=1.0, frame="body"):
-    scaled = {name: tuple(factor * value for value in values) for name, values in TABLE_2_1.items()}
+    scaled: dict[str, Any] = {
+        name: tuple(factor * value for value in values) for name, values in TABLE_2_1.items()
+    }
     return four_dof.Model(four_dof.Params(frame=frame, **scaled))
 
 

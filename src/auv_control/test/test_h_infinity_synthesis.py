@@ -44,11 +44,17 @@ def test_preset_is_what_the_synthesis_gives():
     assert {key: list(defaults[key]) for key in computed} == stored["params"]
 
 
+def plant_of(numbers, factor=1.0):
+    mass_kg, linear, quadratic = (factor * number for number in numbers)
+    return axis_plant(mass_kg, linear, quadratic, WEIGHTS)
+
+
 @both_axes
 def test_riccati_solution_solves_its_equation(numbers):
-    plant = axis_plant(*numbers, WEIGHTS)
+    plant = plant_of(numbers)
     gamma = 0.9
     p = riccati_solution(plant, gamma)
+    assert p is not None
     quadratic = plant.b1 @ plant.b1.T / gamma**2 - plant.b2 @ plant.b2.T / plant.r
     residual = plant.a.T @ p + p @ plant.a + plant.c.T @ plant.c + p @ quadratic @ p
     assert np.abs(residual).max() < 1e-6 * np.abs(p).max()
@@ -60,7 +66,7 @@ def test_riccati_solution_solves_its_equation(numbers):
 def test_smallest_gain_is_where_the_disturbance_must_be_answered(numbers):
     result = _axes()[numbers]
     assert result.gamma_best == pytest.approx(WEIGHTS.disturbance_n / WEIGHTS.force_n, rel=1e-4)
-    assert riccati_solution(axis_plant(*numbers, WEIGHTS), 0.99 * result.gamma_best) is None
+    assert riccati_solution(plant_of(numbers), 0.99 * result.gamma_best) is None
 
 
 @both_axes
@@ -84,7 +90,7 @@ def test_norms_by_hand():
 @pytest.mark.parametrize("factor", [0.7, 1.0, 1.3])
 def test_sampled_loop_is_stable_for_vehicles_that_differ(numbers, factor):
     gain = _axes()[numbers].gain
-    plant = axis_plant(*(factor * number for number in numbers), WEIGHTS)
+    plant = plant_of(numbers, factor)
     period_s = 0.1
     held = expm(np.block([[plant.a, plant.b2], [np.zeros((1, 4))]]) * period_s)
     loop = held[:3, :3] + held[:3, 3:] @ gain

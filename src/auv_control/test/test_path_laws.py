@@ -1,6 +1,7 @@
 """Claims about the PD and the augmented PD path-following laws on the vehicle of thesis Table 2.1."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from auv_core.models import four_dof
 from auv_core.params import ConfigError, load
 
 M11, M22 = 215.0, 265.0
-TABLE_2_1 = {
+TABLE_2_1: dict[str, Any] = {
     "inertia": (M11, M22, 265.0, 80.0),
     "linear_damping": (70.0, 100.0, 100.0, 50.0),
     "quadratic_damping": (100.0, 200.0, 200.0, 100.0),
@@ -68,7 +69,7 @@ def test_pd_in_the_flat_frame_is_the_printed_sum(position, heading_rad, nu, t_s)
     gap, speed = np.subtract(view.path.position, position), np.subtract(view.path.velocity, nu)
     force = obstacle_force(position, OBSTACLES, 1.0, truncate=False)
     np.testing.assert_allclose(
-        tau[:2], [100.0, 150.0] * gap[:2] + [50.0, 40.0] * speed[:2] + force, atol=1e-9
+        tau[:2], np.array([100.0, 150.0]) * gap[:2] + np.array([50.0, 40.0]) * speed[:2] + force, atol=1e-9
     )
     assert tau[2:] == (0.0, 0.0, 0.0, 0.0)
 

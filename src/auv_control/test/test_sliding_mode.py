@@ -1,6 +1,7 @@
 """Claims about the sliding-mode law: its reaching condition, its boundary layer, what it withstands."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ INERTIA, LINEAR, QUADRATIC = (
 PATH = circle.Reference(circle.Params(depth_m=0.0))
 OBSTACLES = (((8.0, 5.0, 0.0), 2.0), ((-9.0, -5.0, 0.0), 2.0))
 SMALL = st.floats(-1.5, 1.5)
-YAW_STEERED = {"switching_gain": (60.0, 80.0, 20.0)}
+YAW_STEERED: dict[str, Any] = {"switching_gain": (60.0, 80.0, 20.0)}
 
 
 def _plant(frame="body", factor=1.0):

@@ -1,6 +1,7 @@
 """Claims about the controller of kinematic vehicles."""
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -41,7 +42,7 @@ def test_the_vehicle_turns_the_short_way_and_no_further_than_the_error(now_rad, 
 @given(ANGLES, ANGLES)
 def test_the_heading_settles_on_the_one_asked(start_rad, wanted_rad):
     model, controller = Model(Hull()), Controller(Params(), 0.1)
-    state = model.initial_state((0.0, 0.0, 0.0), start_rad)
+    state: Any = model.initial_state((0.0, 0.0, 0.0), start_rad)
     for tick in range(200):
         nav = VehicleState(tick, state[:3], state[3:7], state[7:])
         command = controller.step(nav, VelocityReference((0.1, 0.0, 0.0), wanted_rad))

@@ -60,6 +60,7 @@ def test_a_good_state_stays_the_same_object():
 def test_an_attitude_that_is_almost_of_length_1_is_made_so():
     state, words = checked_state(GOOD._replace(attitude=(0.704, 0.0, 0.0, 0.704)))
     assert words == ""
+    assert state is not None
     assert state.attitude == pytest.approx((math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)))
 
 

@@ -15,7 +15,7 @@ NUMBERS = st.floats(-1e3, 1e3)
 def _oscillator_error(steps):
     """Return the error at t = 2 of y'' = -y + t, y(0) = 1, y'(0) = 0, whose solution is cos t - sin t + t."""
     dt_s = 2.0 / steps
-    state = (1.0, 0.0)
+    state: tuple[float, ...] = (1.0, 0.0)
     for step in range(steps):
         state = rk4_step(lambda t_s, y: (y[1], t_s - y[0]), step * dt_s, state, dt_s)
     exact = (math.cos(2.0) - math.sin(2.0) + 2.0, -math.sin(2.0) - math.cos(2.0) + 1.0)

@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -46,6 +47,7 @@ def test_nohup_and_trap_are_kept(kind, ignored, sent, ends):
         preexec_fn=lambda: ignored and signal.signal(ignored, signal.SIG_IGN),
     )
     try:
+        assert process.stdout is not None
         assert process.stdout.readline() == b"ready\n"
         process.send_signal(sent)
         if ends:
@@ -71,7 +73,7 @@ def raise_in_a_held_block(number, done):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_held_signal_ends_the_command_only_after_the_block(number, keep_signal_handlers):
     make_signals_interrupt()
-    done = []
+    done: list[Any] = []
     with pytest.raises(Interrupted):
         raise_in_a_held_block(number, done)
     assert done == ["block"]

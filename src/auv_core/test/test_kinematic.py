@@ -1,6 +1,7 @@
 """Claims about the single integrator."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ SPEED = st.floats(-3.0, 3.0)
 @settings(max_examples=60, deadline=None)
 @given(st.tuples(SPEED, SPEED, SPEED), SPEED, st.integers(1, 50))
 def test_a_held_command_is_followed_exactly(velocity, yaw_rate, steps):
-    state = MODEL.initial_state((1.0, -2.0, 3.0), 0.5)
+    state: Any = MODEL.initial_state((1.0, -2.0, 3.0), 0.5)
     for _ in range(steps):
         state = MODEL.step(state, (*velocity, 0.0, 0.0, yaw_rate), (0.0, 0.0, 0.0), 0.1)
     np.testing.assert_allclose(
@@ -30,7 +31,7 @@ def test_a_held_command_is_followed_exactly(velocity, yaw_rate, steps):
 @settings(max_examples=60, deadline=None)
 @given(st.tuples(SPEED, SPEED, SPEED), SPEED)
 def test_nu_is_the_commanded_velocity_in_the_body_frame(velocity, yaw_rate):
-    state = MODEL.step(
+    state: Any = MODEL.step(
         MODEL.initial_state((0.0, 0.0, 0.0), 2.0), (*velocity, 0.0, 0.0, yaw_rate), (0.0,) * 3, 0.1
     )
     np.testing.assert_allclose(body_to_ned(state[3:7], state[7:10]), velocity, atol=1e-12)

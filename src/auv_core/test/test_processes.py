@@ -9,6 +9,7 @@ import threading
 import time
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -87,8 +88,13 @@ def test_a_child_that_ends_by_itself_is_collected_once(tmp_path):
     with ChildProcesses() as children:
         script = [sys.executable, "-c", "import sys; print('last words'); sys.exit(5)"]
         children.start("short", script, log=tmp_path / "log", environ=os.environ)
-        exits = []
-        wait_until(lambda: exits.extend(children.collect_exits()) or exits)
+        exits: list[Any] = []
+
+        def has_ended():
+            exits.extend(children.collect_exits())
+            return exits
+
+        wait_until(has_ended)
         assert [(exit_.name, exit_.returncode, exit_.words) for exit_ in exits] == [
             ("short", 5, "exit status 5")
         ]
@@ -228,6 +234,7 @@ def test_children_die_with_their_parent(tmp_path, number):
         text=True,
         env=environ,
     )
+    assert parent.stdout is not None
     watches = [os.pidfd_open(int(pid)) for pid in parent.stdout.readline().split()]
     try:
         wait_until(lambda: all("ready" in (tmp_path / name).read_text() for name in ("a", "b")))

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 import auv_core.models
 from auv_core.geometry import body_to_ned, ned_to_body, quaternion_from_heading
-from auv_core.models.six_dof import Model, constants, momentum
+from auv_core.models._hull_forces import momentum
+from auv_core.models.six_dof import Model, constants
 from auv_core.params import load_section
 
 PRESETS = sorted((Path(auv_core.models.__file__).parent / "presets").glob("*.yaml"))

@@ -8,13 +8,14 @@ import signal
 import sys
 import threading
 import time
+from typing import Any
 
 import psutil
 import pytest
 
 from auv_core.cli.one_line_parser import MOST_WORKERS
-from auv_core.machine import worker_watch, workers
-from auv_core.machine.failure import WorkersError
+from auv_core.machine import worker_pipe, worker_watch, workers
+from auv_core.machine.failure import Failure, WorkersError
 
 WAIT_S = 60.0
 LONGER_THAN_A_PIPE_BYTES = 1 << 22
@@ -22,7 +23,9 @@ LONGER_THAN_A_PIPE_BYTES = 1 << 22
 
 def collect(calls, n_workers=2, **options):
     """Make calls; return results by index, amounts of progress, and messages."""
-    results, amounts, words = {}, [], []
+    results: dict[int, Any] = {}
+    amounts: list[float] = []
+    words: list[str] = []
     workers.spread(
         calls,
         n_workers,
@@ -81,7 +84,7 @@ def test_a_result_may_be_longer_than_a_pipe_holds():
 
 def test_a_result_that_cannot_be_sent_is_a_failure():
     results, _, _ = collect([lambda advance: lambda: None, lambda advance: 1])
-    assert isinstance(results[0], workers.Failure)
+    assert isinstance(results[0], Failure)
     assert results[1] == 1
 
 
@@ -125,6 +128,7 @@ def test_after_ctrl_z_and_fg_no_worker_is_blamed():
     """All stop together; the parent may run again a little before the others."""
     process = multiprocessing.get_context("fork").Process(target=burn)
     process.start()
+    assert process.pid is not None
     watch = worker_watch.Watch(process.pid)
     try:
         for _ in range(5):
@@ -163,7 +167,7 @@ def test_a_worker_that_takes_no_processor_time_is_named_and_replaced(tmp_path, h
 
 def test_a_worker_that_stops_in_the_middle_of_its_result_holds_up_nobody(hasty_watch, monkeypatch):
     """The parent has the first half of a message, and the second never comes."""
-    send_truly = workers.send
+    send_truly = worker_pipe.send
 
     def send_half(stream, message):
         if message[0] == "result" and message[1] == "half":
@@ -174,7 +178,7 @@ def test_a_worker_that_stops_in_the_middle_of_its_result_holds_up_nobody(hasty_w
     monkeypatch.setattr(workers, "send", send_half)
     results, _, words = collect([lambda advance: "half", lambda advance: 1])
     assert results[1] == 1
-    assert isinstance(results[0], workers.Failure)
+    assert isinstance(results[0], Failure)
     assert len(words) == 3, "two tries in company and one alone"
 
 

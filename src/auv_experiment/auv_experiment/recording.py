@@ -144,7 +144,9 @@ class Recording:
                 raise RecordingError(f"{values}: {rows} rows for the {expected} of {keys}")
 
     @classmethod
-    def empty(cls, vehicle_ids: Sequence[str], t_s: FloatArray, *, has_neighbours: bool = True) -> Recording:
+    def empty(
+        cls, vehicle_ids: Sequence[str], t_s: NDArray[np.floating[Any]], *, has_neighbours: bool = True
+    ) -> Recording:
         """
         Return a recording of the right shapes in which nothing exists yet.
 

@@ -253,7 +253,8 @@ class TwoEpochs(synthetic.SyntheticRun):
 
 
 def test_a_state_that_is_not_of_the_runs_time_line_is_left_out_and_named(tmp_path):
-    run, said = TwoEpochs(2, 12), []
+    run = TwoEpochs(2, 12)
+    said: list[str] = []
     recording = read_recording(written(tmp_path, run), synthetic.scenario(2), said.append)
     assert_array_equal(recording.position_ned_m[7], run.state[6, :, :3])
     (line,) = said
@@ -305,7 +306,8 @@ class Haunted(synthetic.SyntheticRun):
 
 
 def test_what_is_not_of_the_run_is_left_out_and_counted(tmp_path):
-    run, said = Haunted(2, 12), []
+    run = Haunted(2, 12)
+    said: list[str] = []
     recording = read_recording(written(tmp_path, run), synthetic.scenario(2), said.append)
     assert recording.n_ticks == 12
     check_states(recording, run)

@@ -94,11 +94,12 @@ def test_a_list_of_near_pairs_changes_no_number(monkeypatch):
     all_pairs = _flown(scenario, is_compiled=True)
     lists = []
     monkeypatch.setattr(fleet_loop, "FEW", 2)
-    monkeypatch.setattr(
-        continuous_fleet,
-        "near_pairs",
-        lambda points, reach_m: lists.append(points) or near_pairs(points, reach_m),
-    )
+
+    def noted(points, reach_m):
+        lists.append(points)
+        return near_pairs(points, reach_m)
+
+    monkeypatch.setattr(continuous_fleet, "near_pairs", noted)
     listed = Recording.empty(all_pairs.vehicle_ids, scenario.tick_times(), has_neighbours=False)
     continuous_fleet.fly_fleet(scenario, listed, None)
     assert len(lists) > 2

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -68,7 +69,8 @@ def test_command_k_acts_from_tick_k_to_the_next():
         vehicle = Vehicle(config)
         for tick in (0, 7, 39):
             rows = (recording.position_ned_m, recording.attitude_quat_wxyz, recording.velocity_body)
-            vehicle.restore(VehicleState(tick, *(tuple(row[tick, index].tolist()) for row in rows)))
+            position, attitude, nu = (tuple(row[tick, index].tolist()) for row in rows)
+            vehicle.restore(VehicleState(tick, position, attitude, nu))
             after = vehicle.step(Wrench(tuple(recording.command[tick, index].tolist())))
             np.testing.assert_array_equal(after.position, recording.position_ned_m[tick + 1, index])
             np.testing.assert_array_equal(after.nu, recording.velocity_body[tick + 1, index])
@@ -108,7 +110,7 @@ def test_blind_followers_learn_of_the_path_by_packets_only():
 
 
 def test_progress_is_told_and_ends_with_the_run():
-    told = []
+    told: list[Any] = []
     run_in_process(load_scenario("flock_acoustic", duration_s=30.0), on_progress=told.append)
     assert told == sorted(told)
     assert told[-1] == pytest.approx(30.0)

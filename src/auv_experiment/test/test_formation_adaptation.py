@@ -6,6 +6,8 @@ law take steps of 0.2 s, which give the same digits as 0.02 s. Long tables are m
 always flies.
 """
 
+from typing import Any
+
 import numpy as np
 import pytest
 from formation_flights import FIXED, GROUPED, PD, alone, fly, law
@@ -238,7 +240,7 @@ def _pushed(words, duration_s=600.0, dt_s=0.2):
         "ch3_circle_corrected", overrides=[alone(model=BODY), law(f"initial_ratio: 0.7, {words}")]
     )
     plant = Model(scenario.vehicles[0].model.params)
-    path = scenario.reference_of(0)
+    path: Any = scenario.reference_of(0)
     control = Controller(scenario.agent.controller.params, dt_s)
 
     def view(t_s, x):
@@ -250,7 +252,7 @@ def _pushed(words, duration_s=600.0, dt_s=0.2):
         total = (tau[0] + push[0], tau[1] + push[1], tau[2] + push[2], 0.0, 0.0, tau[5])
         return (*plant.derivative(x[:13], total, (0.0, 0.0, 0.0)), *rates)
 
-    x = plant.initial_state((0.0, 0.0, 0.0), 0.0)
+    x: Any = plant.initial_state((0.0, 0.0, 0.0), 0.0)
     x += control.initial_state(view(0.0, x))
     squares = []
     for step in range(round(duration_s / dt_s)):

@@ -339,5 +339,5 @@ def test_safe_commands_are_counted_by_cause():
     assert metrics["safe_command_ratio"] == 0.4
     assert metrics["safe_commands_stale_navigation"] == 3
     assert metrics["safe_commands_silent_modem"] == 1
-    assert sum(count for key, count in metrics.items() if key.startswith("safe_commands_")) == 4
+    assert sum(count or 0 for key, count in metrics.items() if key.startswith("safe_commands_")) == 4
     assert safe_command_metrics(Recording.empty(["auv_1"], np.zeros(1)))["safe_command_ratio"] is None

@@ -7,6 +7,7 @@ as such. Runs of 600 s here take steps of 0.1 s, which give the same five digits
 """
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ LAW = "agent.controller.params"
 PLANT = "vehicles.0.model.params"
 SIXTY = f"vehicles.0.heading_rad={math.pi / 3.0}"
 DAMPED = {"pfpd": (f"{PLANT}.drag=abs",), "pfapd": (f"{PLANT}.drag=abs", f"{LAW}.drag=abs")}
-CASES = {
+CASES: dict[str, Any] = {
     "flat, thesis drag": ("ch2_{}", {"pfpd": (), "pfapd": ()}),
     "flat, |a| drag": ("ch2_{}", DAMPED),
     "body": ("ch2_{}_corrected", {"pfpd": (), "pfapd": ()}),

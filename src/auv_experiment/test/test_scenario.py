@@ -44,6 +44,7 @@ def _changed(tmp_path, **changes):
 def test_who_names_no_law_gets_the_one_for_his_modem(tmp_path, preset, law):
     agent = {"controller": {"kind": "velocity_pi"}}
     scenario = load_scenario(_changed(tmp_path, agent=agent, acoustics={"preset": preset}))
+    assert scenario.agent.flocking is not None
     assert scenario.agent.flocking.kind == law
     assert (scenario.agent.hold_s > 0.0) == (law == "communication_aware")
 
@@ -265,25 +266,31 @@ def test_seed_and_duration_override_the_file():
     assert scenario.medium_config.seed == 9
 
 
+def starts_of(scenario):
+    return [vehicle.position_ned_m for vehicle in scenario.vehicles]
+
+
 @pytest.mark.parametrize("seed", range(1, 11))
 def test_random_starts_keep_apart_below_the_surface_and_near_the_start_of_the_path(seed):
     scenario = load_scenario("flock_acoustic", seed=seed)
-    starts = [vehicle.position_ned_m for vehicle in scenario.vehicles]
+    starts = starts_of(scenario)
     assert all(distance(a, b) >= 3.0 for a, b in combinations(starts, 2))
     assert all(start[2] >= 1.0 for start in starts)
-    assert all(math.dist(start, scenario.reference_of().at(0.0).position) <= 10.0 for start in starts)
+    path = scenario.reference_of()
+    assert path is not None
+    assert all(math.dist(start, path.at(0.0).position) <= 10.0 for start in starts)
 
 
 def test_random_starts_lie_no_shallower_than_asked():
     overrides = ["random_starts.depth_min_m=11", "random_starts.separation_m=1"]
     for seed in range(5):
         scenario = load_scenario("flock_acoustic", overrides=overrides, seed=seed)
-        assert all(vehicle.position_ned_m[2] >= 11.0 for vehicle in scenario.vehicles)
+        assert all(start[2] >= 11.0 for start in starts_of(scenario))
 
 
 def test_random_starts_change_with_the_seed_and_only_with_it():
     def starts(seed):
-        return [vehicle.position_ned_m for vehicle in load_scenario("flock_acoustic", seed=seed).vehicles]
+        return starts_of(load_scenario("flock_acoustic", seed=seed))
 
     assert starts(1) == starts(1)
     assert not set(starts(1)) & set(starts(2))
@@ -292,7 +299,7 @@ def test_random_starts_change_with_the_seed_and_only_with_it():
 def test_given_starts_stay_and_the_others_keep_clear_of_them():
     scenario = load_scenario("flock_acoustic", overrides=["vehicles.3.position_ned_m=[1, 9, 9]"])
     assert scenario.vehicles[3].position_ned_m == (1.0, 9.0, 9.0)
-    assert all(distance(v.position_ned_m, (1.0, 9.0, 9.0)) >= 3.0 for v in scenario.vehicles[:3])
+    assert all(distance(start, (1.0, 9.0, 9.0)) >= 3.0 for start in starts_of(scenario)[:3])
 
 
 def test_tick_times_and_hull_and_kind_of_command_are_the_scenarios():

@@ -16,6 +16,7 @@ import threading
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import psutil
 import pyarrow.parquet as pq
@@ -27,6 +28,7 @@ from full_disk import files_of_at_most
 import auv_flocking.separation
 from auv_core.cli.tally import Tally
 from auv_core.machine import workers
+from auv_experiment.inprocess import evaluated_run
 from auv_experiment.run_key import source_version
 from auv_experiment.sweeps import cli, cluster, local, parts, worker
 from auv_experiment.sweeps.patience import Patience
@@ -106,7 +108,7 @@ def rows_of(folder):
 def flights(monkeypatch):
     """Count flights in this process by seed."""
     seeds = []
-    fly_truly = worker.fly
+    fly_truly = evaluated_run.fly
 
     def counted(scenario):
         seeds.append(scenario.seed)
@@ -281,7 +283,7 @@ def written(folder, **changes):
 def test_a_worker_that_is_killed_or_stopped_changes_nothing(tmp_path, monkeypatch, number):
     """Two processes, one of them hit in the middle, give what one thread gives."""
     monkeypatch.setattr(workers, "_LOOK_EVERY_S", 0.1)
-    hit = []
+    hit: list[Any] = []
 
     def one_is_hit(runs, on_result, on_message):
         def hit_and_keep(run, finished):
@@ -314,7 +316,7 @@ def test_workers_that_cannot_start_are_told_in_one_line_and_the_next_call_goes_o
 
 def test_nobody_can_hand_a_run_to_a_sweep_on_this_machine(tmp_path):
     """Neither the sweep nor its workers listen anywhere, so no process, of whatever user, can connect."""
-    listening = []
+    listening: list[Any] = []
 
     def look(runs, on_result, on_message):
         def look_and_keep(run, finished):
@@ -377,6 +379,7 @@ def test_patience_follows_from_what_others_took_and_from_the_effort():
     ],
 )
 def test_a_limit_that_cannot_be_is_one_line(tmp_path, capsys, arguments, line):
+    status: Any
     try:
         status = cli.main([str(written(tmp_path)), *arguments])
     except SystemExit as ended:
@@ -480,7 +483,7 @@ def test_a_worker_of_a_cluster_that_is_stopped_is_named_and_its_runs_are_flown(t
     with running("dask_scheduler", "--port", "0", *here, file=file):
         wait_until(file.exists)
         with running("dask_worker", "--nthreads", "1", *here, file=file) as nanny:
-            stopped = []
+            stopped: list[Any] = []
 
             def one_is_stopped(runs, on_result, on_message):
                 def stop_and_keep(run, finished):
@@ -515,7 +518,7 @@ except Exception as error:
 def test_a_cluster_with_certificates_flies_and_keeps_another_user_without_them_out(tmp_path, monkeypatch):
     """Certificates and configuration are those of docs/how_to/sweeps.md."""
     text = (Path(__file__).parents[3] / "docs/how_to/sweeps.md").read_text(encoding="utf-8")
-    make, config = re.search(r"(openssl [^\n]+).*```yaml\n(distributed:.*?)```", text, re.DOTALL).groups()
+    ((make, config),) = re.findall(r"(openssl [^\n]+).*```yaml\n(distributed:.*?)```", text, re.DOTALL)
     subprocess.run(make.split(), check=True, capture_output=True, cwd=tmp_path)
     (tmp_path / "dask.yaml").write_text(config.replace("/home/me", str(tmp_path)))
     file, here = tmp_path / "scheduler.json", ("--protocol", "tls", "--host", "127.0.0.1", "--no-dashboard")
@@ -651,7 +654,9 @@ def hit_at_random(command, rng, hits, most):
 @pytest.mark.timeout(600)
 def test_hostile_hits_on_command_and_workers_change_nothing_in_the_table(tmp_path, capsys):
     changes = {"duration_s": 120.0, "seeds": list(range(30))}
-    path, rng, hits, statuses = written(tmp_path, **changes), random.Random(1), Counter(), []
+    path, rng = written(tmp_path, **changes), random.Random(1)
+    hits: Counter[str] = Counter()
+    statuses: list[Any] = []
     while not statuses or statuses[-1] != 0:
         command = sweep_command(path, "--workers", "2")
         hit_at_random(command, rng, hits, most=60)

@@ -4,6 +4,7 @@ import itertools
 import math
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -113,7 +114,7 @@ def test_whole_numbers_and_choices_are_equally_likely():
 def test_a_value_comes_back_from_its_override(value):
     from auv_experiment.scenario.file import override
 
-    raw = {}
+    raw: dict[Any, Any] = {}
     (text,) = override_texts(study(duration_s=None), {"agent": value})
     override(raw, text)
     assert raw == {"agent": value}
@@ -126,7 +127,7 @@ def test_a_study_comes_back_from_its_dump():
     assert study_from_plain(dump(first)) == first
 
 
-WRONG = {
+WRONG: dict[str, dict[str, Any]] = {
     "study: unknown key 'gird'": {"gird": {}},
     "study.seeds: missing": {"seeds": ...},
     "study.seeds: [] is not allowed": {"seeds": []},
@@ -181,6 +182,7 @@ def test_metrics_of_laws_are_known_though_no_list_has_them():
 
 @pytest.mark.parametrize("arguments", [[], ["no_such"], ["quick", "--workers", "0"], ["quick", "--no-such"]])
 def test_wrong_arguments_are_refused_in_one_line(arguments, capsys):
+    status: Any
     try:
         status = cli.main(arguments)
     except SystemExit as end:

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import shutil
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -36,14 +37,14 @@ PLAIN = {
 def made_up(**changes):
     """Return a study and its rows: the metric is 10 slot + seed, and one run failed."""
     study = study_from_plain({**PLAIN, **changes})
-    rows = []
+    rows: list[Any] = []
     for slot in (1, 2):
         for kind in ("x", None):
             for seed in (1, 2, 3):
                 run = PlannedRun(
                     len(rows), {"a.slot_s": slot, "b.kind": kind}, seed, f"k{len(rows)}", 1.0, ""
                 )
-                metrics = {"pair_distance_min_m": 10.0 * slot + seed, "collision": seed == 3}
+                metrics: dict[str, Any] = {"pair_distance_min_m": 10.0 * slot + seed, "collision": seed == 3}
                 rows.append((run, Finished(metrics, wall_s=1.0, cpu_s=1.0)))
     rows[-1] = (rows[-1][0], Finished({}, "ValueError: it <sank>", "Traceback\n"))
     return study, rows
@@ -74,13 +75,16 @@ def test_one_run_has_no_interval_and_none_has_no_mean():
 @given(st.lists(st.floats(0.0, 1.0), min_size=2, max_size=9))
 def test_an_interval_holds_the_mean_and_that_of_a_share_lies_between_0_and_1(values):
     summary = summarise(values, is_share=True)
+    assert summary.low is not None
+    assert summary.high is not None
+    assert summary.mean is not None
     assert 0.0 <= summary.low <= summary.mean + 1e-12
     assert summary.mean - 1e-12 <= summary.high <= 1.0
 
 
 def test_students_interval_covers_as_often_as_it_says():
     rng = np.random.default_rng(1)
-    summaries = [summarise(rng.normal(5.0, 2.0, 6).tolist()) for _ in range(2000)]
+    summaries: list[Any] = [summarise(rng.normal(5.0, 2.0, 6).tolist()) for _ in range(2000)]
     assert np.mean([s.low <= 5.0 <= s.high for s in summaries]) == pytest.approx(0.95, abs=0.015)
 
 

@@ -1,6 +1,7 @@
 """Vehicles whose consensus filters hear each other by packets that come late or not at all, for tests."""
 
 import random
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +29,7 @@ class Network:
         self._step_s = step_s
         self._late = late
         self._air = []
-        self._news = [{} for _ in positions]
+        self._news: list[dict[int, Any]] = [{} for _ in positions]
         self._count = 0
         self.centres = self.positions.copy()
 

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from auv_control.references import PathPoint
 from auv_core.params import ConfigError, load
 from auv_flocking.consensus import thesis
-from auv_flocking.flocking import PathPoint, View
+from auv_flocking.flocking import View
 from auv_flocking.flocking import potential as flocking
 from auv_flocking.separation import fuzzy, mathematical
 from auv_flocking.separation.adaptive_fuzzy import Params, Separation

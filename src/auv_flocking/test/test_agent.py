@@ -190,8 +190,11 @@ def test_a_leader_alone_follows_the_path_behind_by_the_lag_of_its_consensus():
     position = np.array([3.0, 7.0, 8.0])
     for tick in range(600):
         command, _ = agent.step(tick * PERIOD_S, _nav(tick, tuple(map(float, position))), _inbox(tick))
+        assert isinstance(command, VelocityCommand)
         position = position + PERIOD_S * np.array(command.velocity)
-    assert math.dist(position, agent.path_point(60.0).position) == pytest.approx(0.1, abs=0.01)
+    point = agent.path_point(60.0)
+    assert point is not None
+    assert math.dist(position, point.position) == pytest.approx(0.1, abs=0.01)
 
 
 def test_obstacles_need_three_numbers_and_a_distance_each():

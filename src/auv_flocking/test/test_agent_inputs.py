@@ -61,7 +61,8 @@ def step(one, tick, state, *, inbox_tick=None):
 
 
 def packet(tag_s, source=2, address=2, position=(3.0, 9.0, 10.0)):
-    report = Report(address, 1, tag_s, position, *[(0.0,) * 3] * 4)
+    zero = (0.0, 0.0, 0.0)
+    report = Report(address, 1, tag_s, position, zero, zero, zero, zero)
     return Reception(Packet(0, source, 0, 1, EXACT.encode(report)), 0.0, 0.0, math.nan)
 
 
@@ -126,8 +127,9 @@ def test_alone_nobody_is_misled_by_a_position_out_of_bounds():
 
 @pytest.mark.parametrize("form", [compact.Format(compact.Params(), ()), EXACT], ids=["compact", "exact"])
 def test_a_position_within_the_bounds_of_a_format_does_not_saturate(form):
+    zero = (0.0, 0.0, 0.0)
     for position in form.carries.position:
-        form.encode(Report(1, 1, 0.0, position, (0.0,) * 3, position, *[(0.0,) * 3] * 2))
+        form.encode(Report(1, 1, 0.0, position, zero, position, zero, zero))
     assert form.saturated == 0
 
 

@@ -3,6 +3,7 @@
 import itertools
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -174,7 +175,9 @@ def test_crossing_neighbours_keep_their_names():
     worst_m = 0.0
     for tick in range(301):
         t_s = 0.1 * tick
-        truth = {a: tuple(p + t_s * v for p, v in zip(*path, strict=True)) for a, path in paths.items()}
+        truth: dict[int, Any] = {
+            a: tuple(p + t_s * v for p, v in zip(*path, strict=True)) for a, path in paths.items()
+        }
         if tick % 50 == 0:
             for address, path in paths.items():
                 table.receive(_report(address, t_s, truth[address], path[1]))

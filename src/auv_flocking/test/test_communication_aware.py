@@ -1,6 +1,7 @@
 """Claims about the flocking law for a modem: no faster than its information, never closer than it may."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -168,7 +169,12 @@ def test_what_moves_in_the_flock_grows_uncertain_with_its_age():
 
 @pytest.mark.parametrize(("contact_s", "counts_as_s"), [(0.5, 1.0), (3.0, 3.0)])
 def test_sonar_makes_a_neighbour_as_fresh_as_its_contact_and_no_fresher_than_the_hull(contact_s, counts_as_s):
-    numbers = {"barrier": False, "cohesion_gain_ps": 0.0, "correction_limit_mps": DISTANT, "reach_m": DISTANT}
+    numbers: dict[str, Any] = {
+        "barrier": False,
+        "cohesion_gain_ps": 0.0,
+        "correction_limit_mps": DISTANT,
+        "reach_m": DISTANT,
+    }
     heard, seen = (
         [_estimate((1.5, 0.0, 0.0), age_s=20.0, sonar_age_s=age_s)] for age_s in (math.inf, contact_s)
     )
@@ -178,7 +184,12 @@ def test_sonar_makes_a_neighbour_as_fresh_as_its_contact_and_no_fresher_than_the
 
 
 def test_over_a_cycle_of_packets_the_gain_changes_by_a_factor_of_two_and_not_by_that_of_the_age():
-    numbers = {"barrier": False, "cohesion_gain_ps": 0.0, "correction_limit_mps": DISTANT, "reach_m": DISTANT}
+    numbers: dict[str, Any] = {
+        "barrier": False,
+        "cohesion_gain_ps": 0.0,
+        "correction_limit_mps": DISTANT,
+        "reach_m": DISTANT,
+    }
     law = Flocking(Params(**numbers), SEPARATION, is_leader=False)
     pushes = []
     for tick in range(4000):

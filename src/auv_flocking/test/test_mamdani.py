@@ -1,5 +1,7 @@
 """Claims about the fuzzy inference and its table."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -38,7 +40,9 @@ def test_direct_inference_is_what_the_textbook_says(inputs, outputs):
 def test_the_table_is_the_direct_inference(inputs, outputs):
     """Random inputs, and as many in the narrowest set."""
     rng = np.random.default_rng(1)
-    x = np.concatenate([rng.uniform(inputs[0] - 1, inputs[4] + 1, 200), rng.uniform(*inputs[1:4:2], 200)])
+    x = np.concatenate(
+        [rng.uniform(inputs[0] - 1, inputs[4] + 1, 200), rng.uniform(inputs[1], inputs[3], 200)]
+    )
     tabulated = [curve(inputs, outputs).at(value) for value in x.tolist()]
     direct = [infer(value, inputs, outputs) for value in x.tolist()]
     np.testing.assert_allclose(tabulated, direct, rtol=0.0, atol=2e-4 * (outputs[4] - outputs[0]))
@@ -100,7 +104,7 @@ def test_peaks_that_are_not_even_can_give_less_out_for_more_in():
 
 def test_moving_the_output_peaks_moves_the_curve_by_as_much():
     inputs, outputs = LOPSIDED
-    moved = tuple(peak + 0.7 for peak in outputs)
+    moved: Any = tuple(peak + 0.7 for peak in outputs)
     for x in np.linspace(inputs[0], inputs[4], 29).tolist():
         assert infer(x, inputs, moved) == pytest.approx(infer(x, inputs, outputs) + 0.7, abs=1e-12)
 

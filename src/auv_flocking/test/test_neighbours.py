@@ -18,7 +18,8 @@ MODERATE = settings(max_examples=30, deadline=None)
 
 
 def _report(time_s, state=(0.0,) * 6, *, address=2, centre=(0.0,) * 3, centre_rate=(0.0,) * 3):
-    position, velocity = tuple(map(float, state[:3])), tuple(map(float, state[3:]))
+    north, east, down, *rates = map(float, state)
+    position, velocity = (north, east, down), (rates[0], rates[1], rates[2])
     return Report(address, 1, time_s, position, velocity, centre, centre_rate, (0.01, 0.02, 0.03))
 
 

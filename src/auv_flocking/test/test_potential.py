@@ -130,7 +130,7 @@ def test_the_limit_bounds_the_feedback_and_keeps_its_direction(view, is_leader, 
     held = _law(is_leader, feedforward="flock", correction_limit_mps=limit_mps).velocity(view)
     held = np.array(held) - view.flock_velocity
     assert np.linalg.norm(held) <= limit_mps + 1e-9
-    np.testing.assert_allclose(np.cross(held, free), 0.0, atol=1e-9 * (1.0 + np.linalg.norm(free)))
+    np.testing.assert_allclose(np.cross(held, free), 0.0, atol=1e-9 * float(1.0 + np.linalg.norm(free)))
     if np.linalg.norm(free) < limit_mps * (1.0 - 1e-9):
         np.testing.assert_allclose(held, free, atol=1e-12)
 

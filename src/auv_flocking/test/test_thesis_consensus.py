@@ -1,5 +1,7 @@
 """Claims about the consensus filter of the flocking centre."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -79,12 +81,14 @@ def test_a_step_is_the_solution_of_the_equation_with_held_inputs(
     own, centre, others, flock, dt_s, rate, follow
 ):
     law = Consensus(Params(rate_ps=rate, follow_flock=follow), 4)
-    exact = centre
+    exact: Any = centre
     steps = 400
+
+    def rate_of(_t_s, c: Any) -> Any:
+        return law.derivative(own, c, others, flock)
+
     for step in range(steps):
-        exact = rk4_step(
-            lambda _t_s, c: law.derivative(own, c, others, flock), step * dt_s / steps, exact, dt_s / steps
-        )
+        exact = rk4_step(rate_of, step * dt_s / steps, exact, dt_s / steps)
     np.testing.assert_allclose(law.step(own, centre, others, flock, dt_s), exact, rtol=1e-7, atol=1e-7)
 
 
@@ -113,7 +117,7 @@ def test_following_the_flock_takes_the_lag_away():
         law = Consensus(Params(rate_ps=1.0, follow_flock=follow), 4)
         centre = (0.0, 0.0, 0.0)
         for tick in range(3000):
-            own = tuple(0.01 * tick * v for v in velocity)
+            own: Any = tuple(0.01 * tick * v for v in velocity)
             centre = law.step(own, centre, [], velocity, 0.01)
         return np.subtract(centre, [0.01 * 3000 * v for v in velocity])
 

@@ -1,6 +1,7 @@
 """Claims about one neighbour's filter through time: order, history, offsets and fixes."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,7 +51,7 @@ def _track(first, config=CONFIG):
 
 def _measurements(rng, sd_m):
     """Return packets, contacts and fixes of one neighbour, in the order in which they happened."""
-    all_of_them = []
+    all_of_them: list[Any] = []
     for time_s in np.sort(rng.uniform(0.0, 0.9 * HISTORY_S, 14)).tolist():
         position = tuple((rng.standard_normal(3) * 0.1 + (3.0, 2.0, 1.0)).tolist())
         kind = rng.integers(0, 5) if all_of_them else 0

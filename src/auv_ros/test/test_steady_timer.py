@@ -4,6 +4,7 @@ import queue
 import threading
 import time
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -16,7 +17,7 @@ class Executor:
     """Runs what it is given when a test asks for it."""
 
     def __init__(self):
-        self.tasks = queue.Queue()
+        self.tasks: queue.Queue[Any] = queue.Queue()
 
     def create_task(self, call):
         self.tasks.put(call)

@@ -5,6 +5,7 @@ import json
 import math
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -196,8 +197,8 @@ def test_over_a_bottom_that_swallows_all_the_surface_makes_lloyds_mirror(khz):
 @pytest.mark.slow
 @with_the_solver
 def test_sound_that_is_bent_away_leaves_a_shadow():
-    falling = {"sound_speed_mps": (1520.0, 1480.0), "sound_speed_depths_m": (0.0, 100.0)}
-    swallowing = {
+    falling: dict[str, Any] = {"sound_speed_mps": (1520.0, 1480.0), "sound_speed_depths_m": (0.0, 100.0)}
+    swallowing: dict[str, Any] = {
         "bottom_sound_speed_mps": 1480.0,
         "bottom_density_kgpm3": 1000.0,
         "bottom_absorption_db": 0.0,

@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -47,7 +48,9 @@ def _chatter(medium, ticks, positions_at, *, size=40, talkers=None):
 
     Returns (packets, receptions); receptions are (tick, address, Reception).
     """
-    packets, receptions, sequences = [], [], Counter()
+    packets: list[Packet] = []
+    receptions: list[Any] = []
+    sequences: Counter[int] = Counter()
     for tick in range(ticks):
         states = _states(tick, positions_at(tick))
         handed_over = {}
@@ -125,7 +128,7 @@ def test_counters_add_up(network):
     packets, receptions = _chatter(medium, 40, lambda _tick: _line(config.fleet_size, 30.0))
     sent = Counter(packet.source for packet in packets)
     delivered = Counter((reception.packet.source, address) for _, address, reception in receptions)
-    in_flight = Counter()
+    in_flight: Counter[Any] = Counter()
     for _, address, reception in _listen(medium, 40, 60, _line(config.fleet_size, 30.0)):
         in_flight[reception.packet.source, address] += 1
     for (source, address), link in medium.links.items():

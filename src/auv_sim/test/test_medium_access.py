@@ -4,6 +4,7 @@ import math
 from collections import Counter, defaultdict
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -52,6 +53,10 @@ NETWORKS = st.fixed_dictionaries(
         ),
     }
 )
+
+
+def staying(places):
+    return lambda _tick: places
 
 
 def _places(seed, count, size_m):
@@ -139,7 +144,9 @@ def test_every_packet_has_one_end_at_every_receiver_at_its_speed(network):
 @given(NETWORKS)
 def test_the_same_calls_give_the_same_log_whether_packets_come_together_or_one_by_one(network):
     _, together = _log(network, ticks=60)
-    medium, events, sequences = _medium(**network), [], Counter()
+    medium = _medium(**network)
+    events: list[Any] = []
+    sequences: Counter[int] = Counter()
     positions_at = _drifting(network["seed"], network["fleet_size"], 300.0, network["period_s"])
     for tick in range(60):
         states = at_rest(tick, positions_at(tick))
@@ -167,7 +174,7 @@ def test_a_silent_or_distant_vehicle_does_not_change_the_others_luck(mac, modem)
         places = near + others
         medium = _medium(fleet_size=len(places), mac=mac, modem=modem, outage=outage)
         talkers = {1, 2, 3} if others != [(1e7, 0.0, 5.0)] else {1, 2, 3, 4}
-        events = talk(medium, range(600), lambda _tick, places=places: places, talkers=talkers)
+        events = talk(medium, range(600), staying(places), talkers=talkers)
         logs.append([event for event in events if max(event.source, event.destination) <= 3])
     assert len({repr(log) for log in logs}) == 1
     assert len(logs[0]) > 50

@@ -9,6 +9,7 @@ import math
 import random
 from collections import Counter
 from dataclasses import dataclass
+from typing import Any
 
 import pytest
 
@@ -104,7 +105,7 @@ def test_every_outcome_follows_from_the_transmissions(case, capture, has_levels)
     log = talk(AcousticMedium(config), range(round(12.0 / config.period_s)), lambda _tick: places)
     modem = noise_limited.Modem(config.modem.params) if has_levels else None
     sent = [event for event in log if event.outcome is Outcome.SENT]
-    seen = Counter()
+    seen: Counter[Any] = Counter()
     for receiver in range(1, config.fleet_size + 1):
         expected, arrivals = {}, []
         for event in sent:
@@ -115,7 +116,7 @@ def test_every_outcome_follows_from_the_transmissions(case, capture, has_levels)
             if modem is None and range_m > RANGE_M:
                 expected[key] = {Outcome.RANGE}
                 continue
-            level = modem.snr_ratio(transmission_loss_db(range_m, 25.0, 1.5)) if has_levels else 0.0
+            level = modem.snr_ratio(transmission_loss_db(range_m, 25.0, 1.5)) if modem and has_levels else 0.0
             arrivals.append(_Arrival(event.start_s + delay_s, event.end_s + delay_s, key, level))
         arrivals.sort(key=lambda arrival: (arrival.start_s, arrival.key))
         own = [(event.start_s, event.end_s) for event in sent if event.source == receiver]

@@ -1,6 +1,7 @@
 """Claims about dead reckoning: how far it drifts, what it says of itself, and what a fix does."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,12 @@ from auv_sim.navigation.dead_reckoning import Navigation, Params
 
 PERIOD_S = 0.1
 SPEED_MPS = 0.5
-QUIET = {"velocity_bias_mps": 0.0, "velocity_sd_mps": 0.0, "heading_bias_rad": 0.0, "depth_sd_m": 0.0}
+QUIET: dict[str, Any] = {
+    "velocity_bias_mps": 0.0,
+    "velocity_sd_mps": 0.0,
+    "heading_bias_rad": 0.0,
+    "depth_sd_m": 0.0,
+}
 
 
 def straight(tick, period_s=PERIOD_S):
@@ -139,11 +145,12 @@ def test_the_stated_heading_is_that_of_the_errors():
 def test_a_fix_stops_the_drift_and_teaching_slows_it():
     ticks = range(261)
     rms = {}
-    for name, changes in {
+    cases: dict[str, dict[str, Any]] = {
         "none": {},
         "lbl": {"fix": "lbl"},
         "teaching": {"fix": "lbl", "learns_biases": True},
-    }.items():
+    }
+    for name, changes in cases.items():
         errors_m, sd_m = misses_m(Params(**changes), straight, ticks, range(40), period_s=2.5)
         rms[name] = np.sqrt((errors_m[:, 120:] ** 2).sum(axis=-1).mean())
         if changes:

@@ -1,6 +1,7 @@
 """Claims about what vehicle and relay take in real time: fresh and possible inputs, whatever comes first."""
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -46,7 +47,7 @@ def test_a_command_that_cannot_be_used_lets_the_actuators_rest():
 
 
 def test_an_input_of_a_far_tick_blinds_nobody():
-    newest = Newest(0.5, PERIOD_S)
+    newest: Newest[Any] = Newest(0.5, PERIOD_S)
     assert newest.hear("one", 10, 10)
     assert not newest.hear("far", 10**9, 11)
     assert newest.hear("two", 11, 11)
@@ -55,7 +56,7 @@ def test_an_input_of_a_far_tick_blinds_nobody():
 
 
 def test_a_source_that_starts_anew_counts_once_it_has_caught_up():
-    newest = Newest(0.5, PERIOD_S)
+    newest: Newest[Any] = Newest(0.5, PERIOD_S)
     newest.hear("old life", 1000, 1000)
     assert not newest.hear("new life", 0, 1001)
     assert newest.hear("new life", 20, 1010)
@@ -66,7 +67,7 @@ def test_a_source_that_starts_anew_counts_once_it_has_caught_up():
 
 @given(st.lists(TICKS, max_size=30))
 def test_whatever_came_a_fresh_input_is_the_newest_at_once(ticks):
-    newest = Newest(0.5, PERIOD_S)
+    newest: Newest[Any] = Newest(0.5, PERIOD_S)
     for now_tick, tick in enumerate(ticks):
         newest.hear(tick, tick, now_tick)
         assert newest.tick <= now_tick + 5

@@ -6,6 +6,8 @@ On truth that follows the filter's own model, 100 runs: the run-averaged normali
 innovation squared (NIS) of packets (six numbers) and of sonar contacts (three).
 """
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -16,8 +18,8 @@ from auv_thesis.acoustics.consistency import CONTACT, PACKET, STATES, band, shar
 
 CONFIG = NeighbourConfig()
 RATE = CONFIG.drift_rate_mps
-DRIFT = {"own_rate_mps": RATE, "sender_rate_mps": RATE}
-FIXES = {"own_fixes_s": (23.0, 63.0), "sender_fixes_s": (31.0, 57.0)}
+DRIFT: dict[str, Any] = {"own_rate_mps": RATE, "sender_rate_mps": RATE}
+FIXES: dict[str, Any] = {"own_fixes_s": (23.0, 63.0), "sender_fixes_s": (31.0, 57.0)}
 SETTINGS = {
     "packets": Setting(),
     "packets, half of them lost": Setting(loss_prob=0.5),

@@ -1,5 +1,7 @@
 """Claims about the study of consensus filters on a modem: what its numbers mean, and that its runs exist."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -19,7 +21,8 @@ def _run(errors_m):
     recording = Recording.empty(IDS, 0.5 * np.arange(len(errors_m) + 1))
     recording.position_ned_m[:] = SQUARE
     recording.centre_ned_m[:] = SQUARE.mean(axis=0) + errors_m
-    return Run(runs.at_rest("{kind: thesis}", 0.0, 1), None, recording, {})
+    scenario: Any = None  # which the numbers of vehicles at rest do not need
+    return Run(runs.at_rest("{kind: thesis}", 0.0, 1), scenario, recording, {})
 
 
 def _errors(start_m, end_m, settle_at_s):
@@ -78,6 +81,7 @@ def test_a_short_run_stays_where_it_is_and_settles(name):
     assert np.ptp(run.recording.position_ned_m, axis=0).max() < 1e-9
     found = runs.numbers(run)
     assert found.error_rms_m < 0.5
+    assert found.settled_s is not None
     assert found.settled_s < 100.0
     size, rate_bps = runs.payload(run)
     assert size == {runs.PI: 38, runs.PUSH_SUM: 53, runs.MEAN: 32}[name]

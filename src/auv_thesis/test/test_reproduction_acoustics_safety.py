@@ -1,5 +1,7 @@
 """Claims about the safety study: what its numbers mean, and a few of its runs flown short."""
 
+from typing import Any
+
 import pytest
 from matplotlib.figure import Figure as Canvas
 
@@ -28,7 +30,8 @@ def _run(spec, ever_m=1.5, formed_m=1.6, late_m=3.0, path_m=0.05):
         "pair_distance_max_after_200s_m": late_m,
         "centroid_path_rms_after_200s_m": path_m,
     }
-    return Run(spec, None, None, metrics)
+    nothing: Any = None
+    return Run(spec, nothing, nothing, metrics)
 
 
 def _runs(studies, **numbers):

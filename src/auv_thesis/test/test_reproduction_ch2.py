@@ -11,7 +11,7 @@ from auv_experiment.scenario.loading import load_scenario
 from auv_thesis.ch2 import claims as ch2_claims
 from auv_thesis.ch2 import tables as ch2
 from auv_thesis.ch2.figures import FIGURES
-from auv_thesis.ch2.runs import APD, GAIN_RUNS, MIXED, PD, PD_OBSTACLES
+from auv_thesis.ch2.runs import APD, GAIN_RUNS, GAIN_SETS, MIXED, PD, PD_OBSTACLES
 from auv_thesis.items import AGREES, AGREES_IN_PART, DIFFERS, DOES_NOT_HOLD, HOLDS, Run
 
 ITEMS = (*FIGURES, *ch2.TABLES, *ch2_claims.CLAIMS)
@@ -61,7 +61,7 @@ def test_a_settling_time_agrees_within_a_tenth(found_s, verdict):
 
 
 def test_the_printed_gains_do_not_hold_and_the_swapped_ones_do():
-    verdict = ch2_claims._find_gains([_with_readings(gains) for gains in ch2_claims.GAIN_SETS])
+    verdict = ch2_claims._find_gains([_with_readings(gains) for gains in GAIN_SETS])
     assert verdict.holds == DOES_NOT_HOLD
     assert "every digit: [50 40 0]." in verdict.evidence
 

@@ -1,6 +1,7 @@
 """Chapter 3 of the reproduction: verdicts follow from numbers, and its items can be made."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from matplotlib.figure import Figure as Canvas
@@ -74,13 +75,13 @@ def test_the_axes_of_the_start_agree_but_for_the_force_of_the_spiral(short):
 )
 def test_forces_that_stay_are_told(late_n, holds):
     metrics = dict(zip(("x_force_late_n", "y_force_late_n", "z_force_late_n"), late_n, strict=True))
-    run = SimpleNamespace(metrics=metrics)
+    run: Any = SimpleNamespace(metrics=metrics)
     assert ch3_claims._forces_vanish([run, run]).holds == holds
 
 
 @pytest.mark.parametrize(("high_n", "holds"), [(37000.0, HOLDS), (4100.0, DOES_NOT_HOLD)])
 def test_the_force_of_the_spiral_is_judged_by_its_axis(high_n, holds):
-    run = SimpleNamespace(metrics={"force_range_n": [-100.0, high_n]})
+    run: Any = SimpleNamespace(metrics={"force_range_n": [-100.0, high_n]})
     assert ch3_claims._spiral_force([run]).holds == holds
 
 
@@ -96,7 +97,7 @@ def test_stability_is_judged_by_both_candidates(printed, corrected, holds):
         "lyapunov_proof_gap": "why",
     }
     second = {"lyapunov_corrected_falls": corrected, "lyapunov_thesis_rise_ratio": 0.8}
-    runs = [SimpleNamespace(metrics=first), SimpleNamespace(metrics=second)]
+    runs: list[Any] = [SimpleNamespace(metrics=first), SimpleNamespace(metrics=second)]
     assert ch3_claims._stable_by_lyapunov(runs).holds == holds
 
 

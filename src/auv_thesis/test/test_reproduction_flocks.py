@@ -29,6 +29,7 @@ def test_every_run_can_be_resolved(spec):
 def test_what_is_changed_arrives():
     spec = MATCHED_ON[2.0, 0.6]
     scenario = load_scenario(spec.scenario, overrides=spec.overrides)
+    assert scenario.agent.flocking is not None
     assert scenario.agent.flocking.params.bandwidth_ratio == 0.05
     assert scenario.acoustics.outage.params.loss_prob == 0.6
     spec = separation_laws.RUNS["fuzzy", "plant + 30 %"]

@@ -7,9 +7,11 @@ import signal
 import types
 from functools import cache
 from html.parser import HTMLParser
+from typing import Any
 
 import pytest
 
+from auv_core.cli.failures import FAILED
 from auv_thesis import cli
 from auv_thesis.items import (
     Chapter,
@@ -65,6 +67,16 @@ CLAIMS = (
     Claim("5.8", "they fly", (ONE,), lambda runs: Verdict("holds", "they do")),
     Claim("5.8", "they are far apart", (FOUR,), judge_distance),
 )
+
+
+def no_rows(_runs) -> Any:
+    return ["none"]
+
+
+def no_verdict(_runs) -> Any:
+    return True
+
+
 GOOD = Chapter("ch5", "Chapter 5: <flock>", FIGURES, TABLES, CLAIMS)
 BAD = Chapter(
     "ch6",
@@ -73,8 +85,8 @@ BAD = Chapter(
         Figure("6.3", "needs a run that fails", (FOUR, WRONG), draw_track, "caption"),
         Figure("6.4", "raises", (FOUR,), raise_in_two_lines, "caption"),
     ),
-    (Table("6.1", "no rows", (FOUR,), lambda runs: ["none"]),),
-    (Claim("6.2", "no verdict", (FOUR,), lambda runs: True),),
+    (Table("6.1", "no rows", (FOUR,), no_rows),),
+    (Claim("6.2", "no verdict", (FOUR,), no_verdict),),
 )
 
 
@@ -197,17 +209,20 @@ def test_items_of_one_file_without_runs_share_a_study_and_fail_alone(tmp_path):
             stream.write("once ")
         return 2.0
 
+    def draw_study(canvas, _runs):
+        canvas.subplots().plot([study()])
+
     def fail(_runs):
         raise ValueError(f"{study()} is no verdict")
 
     chapter = Chapter(
         "study",
         "Study",
-        (Figure("S.1", "line", (), lambda canvas, _runs: canvas.subplots().plot([study()]), "caption"),),
+        (Figure("S.1", "line", (), draw_study, "caption"),),
         (Table("S.1", "rows", (), lambda _runs: [Row("two", "2", str(study()), "agrees")]),),
         (Claim("S.1", "text", (), fail),),
     )
-    assert cli.main(["--out", str(tmp_path / "page"), "--workers", "3"], [chapter]) == cli.FAILED
+    assert cli.main(["--out", str(tmp_path / "page"), "--workers", "3"], [chapter]) == FAILED
     assert studied.read_text() == "once "
     failures = (tmp_path / "page" / "failures.txt").read_text()
     assert failures.count("== ") == 1
@@ -246,6 +261,7 @@ def test_only_chooses_chapters(capsys):
     ],
 )
 def test_bad_arguments_are_refused_in_one_line(arguments, words, capsys):
+    status: Any
     try:
         status = cli.main(arguments, [GOOD, BAD])
     except SystemExit as end:

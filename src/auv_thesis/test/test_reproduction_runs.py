@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import pytest
 from full_disk import files_of_at_most
@@ -61,7 +62,7 @@ def test_a_run_that_is_asked_for_twice_is_flown_once(tmp_path, flights):
 
 
 def test_the_longest_run_begins_first(tmp_path, monkeypatch):
-    order = []
+    order: list[Any] = []
     monkeypatch.setattr(runner, "spread", lambda calls, n, **_: order.extend(c.args[0].spec for c in calls))
     fly([FOUR, LONGER, ONE], tmp_path)
     assert order[0] == LONGER

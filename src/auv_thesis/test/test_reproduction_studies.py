@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from auv_core.cli.failures import DONE
 from auv_core.cli.tally import Tally
 from auv_experiment.recording import RecordingError
 from auv_thesis import cli
@@ -65,8 +66,8 @@ def test_number_of_seeds_that_is_not_allowed_is_refused_in_one_line(text, capsys
 
 
 def test_command_takes_the_number_of_seeds(tmp_path, capsys):
-    assert cli.main(["--seeds", "1", "--workers", "1", "--out", str(tmp_path)], (STUDY,)) == cli.DONE
+    assert cli.main(["--seeds", "1", "--workers", "1", "--out", str(tmp_path)], (STUDY,)) == DONE
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert "seed=2" not in page
-    assert cli.main(["--list", "--seeds", "3"], (STUDY,)) == cli.DONE
+    assert cli.main(["--list", "--seeds", "3"], (STUDY,)) == DONE
     assert "(3 runs)" in capsys.readouterr().out

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -78,7 +78,7 @@ def run(
 def sweep(
     what: Scenario | str | Path,
     *,
-    grid: Mapping[str, Sequence[Any]] | None = None,
+    grid: Mapping[str, Iterable[Any]] | None = None,
     seeds: Iterable[int] | None = None,
     duration_s: float | None = None,
     workers: int | None = None,
@@ -148,7 +148,7 @@ def sweep(
 
 def _study_of(
     what: Scenario | str | Path,
-    grid: Mapping[str, Sequence[Any]],
+    grid: Mapping[str, Iterable[Any]],
     seeds: list[int],
     duration_s: float | None,
     folder: Path,

@@ -5,6 +5,7 @@ import os
 import pickle
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -132,7 +133,8 @@ def test_a_simulation_that_has_diverged_only_begins_anew():
 
 @pytest.mark.parametrize("numbers", [np.full(6, 3, dtype) for dtype in (np.float32, np.float64, np.int64)])
 def test_numbers_of_numpy_are_numbers(numbers):
-    ours, numpys = (shoal.Simulation("flock_acoustic", seed=seed) for seed in (3, np.int64(3)))
+    a_seed: Any = np.int64(3)
+    ours, numpys = (shoal.Simulation("flock_acoustic", seed=seed) for seed in (3, a_seed))
     ours.step({"auv_1": [3.0] * 6})
     numpys.step({"auv_1": numbers})
     assert ours.states == numpys.states

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,7 +29,7 @@ def surface_metrics(recording: Recording, scenario: Scenario) -> dict[str, float
     }
 
 
-def surface_warning(metrics: dict[str, object]) -> str:
+def surface_warning(metrics: Mapping[str, object]) -> str:
     """Return one line for the user where hulls were in the air, else nothing."""
     share, height_m = metrics.get("hull_in_air_ratio"), metrics.get("hull_in_air_height_m")
     if not isinstance(share, float) or not isinstance(height_m, float):

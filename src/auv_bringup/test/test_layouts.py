@@ -1,5 +1,7 @@
 """Claims about layouts: the same nodes in fewer processes, and what a run cannot have is refused."""
 
+from pathlib import Path
+
 import pytest
 
 from auv_bringup.launching.layout import DEFAULT_LAYOUT, LAYOUTS, check_layout, process_specs
@@ -7,7 +9,7 @@ from auv_bringup.launching.node_specs import node_specs
 from auv_core.params import ConfigError
 from auv_experiment.scenario.loading import load_scenario
 
-NODES = node_specs(load_scenario("flock_acoustic"), mode="lockstep", bag_dir="bag")
+NODES = node_specs(load_scenario("flock_acoustic"), mode="lockstep", bag_dir=Path("bag"))
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
