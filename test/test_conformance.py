@@ -217,7 +217,8 @@ def _use_separation(module, params, inputs):
 def _use_consensus(module, params, inputs):
     consensus = module.Consensus(params, 4)
     layout = Layout(consensus.shared_fields)
-    outputs, held, own = [], (0.0,) * len(layout.fields), inputs.point()
+    outputs: list[Any] = []
+    held, own = (0.0,) * len(layout.fields), inputs.point()
     for tick in range(20):
         own = inputs.kept(tuple(x + 0.01 for x in own))
         heard = inputs.kept([
