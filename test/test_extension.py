@@ -1,4 +1,4 @@
-"""Claim: a new controller, a new separation law and a new vehicle are one new file each, flown by name."""
+"""Claim: a controller, a separation law, a vehicle, a metric and a figure are one new file each."""
 
 import json
 import os
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-THREE_FILES = Path(__file__).parent / "plugins"
+PLUGINS = Path(__file__).parent / "plugins"
 PACKAGES = [
     str(path) for path in (Path(__file__).parents[1] / "src").glob("auv_*") if path.name != "auv_msgs"
 ]
@@ -17,7 +17,7 @@ PACKAGES = [
 
 @pytest.fixture(scope="module")
 def environment(tmp_path_factory):
-    plugins = shutil.copytree(THREE_FILES, tmp_path_factory.mktemp("user") / "plugins")
+    plugins = shutil.copytree(PLUGINS, tmp_path_factory.mktemp("user") / "plugins")
     places = os.pathsep.join([*PACKAGES, os.environ.get("PYTHONPATH", "")])
     return {**os.environ, "PYTHONPATH": places, "SHOAL_PLUGINS": str(plugins)}
 
@@ -30,7 +30,6 @@ def fly(environment, out_dir, *arguments):
         *arguments,
         "--mode",
         "inprocess",
-        "--no-figures",
     ]
     command += ["--out", str(out_dir)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment, check=False)
@@ -40,18 +39,20 @@ def fly(environment, out_dir, *arguments):
 
 
 def test_a_new_controller_and_a_new_vehicle_fly_by_name(environment, tmp_path):
-    metrics = fly(environment, tmp_path, str(THREE_FILES / "kayak_on_a_spring.yaml"))
+    metrics = fly(environment, tmp_path, str(PLUGINS / "kayak_on_a_spring.yaml"), "--format", "pdf")
     assert metrics["position_err_max_m"] < 0.3
     assert metrics["lyapunov_energy_first_rise_s"] > 1.0
+    assert {path.suffix for path in tmp_path.glob("*/figures/depths.*")} == {".pdf", ".png"}
 
 
 def test_a_new_separation_law_and_a_new_vehicle_fly_the_main_job(environment, tmp_path):
     overrides = ["--set", "agent.separation={kind: steady_push, params: {strength_mps: 0.4}}"]
     for index in range(4):
         overrides += ["--set", f"vehicles.{index}.model.preset=kayak"]
-    metrics = fly(environment, tmp_path, "flock_acoustic", "--duration", "60", *overrides)
+    metrics = fly(environment, tmp_path, "flock_acoustic", "--no-figures", "--duration", "60", *overrides)
     assert metrics["pair_distance_min_m"] > 0.4
     assert metrics["formed_at_s"] < 60.0
+    assert metrics["depth_spread_m"] > 0.1
 
 
 def test_without_the_folder_the_names_are_refused(environment, tmp_path):

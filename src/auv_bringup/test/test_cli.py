@@ -261,7 +261,7 @@ def test_an_internal_error_leaves_its_traceback_in_the_logs(tmp_path, capsys, mo
     def broken(*_):
         raise ZeroDivisionError("first line\nsecond line")
 
-    monkeypatch.setattr(law_figures, "run_figures", broken)
+    monkeypatch.setattr(law_figures, "run_drawers", broken)
     assert run(tmp_path, "--mode", "inprocess", "--duration", "1") == 1
     (name,) = folders(tmp_path)
     last = capsys.readouterr().err.splitlines()[-1]

@@ -53,6 +53,15 @@ def plugin_places(folder: str) -> list[Path]:
     return [Path(place) for place in package.__path__]
 
 
+def own_files(folder: str) -> list[Path]:
+    """Return the files that ``SHOAL_PLUGINS`` adds to a plugin folder, and let Python import them."""
+    plugin_places(folder)
+    name = folder.rpartition(".")[2]
+    roots = [root for root in os.environ.get(PLUGINS_VARIABLE, "").split(os.pathsep) if root]
+    found = (path for root in roots for path in sorted(Path(root, name).absolute().glob("*.py")))
+    return [path for path in found if not path.stem.startswith("_")]
+
+
 def find_plugin(folder: str, kind: object) -> ModuleType:
     """
     Return the module of `kind` in the plugin folder.

@@ -7,7 +7,7 @@ Where a run leaves what it found: one folder per run, named by what was run, nev
     provenance.json   seed, overrides, versions of every package, git revision, and how the flight ended
     bag/              what the recorder wrote, or recording.npz for a run in one process
     logs/             one file per node, and the parameters that it was started with
-    metrics.json, figures/*.png, report.html
+    metrics.json, figures/*, report.html
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from auv_core.machine.whole_files import reserve, write_reserved, write_text
+from auv_experiment.figures.formats import PAGE_FORMAT
 from auv_experiment.scenario.strict_yaml import parse_yaml
 
 if TYPE_CHECKING:
@@ -247,8 +248,9 @@ def write_results(
     *,
     mode: str,
     real_time_factor: float,
-    with_figures: bool = True,
+    formats: Sequence[str] = (PAGE_FORMAT,),
     on_step: Callable[[str], None] = lambda step: None,
+    tell: Callable[[str], None] = lambda line: None,
 ) -> dict[str, Any]:
     """
     Write metrics, figures and report of a recorded run, and return the metrics.
@@ -263,26 +265,34 @@ def write_results(
         'lockstep', 'realtime' or 'inprocess'.
     real_time_factor : float
         Simulated seconds per second of wall time during the flight; NaN if unknown.
-    with_figures : bool
-        Without figures the report has the metrics only.
+    formats : sequence of str
+        Formats of the figures, as `with_page_format` gives them; empty for a report without figures.
     on_step : callable
         Told what is being done, in a word or two.
+    tell : callable
+        Gets a line about each file of own metrics or figures that failed.
 
     """
+    from auv_experiment.metrics.own import failure_warning
     from auv_experiment.metrics.run import compute_metrics, metrics_to_json
 
     on_step("metrics")
     metrics = compute_metrics(recording, scenario, mode=mode, real_time_factor=real_time_factor)
     write_text(results_dir / METRICS_FILE, metrics_to_json(metrics))
+    if warning := failure_warning(metrics):
+        tell(warning)
 
+    from auv_experiment.figures.files import SavedFigures, save_figures
     from auv_experiment.report.report import write_report
 
-    figures = []
-    if with_figures:
-        from auv_experiment.figures.by_law import run_figures
+    saved = SavedFigures()
+    if formats:
+        from auv_experiment.figures.by_law import run_drawers
 
         on_step("figures")
-        figures = run_figures(recording, scenario, results_dir / FIGURES)
+        saved = save_figures(run_drawers(recording, scenario), scenario, results_dir / FIGURES, formats)
+    for line in saved.failures:
+        tell(f"{line}; the figure is left out")
     on_step("report")
-    write_report(results_dir, scenario, metrics, figures)
+    write_report(results_dir, scenario, metrics, saved)
     return metrics

@@ -30,7 +30,7 @@ _ENTRANCES = (
     "auv_experiment.scenario.loading",
 )
 _TRACED = ("auv_core", "auv_experiment")
-_NO_SOURCE = {"cli", "laws", "machine", "nodes", "scenarios"}
+_NO_SOURCE = {"cli", "figures", "laws", "machine", "nodes", "scenarios"}
 _PACKAGES = ("numpy", "scipy", "numba", "scikit-fuzzy")
 
 

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from auv_control.references import circle
-from auv_experiment.figures.files import Figure
-from auv_experiment.figures.flock import draw_figures
+from auv_experiment.figures.files import Figure, save_figures
+from auv_experiment.figures.flock import flock_drawers
 from auv_experiment.figures.plotting import round_step, thin_indices, wilson_interval
 from auv_experiment.recording import Recording
 
@@ -73,6 +73,10 @@ def png_size(path: Path) -> tuple[int, int]:
     assert content[-8:-4] == b"IEND"
     width, height = struct.unpack(">II", content[16:24])
     return width, height
+
+
+def draw_figures(recording: Recording, scenario: Any, folder: Path) -> list[Figure]:
+    return list(save_figures(flock_drawers(recording, scenario), scenario, folder).figures)
 
 
 def names(figures: list[Figure]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Collection
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,9 +12,9 @@ import numpy as np
 import pytest
 
 from auv_core.messages import Outcome
-from auv_experiment.figures.acoustics import acoustics_figures
+from auv_experiment.figures.acoustics import acoustics_drawers
 from auv_experiment.figures.by_law import run_drawers
-from auv_experiment.figures.files import Figure
+from auv_experiment.figures.files import Figure, save_figures
 from auv_experiment.recording import Recording
 
 OF_ESTIMATES = ["packet_delivery", "estimate_error"]
@@ -57,6 +58,12 @@ def talking_fleet(
     )
     r.event_values = np.tile([0.0, airtime_s, 20.0], (len(ends), 1))
     return r
+
+
+def acoustics_figures(
+    recording: Recording, scenario: Any, folder: Path, *, only: Collection[str] | None = None
+) -> list[Figure]:
+    return list(save_figures(acoustics_drawers(recording, only=only), scenario, folder).figures)
 
 
 def names(figures: list[Figure]) -> list[str]:

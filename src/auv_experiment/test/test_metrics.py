@@ -47,7 +47,11 @@ def make_scenario(obstacles: tuple[tuple[float, float, float], ...] = ()) -> Any
         seed=7,
         hull_radius_m=0.3,
         follows="velocity",
-        agent=SimpleNamespace(flocking=None),
+        agent=SimpleNamespace(
+            flocking=SimpleNamespace(kind="own", params=SimpleNamespace(spacing_m=2.0)),
+            separation=None,
+            consensus=None,
+        ),
         reference_of=lambda: SimpleNamespace(at=lambda t_s: SimpleNamespace(position=(0.0, 0.0, 10.0))),
         environment=SimpleNamespace(
             obstacles=tuple(SimpleNamespace(position_ned_m=p, safety_distance_m=2.0) for p in obstacles)

@@ -19,7 +19,7 @@ from auv_experiment.metrics.acoustics import (
     neighbour_nees,
     relative_error_ned,
 )
-from auv_experiment.metrics.table import metrics_table
+from auv_experiment.metrics.wording import metrics_table
 from auv_experiment.recording import Recording
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from auv_control.references import PathPoint
-from auv_experiment.figures.path import path_figures
+from auv_experiment.figures.files import save_figures
+from auv_experiment.figures.path import path_drawers
 from auv_experiment.metrics.path import (
     heading_rad,
     path_metrics,
@@ -145,7 +146,9 @@ def test_a_lost_vehicle_leaves_the_errors():
 @pytest.mark.parametrize(("n", "duration_s"), [(2, 100.0), pytest.param(1, 1.0, marks=pytest.mark.slow)])
 @pytest.mark.filterwarnings("error")
 def test_figures_are_drawn(tmp_path, n, duration_s):
-    drawn = path_figures(_decaying(n, duration_s=duration_s), _scenario(n=n, obstacles=(ROCK,)), tmp_path)
+    scenario = _scenario(n=n, obstacles=(ROCK,))
+    drawers = path_drawers(_decaying(n, duration_s=duration_s), scenario)
+    drawn = save_figures(drawers, scenario, tmp_path).figures
     assert [figure.path.stem for figure in drawn] == [
         "path_plan",
         "path_position_errors",
@@ -155,5 +158,5 @@ def test_figures_are_drawn(tmp_path, n, duration_s):
     assert all(figure.path.stat().st_size > 5000 and figure.title and figure.caption for figure in drawn)
 
 
-def test_no_figures_without_a_path(tmp_path):
-    assert path_figures(_decaying(), _scenario(paths=set()), tmp_path / "none") == []
+def test_no_figures_without_a_path():
+    assert path_drawers(_decaying(), _scenario(paths=set())) == {}

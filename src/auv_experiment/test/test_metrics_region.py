@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from auv_experiment.figures.region import region_figures
+from auv_experiment.figures.files import save_figures
+from auv_experiment.figures.region import region_drawers
 from auv_experiment.metrics.region import region_metrics, ring_of
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.loading import load_scenario
@@ -47,16 +48,17 @@ def test_extremes():
     json.dumps(metrics, allow_nan=False)
 
 
-def test_a_law_without_a_ring_has_no_such_numbers(tmp_path):
+def test_a_law_without_a_ring_has_no_such_numbers():
     scenario = load_scenario("ch5_four_leaders")
     recording = Recording.empty([vehicle.id for vehicle in scenario.vehicles], np.arange(3.0))
     assert ring_of(scenario) is None
     assert region_metrics(recording, scenario) == {}
-    assert region_figures(recording, scenario, tmp_path) == []
+    assert region_drawers(recording, scenario) == {}
 
 
 def test_figures_are_drawn(tmp_path):
-    figures = region_figures(_recording([COMES_AND_STAYS, LEAVES, NEVER_OUT]), SCENARIO, tmp_path)
+    drawers = region_drawers(_recording([COMES_AND_STAYS, LEAVES, NEVER_OUT]), SCENARIO)
+    figures = save_figures(drawers, SCENARIO, tmp_path).figures
     assert [figure.path.stem for figure in figures] == [
         "region_space",
         "region_plan",

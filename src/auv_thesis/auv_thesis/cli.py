@@ -17,6 +17,7 @@ from auv_core.machine.processors import processor_count
 from auv_core.machine.whole_files import write_text
 from auv_core.params import ConfigError
 from auv_experiment import results
+from auv_experiment.figures.formats import add_format_option
 from auv_thesis.items import Chapter, ChapterError, chapters, choose, with_seeds
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ how it works:
 results:
   DIR/index.html      the page: one self-contained file, to send or print
   DIR/summary.json    the same content as data
-  DIR/figures/*.png   the figures as single files
+  DIR/figures/*       the figures as single files
   DIR/failures.txt    tracebacks of failures; only if something failed
   A run that fails does not stop the others. The page marks each item that depends on it.
 
@@ -59,7 +60,7 @@ exit status:
 examples:
   ./scripts/reproduce                    everything
   ./scripts/reproduce --list             list chapters and items; fly nothing
-  ./scripts/reproduce --only ch3         one chapter
+  ./scripts/reproduce --only ch3 --format pdf        one chapter, its figures for a paper, too
   ./scripts/reproduce --only ch2,ch4 --out /tmp/two_chapters
   ./scripts/reproduce --only acoustics --seeds 100   the studies with all their seeds
   ./scripts/reproduce --docs             write equations.md and figures.md of docs/reference again
@@ -124,6 +125,7 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         help="folder of the page and the kept runs (default: %(default)s)",
     )
+    add_format_option(parser)
     group = parser.add_mutually_exclusive_group()
     group.add_argument(
         "--list", action="store_true", help="list chapters, figures, tables and claims; fly nothing"
@@ -186,7 +188,7 @@ def _reproduce(chosen: Sequence[Chapter], options: argparse.Namespace, arguments
     with Tally("runs") as tally:
         flown = fly_all(specs, store, n_workers=n_workers, tally=tally, is_fresh=options.fresh)
     with Tally("figures, tables and claims") as tally:
-        outcomes = evaluate(chosen, flown, store, n_workers=n_workers, tally=tally)
+        outcomes = evaluate(chosen, flown, store, n_workers=n_workers, tally=tally, formats=options.formats)
     store.forget_old()
     command = shlex.join(["./scripts/reproduce", *arguments])
     wall_s = time.monotonic() - start_s

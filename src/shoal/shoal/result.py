@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import warnings
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from auv_core.machine.whole_files import write_text
 from auv_core.params import ConfigError, shown
 from auv_experiment import results
+from auv_experiment.figures.formats import FORMATS, PAGE_FORMAT, with_page_format
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.recording import Recording, RecordingError
 from auv_experiment.scenario import schema
@@ -20,7 +23,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from auv_experiment.figures.files import Drawer
+    from auv_experiment.figures import Drawer
     from shoal.scenario import Scenario
 
 
@@ -156,7 +159,9 @@ class Result:
 
         return to_pandas(self.recording, self.scenario, self.mode)
 
-    def save(self, folder: str | Path, *, with_figures: bool = True) -> Path:
+    def save(
+        self, folder: str | Path, *, with_figures: bool = True, formats: Sequence[str] = (PAGE_FORMAT,)
+    ) -> Path:
         """
         Write scenario, recording, metrics, figures and report, as the run command does; return the folder.
 
@@ -166,13 +171,19 @@ class Result:
             A new or an empty folder.
         with_figures : bool
             Whether to draw figures.
+        formats : sequence of str
+            Formats of the figures: "png", and for one column of a paper "pdf" and "svg". PNG is always made.
 
         Raises
         ------
+        ConfigError
+            For another format; one line.
         ResultsError
             When the folder holds something, or cannot be made; one line.
 
         """
+        if unknown := [name for name in formats if name not in FORMATS]:
+            raise ConfigError(f"formats: {shown(unknown[0])} is not allowed; allowed: {', '.join(FORMATS)}")
         place = Path(folder)
         results.make_folder(place)
         if any(place.iterdir()):
@@ -189,7 +200,8 @@ class Result:
             self.recording,
             mode=self.mode,
             real_time_factor=math.nan if factor is None else factor,
-            with_figures=with_figures,
+            formats=with_page_format(formats) if with_figures else (),
+            tell=lambda line: warnings.warn(line, stacklevel=3),
         )
         return place
 

@@ -48,6 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace, place: _TracebackPlace) -> int:
     if options.list:
         return _list()
+    _check_own_files()
     if options.report is not None:
         place.folder = options.report / results.LOGS
         return _report_again(options.report, options)
@@ -77,6 +78,14 @@ def _run(options: argparse.Namespace, place: _TracebackPlace) -> int:
             return _fly_with_nodes(plan, folder, options, claim)
         except KeyboardInterrupt:
             return _interrupted(folder)
+
+
+def _check_own_files() -> None:
+    from auv_experiment.figures.own import own_files_of_figures
+    from auv_experiment.metrics.own import own_files_of_metrics
+
+    own_files_of_metrics()
+    own_files_of_figures()
 
 
 def _missing_of_ros() -> str:
@@ -266,7 +275,7 @@ def _show_results(
 ) -> dict[str, Any]:
     """Write metrics, figures and report; print the metrics and where the report is; return the metrics."""
     from auv_experiment.metrics.surface import surface_warning
-    from auv_experiment.metrics.table import metrics_table
+    from auv_experiment.metrics.wording import metrics_table
 
     metrics = results.write_results(
         folder,
@@ -274,8 +283,9 @@ def _show_results(
         recording,
         mode=mode,
         real_time_factor=real_time_factor,
-        with_figures=not options.no_figures,
+        formats=() if options.no_figures else options.formats,
         on_step=lambda step: print(f"{step} ...", file=sys.stderr, flush=True),
+        tell=_warn,
     )
     warning = surface_warning(metrics)
     if warning:

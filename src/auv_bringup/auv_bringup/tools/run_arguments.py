@@ -9,6 +9,7 @@ from pathlib import Path
 from auv_bringup.launching.layout import LAYOUTS
 from auv_bringup.launching.plan import DEFAULT_SCENARIO, MODES
 from auv_core.cli.one_line_parser import OneLineParser
+from auv_experiment.figures.formats import add_format_option
 
 _HELP = """\
 Fly a flock of autonomous underwater vehicles, and report the result in numbers and
@@ -75,7 +76,7 @@ examples:
   ./scripts/run --set 'environment.current_ned_mps=[0.2, 0, 0]' --duration 60
   ./scripts/run ch5_one_leader                   a table of the thesis, in one process
   ./scripts/run my_scenario.yaml --mode inprocess --out /tmp/results
-  ./scripts/run --report results/flock_acoustic-1-lockstep
+  ./scripts/run --report results/flock_acoustic-1-lockstep --format pdf,svg
 """
 
 
@@ -127,6 +128,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         action="store_true",
         help="store no recording; a run with nodes then has no metrics or figures: they are made from it",
     )
+    add_format_option(parser)
     parser.add_argument("--no-figures", action="store_true", help="metrics and a report of them, no figures")
     parser.add_argument(
         "--discovery",

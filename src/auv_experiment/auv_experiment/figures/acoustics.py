@@ -9,25 +9,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure as Canvas
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from auv_core.messages import Outcome
+from auv_experiment.figures import Drawer, Drawing
 from auv_experiment.figures.estimates import ESTIMATE_DRAWERS
-from auv_experiment.figures.files import WIDTH_IN, Drawer, Drawing, Figure, save_figures
-from auv_experiment.figures.plotting import legend_below, wilson_interval
+from auv_experiment.figures.plotting import legend_below, new_canvas, side_by_side, wilson_interval
 from auv_experiment.metrics import acoustics as metrics_acoustics
 from auv_experiment.metrics.links import link_counts
 from auv_experiment.recording import IntArray, Recording
 
 if TYPE_CHECKING:
-    from auv_experiment.scenario.schema import Scenario
+    pass
 
 MAX_LABELLED_LINKS = 30
 _DELAY_BINS = 40
@@ -39,32 +37,6 @@ _CAUSES: dict[Outcome, tuple[str, dict[str, Any]]] = {
     Outcome.HALF_DUPLEX: ("receiver was sending", {"facecolor": "white", "hatch": "xxxx"}),
     Outcome.RANGE: ("out of range", {"facecolor": "0.08"}),
 }
-
-
-def acoustics_figures(
-    recording: Recording, scenario: Scenario, out_dir: Path, *, only: Collection[str] | None = None
-) -> list[Figure]:
-    """
-    Draw the figures of network, navigation and neighbour filters whose data exist, as PNG files.
-
-    Parameters
-    ----------
-    recording : Recording
-        What happened.
-    scenario : Scenario
-        What was asked for: its name.
-    out_dir : Path
-        Folder for the files; made if it does not exist.
-    only : collection of str, optional
-        Names of the figures to draw; all, if left out.
-
-    Returns
-    -------
-    figures : list of Figure
-        In the order in which a report shows them.
-
-    """
-    return save_figures(acoustics_drawers(recording, only=only), scenario, out_dir)
 
 
 def acoustics_drawers(recording: Recording, *, only: Collection[str] | None = None) -> dict[str, Drawer]:
@@ -85,10 +57,8 @@ def _draw_packet_losses(recording: Recording) -> Drawing | None:
     links = [(i, j) for i, j in np.argwhere(total > 0).tolist()]
     panels = _loss_rows(recording, links, counts, total)
     height_in = 1.3 + 0.19 * max(len(names) for _, names, _ in panels)
-    canvas = Canvas(figsize=(WIDTH_IN, height_in), layout="constrained")
-    for axes, (title, names, ratios) in zip(
-        canvas.subplots(1, len(panels), squeeze=False)[0], panels, strict=True
-    ):
+    canvas = new_canvas(height_in)
+    for axes, (title, names, ratios) in zip(side_by_side(canvas, len(panels)), panels, strict=True):
         _plot_stacked(axes, names, ratios)
         axes.set_title(title)
         axes.set_xlabel("share of packets lost")
@@ -143,7 +113,7 @@ def _draw_packet_delay(recording: Recording) -> Drawing | None:
     if not metrics_acoustics.has_modem(recording) or not len(delay_s) or np.ptp(delay_s) < _SAME_S:
         return None
     is_wide = delay_s.min() > 0.0 and delay_s.max() > 30.0 * delay_s.min()
-    canvas = Canvas(figsize=(WIDTH_IN, 2.8), layout="constrained")
+    canvas = new_canvas(2.8)
     axes = canvas.add_subplot()
     low_s, high_s = float(delay_s.min()), float(delay_s.max())
     space = np.geomspace if is_wide else np.linspace
@@ -172,8 +142,8 @@ def _draw_packet_delivery(recording: Recording) -> Drawing | None:
     overall = delivered.sum() / expected.sum()
     links = [(i, j) for i, j in np.argwhere(expected > 0).tolist()]
     is_few = len(links) <= MAX_LABELLED_LINKS
-    canvas = Canvas(figsize=(WIDTH_IN, 3.5 if len(links) <= 12 else 5.5), layout="constrained")
-    axes = canvas.subplots(1, 2 if is_few else 1, width_ratios=(4, 5) if is_few else None, squeeze=False)[0]
+    canvas = new_canvas(3.5 if len(links) <= 12 else 5.5)
+    axes = side_by_side(canvas, 2 if is_few else 1, (4, 5) if is_few else None)
     _plot_delivery_matrix(axes[0], recording, expected, delivered, has_numbers=is_few)
     if is_few:
         _plot_delivery_bands(axes[1], recording, links, expected, delivered, overall)

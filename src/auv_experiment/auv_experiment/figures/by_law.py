@@ -1,13 +1,13 @@
-"""The figures of a run: each family of laws has its own, and a group has those of a group."""
+"""The figures of a run: those of its family of laws, of a group, of the network, and own ones."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
+from auv_experiment.figures import Drawer
 from auv_experiment.figures.acoustics import acoustics_drawers
-from auv_experiment.figures.files import Drawer, Figure, save_figures
 from auv_experiment.figures.flock import flock_drawers
+from auv_experiment.figures.own import own_drawers
 from auv_experiment.figures.path import path_drawers
 from auv_experiment.figures.region import region_drawers
 from auv_experiment.recording import Recording
@@ -19,15 +19,11 @@ if TYPE_CHECKING:
 def run_drawers(recording: Recording, scenario: Scenario) -> dict[str, Drawer]:
     """Return what draws each figure of a run, by name, in the order in which a report shows them."""
     if scenario.follows == "velocity":
-        own = flock_drawers(recording, scenario)
+        found = flock_drawers(recording, scenario)
     elif scenario.follows == "region":
-        own = region_drawers(recording, scenario)
+        found = region_drawers(recording, scenario)
     else:
-        own = path_drawers(recording, scenario)
-        own |= flock_drawers(recording, scenario, only=("pair_distances",))
-    return own | acoustics_drawers(recording)
-
-
-def run_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> list[Figure]:
-    """Draw the figures of a run as PNG files into `out_dir`, in the order in which a report shows them."""
-    return save_figures(run_drawers(recording, scenario), scenario, out_dir)
+        found = path_drawers(recording, scenario)
+        found |= flock_drawers(recording, scenario, only=("pair_distances",))
+    found |= acoustics_drawers(recording)
+    return found | own_drawers(recording, scenario, taken=found)

@@ -9,17 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from auv_experiment.figures.files import MAX_LINES, WIDTH_IN, Drawing
+from auv_experiment.figures import Drawing
 from auv_experiment.figures.plotting import (
+    MAX_LINES,
     legend_below,
     log_scale,
     marker,
+    new_canvas,
     plot_band,
     plot_thinned,
+    side_by_side,
     span_time,
     two_sigma_handle,
     vehicle_style,
@@ -47,7 +49,7 @@ def _draw_estimate_error(recording: Recording) -> Drawing | None:
     i, j = _worst_pair(square_m2)
     t_s = recording.t_s[:-1]
     window = _zoom_window(t_s)
-    canvas = Canvas(figsize=(WIDTH_IN, 6.6), layout="constrained")
+    canvas = new_canvas(6.6)
     grid = canvas.subplots(4, 2, width_ratios=(5, 3), sharex="col", sharey="row")
     for row, component in enumerate(("north", "east", "down")):
         for axes, shown in zip(grid[row], (slice(None), window), strict=True):
@@ -85,8 +87,8 @@ def _draw_information_age(recording: Recording) -> Drawing | None:
         return None
     t_s = recording.t_s[:-1]
     sonar_age_s = _between_vehicles(recording, recording.neighbour_sonar_age_s)
-    canvas = Canvas(figsize=(WIDTH_IN, 3.2), layout="constrained")
-    left, right = canvas.subplots(1, 2, width_ratios=(1, 1))
+    canvas = new_canvas(3.2)
+    left, right = side_by_side(canvas, 2)
     middle_s, (low, median, high, most) = _in_windows(t_s, age_s, (0.05, 0.5, 0.95, 1.0))
     left.fill_between(middle_s, low, high, facecolor="0.82", linewidth=0.0, label="5 to 95 %")
     left.plot(middle_s, median, color="black", label="median")
@@ -138,7 +140,7 @@ def _draw_nees(recording: Recording) -> Drawing | None:
     t_s = recording.t_s[ticks]
     middle_s, (low, high) = _in_windows(t_s, nees, (0.025, 0.975))
     mean = _means_in_windows(t_s, nees)
-    canvas = Canvas(figsize=(WIDTH_IN, 3.2), layout="constrained")
+    canvas = new_canvas(3.2)
     axes = canvas.add_subplot()
     axes.axhspan(*_CHI2_3_BAND, facecolor="0.88", linewidth=0.0)
     axes.axhline(3.0, color="0.45", linewidth=1.0)
@@ -174,7 +176,7 @@ def _draw_navigation_drift(recording: Recording) -> Drawing | None:
         return None
     error_m = np.linalg.norm(metrics_acoustics.navigation_error_ned_m(recording)[..., :2], axis=-1)
     t_s, n = recording.t_s[:-1], recording.n_vehicles
-    canvas = Canvas(figsize=(WIDTH_IN, 3.2), layout="constrained")
+    canvas = new_canvas(3.2)
     axes = canvas.add_subplot()
     sd_m = recording.nav_position_sd_m
     handles = []

@@ -1,23 +1,24 @@
-"""A figure of a report: what it says, and how it is written to disk."""
+"""Figures of a run as files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import matplotlib
-from matplotlib.figure import Figure as Canvas
+from matplotlib import rc_context
 
-from auv_experiment.figures.plotting import STYLE, save_canvas
+from auv_core.machine.whole_files import whole_file
+from auv_experiment.figures import Drawer, Drawing
+from auv_experiment.figures.formats import PAGE_FORMAT
+from auv_experiment.figures.own import OwnFigureError
+from auv_experiment.figures.plotting import PAGE_STYLE, save_canvas, style_of
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
 DPI = 170
-WIDTH_IN = 6.5
-MAX_LINES = 10
 _THESIS_FIGURES = {
     (scenario, name): number
     for scenario, tracks, pairs in (
@@ -31,7 +32,7 @@ _THESIS_FIGURES = {
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure on disk: where it is, what it is called, what to see in it."""
+    """One figure on disk: its PNG file, its title, and what to see in it."""
 
     path: Path
     title: str
@@ -39,36 +40,89 @@ class Figure:
 
 
 @dataclass(frozen=True)
-class Drawing:
-    """A figure that is not on disk yet."""
+class SavedFigures:
+    """The figures of a run, and a line for each own figure that failed."""
 
-    canvas: Canvas
-    title: str
-    caption: str
-
-
-Drawer = Callable[[], Drawing | None]
-"""Draws one figure, None where its data do not exist."""
+    figures: tuple[Figure, ...] = ()
+    failures: tuple[str, ...] = ()
 
 
 def draw_in_style(draw: Drawer) -> Drawing | None:
-    """Draw in the style of all figures."""
-    with matplotlib.rc_context(STYLE):
+    """Draw in the style of pages."""
+    with rc_context(PAGE_STYLE):
         return draw()
 
 
-def save_figures(drawers: Mapping[str, Drawer], scenario: Scenario, out_dir: Path) -> list[Figure]:
-    """Draw, in the style of all figures, and write each drawing as ``<name>.png``."""
+def save_figures(
+    drawers: Mapping[str, Drawer],
+    scenario: Scenario,
+    out_dir: Path,
+    formats: Sequence[str] = (PAGE_FORMAT,),
+) -> SavedFigures:
+    """
+    Draw figures and write them as ``<name>.<format>``.
+
+    Parameters
+    ----------
+    drawers : mapping of str to Drawer
+        What draws each figure, by name.
+    scenario : Scenario
+        What was flown: its name.
+    out_dir : Path
+        Folder for the files; made if it does not exist.
+    formats : sequence of str
+        Formats of the files; PNG is among them.
+
+    """
     out_dir.mkdir(parents=True, exist_ok=True)
-    figures = []
+    figures, failures = [], []
     for name, draw in drawers.items():
-        with matplotlib.rc_context(STYLE):
+        try:
+            drawing = draw_files(draw, out_dir / name, formats)
+        except OwnFigureError as error:
+            failures.append(str(error))
+            continue
+        if drawing is not None:
+            thesis_figure = _THESIS_FIGURES.get((scenario.name, name))
+            title = drawing.title + (f" (thesis Fig. {thesis_figure})" if thesis_figure else "")
+            figures.append(Figure(out_dir / f"{name}.{PAGE_FORMAT}", title, drawing.caption))
+    return SavedFigures(tuple(figures), tuple(failures))
+
+
+def draw_files(
+    draw: Drawer, stem: Path, formats: Sequence[str] = (PAGE_FORMAT,), *, dpi: int = DPI
+) -> Drawing | None:
+    """
+    Draw a figure in the style of each format, and write each file whole or not at all.
+
+    Parameters
+    ----------
+    draw : Drawer
+        Draws the figure.
+    stem : Path
+        Path of the files without the ending.
+    formats : sequence of str
+        Of `auv_experiment.figures.formats.FORMATS`.
+    dpi : int
+        Resolution of PNG (dots per inch).
+
+    Returns
+    -------
+    drawing : Drawing or None
+        The figure; None where its data do not exist, and so no file.
+
+    Raises
+    ------
+    WriteError
+        When a file cannot be written.
+
+    """
+    drawing = None
+    for file_format in formats:
+        with rc_context(style_of(file_format)):
             drawing = draw()
             if drawing is None:
-                continue
-            path = out_dir / f"{name}.png"
-            save_canvas(drawing.canvas, path, DPI)
-        thesis_figure = _THESIS_FIGURES.get((scenario.name, name))
-        title = drawing.title + (f" (thesis Fig. {thesis_figure})" if thesis_figure else "")
-        figures.append(Figure(path, title, drawing.caption))
-    return figures
+                return None
+            with whole_file(stem.with_name(f"{stem.name}.{file_format}")) as unfinished:
+                save_canvas(drawing.canvas, unfinished, file_format, dpi=dpi)
+    return drawing

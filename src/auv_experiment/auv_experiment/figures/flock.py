@@ -12,10 +12,9 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from auv_experiment.figures.files import Drawer, Figure, save_figures
+from auv_experiment.figures import Drawer
 from auv_experiment.figures.flock_histories import HISTORY_DRAWERS
 from auv_experiment.figures.flock_run import FlockRun
 from auv_experiment.figures.flock_tracks import TRACK_DRAWERS
@@ -25,36 +24,10 @@ if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
 
-def draw_figures(
-    recording: Recording, scenario: Scenario, out_dir: Path, *, only: Collection[str] | None = None
-) -> list[Figure]:
-    """
-    Draw every figure of a group whose data exist, as PNG files.
-
-    Parameters
-    ----------
-    recording : Recording
-        What happened.
-    scenario : Scenario
-        What was asked for: path, obstacles, leaders, hull radius, name.
-    out_dir : Path
-        Folder for the files; made if it does not exist.
-    only : collection of str, optional
-        Names of the figures to draw; all, if left out.
-
-    Returns
-    -------
-    figures : list of Figure
-        In the order in which a report shows them.
-
-    """
-    return save_figures(flock_drawers(recording, scenario, only=only), scenario, out_dir)
-
-
 def flock_drawers(
     recording: Recording, scenario: Scenario, *, only: Collection[str] | None = None
 ) -> dict[str, Drawer]:
-    """Return what draws each figure of a group, by name; see `draw_figures`."""
+    """Return what draws each figure of a group, by name."""
     run = FlockRun(recording, scenario)
     every = {**TRACK_DRAWERS, **HISTORY_DRAWERS}
     return {name: partial(draw, run) for name, draw in every.items() if only is None or name in only}

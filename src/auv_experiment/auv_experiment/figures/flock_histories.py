@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from auv_experiment.figures.files import MAX_LINES, WIDTH_IN, Drawing
+from auv_experiment.figures import Drawing
 from auv_experiment.figures.flock_run import FlockRun
 from auv_experiment.figures.plotting import (
+    MAX_LINES,
     band_handle,
     legend_below,
     log_scale,
     marker,
+    new_canvas,
     plot_thinned,
+    side_by_side,
     span_time,
     vehicle_style,
 )
@@ -35,8 +38,8 @@ def _draw_pair_distances(run: FlockRun) -> Drawing | None:
     distances_m = pair_distances_m(run.recording)
     if not np.isfinite(distances_m).any():
         return None
-    canvas = Canvas(figsize=(WIDTH_IN, 3.6), layout="constrained")
-    first, rest = canvas.subplots(1, 2, width_ratios=(2, 3))
+    canvas = new_canvas(3.6)
+    first, rest = side_by_side(canvas, 2, (2, 3))
     split_s = _approach_window_s(run.t_s, distances_m)
     windows = ((first, run.t_s <= split_s), (rest, run.t_s >= split_s))
     for axes, window in windows:
@@ -105,7 +108,7 @@ def _draw_speed(run: FlockRun) -> Drawing | None:
     flown_mps = np.linalg.norm(run.recording.velocity_body[..., :3], axis=-1)
     if not np.isfinite(asked_mps).any() or not np.isfinite(flown_mps).any():
         return None
-    canvas = Canvas(figsize=(WIDTH_IN, 4.4), layout="constrained")
+    canvas = new_canvas(4.4)
     upper, lower = canvas.subplots(2, 1, sharex=True)
     _plot_vehicles(upper, run, run.t_s[:-1], asked_mps)
     _plot_vehicles(lower, run, run.t_s, flown_mps)
@@ -175,7 +178,7 @@ def _plot_vehicles(axes: Any, run: FlockRun, t_s: FloatArray, values: FloatArray
 
 
 def _time_axes(ylabel: str) -> tuple[Canvas, Any]:
-    canvas = Canvas(figsize=(WIDTH_IN, 3.4), layout="constrained")
+    canvas = new_canvas(3.4)
     axes = canvas.add_subplot()
     axes.set_xlabel("time (s)")
     axes.set_ylabel(ylabel)

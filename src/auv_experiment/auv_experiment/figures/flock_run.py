@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.lines import Line2D
 
-from auv_experiment.figures.files import MAX_LINES
-from auv_experiment.figures.plotting import marker, vehicle_style
+from auv_experiment.figures.plotting import MAX_LINES, marker, vehicle_style
 from auv_experiment.metrics.distances import centroid_ned_m, flock_positions_ned_m, path_ned_m
 from auv_experiment.recording import FloatArray, Recording
 

@@ -6,11 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from auv_experiment.figures.files import WIDTH_IN, Drawing
+from auv_experiment.figures import Drawing
 from auv_experiment.figures.flock_run import FlockRun, path_handle, vehicle_handles
 from auv_experiment.figures.plotting import (
     MAX_COLUMNS,
@@ -19,6 +18,7 @@ from auv_experiment.figures.plotting import (
     legend_below,
     mark,
     marker,
+    new_canvas,
     plot_obstacle,
     plot_plan_line,
     plot_sphere,
@@ -31,7 +31,7 @@ from auv_experiment.recording import FloatArray
 def _draw_plan(run: FlockRun) -> Drawing | None:
     if not np.isfinite(run.recording.position_ned_m).any():
         return None
-    canvas = Canvas(figsize=(WIDTH_IN, 6.2), layout="constrained")
+    canvas = new_canvas(6.2)
     axes = canvas.add_subplot()
     plot_plan_line(axes, run.path_ned_m, color="0.55", linewidth=3.0, alpha=0.55, zorder=1)
     plot_plan_line(axes, run.centroid_ned_m, color="0.35", linewidth=1.4, linestyle=(0, (2, 1)), zorder=3)
@@ -70,7 +70,7 @@ def _draw_space(run: FlockRun) -> Drawing | None:
     positions = run.recording.position_ned_m
     if not np.isfinite(positions).any():
         return None
-    canvas = Canvas(figsize=(WIDTH_IN, 5.2))
+    canvas = new_canvas(5.2, layout=None)
     axes: Any = canvas.add_axes((0.0, 0.12, 0.94, 0.88), projection="3d")
     north, east, down = run.path_ned_m.T
     axes.plot(east, north, down, color="0.55", linewidth=3.0, alpha=0.55)

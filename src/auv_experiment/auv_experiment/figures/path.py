@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,13 +16,15 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 
 from auv_core.models import frame_of
-from auv_experiment.figures.files import WIDTH_IN, Drawer, Drawing, Figure, save_figures
+from auv_experiment.figures import Drawer, Drawing
 from auv_experiment.figures.plotting import (
     legend_below,
     mark,
+    new_canvas,
     plot_obstacle,
     plot_plan_line,
     plot_thinned,
+    set_height,
     span_time,
     vehicle_style,
 )
@@ -38,42 +39,20 @@ APPROACH_S = 60.0
 _NED = ("north", "east", "down")
 
 
-def path_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> list[Figure]:
-    """
-    Draw the figures of a path-following run as PNG files.
-
-    Parameters
-    ----------
-    recording : Recording
-        What happened.
-    scenario : Scenario
-        What was asked for: paths, obstacles.
-    out_dir : Path
-        Folder for the files; made if it does not exist.
-
-    Returns
-    -------
-    figures : list of Figure
-        In the order in which a report shows them; empty where no vehicle has a path.
-
-    """
-    return save_figures(path_drawers(recording, scenario), scenario, out_dir)
-
-
 def path_drawers(recording: Recording, scenario: Scenario) -> dict[str, Drawer]:
-    """Return what draws each figure of a path-following run, by name; see `path_figures`."""
+    """Return what draws each figure of a path-following run, by name."""
     if not metrics_path.path_followers(scenario) or not np.isfinite(recording.position_ned_m).any():
         return {}
 
     def drawn(draw: Callable[..., tuple[str, str]]) -> Drawing:
-        canvas = Canvas(layout="constrained")
+        canvas = new_canvas()
         return Drawing(canvas, *draw(canvas, recording, scenario))
 
     return {name: partial(drawn, draw) for name, draw in _DRAWERS.items()}
 
 
 def _draw_plan(canvas: Canvas, recording: Recording, scenario: Scenario) -> tuple[str, str]:
-    canvas.set_size_inches(WIDTH_IN, 6.0)
+    set_height(canvas, 6.0)
     axes = canvas.add_subplot()
     paths, _ = metrics_path.path_points_ned(recording, scenario)
     positions = flock_positions_ned_m(recording)
@@ -141,7 +120,7 @@ def _draw_components(
     windows = [t_s <= APPROACH_S]
     if t_s[-1] > 1.5 * APPROACH_S:
         windows.append(t_s >= APPROACH_S)
-    canvas.set_size_inches(WIDTH_IN, 1.1 + 1.5 * len(shown))
+    set_height(canvas, 1.1 + 1.5 * len(shown))
     grid = canvas.subplots(
         len(shown), len(windows), sharex="col", squeeze=False, width_ratios=(2, 3)[: len(windows)]
     )

@@ -8,20 +8,25 @@ up.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.figure import Figure as Canvas
 from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import FuncFormatter, LogLocator
 from numpy.typing import NDArray
 
-from auv_core.machine.whole_files import whole_file
+from auv_experiment.figures.formats import PAGE_FORMAT
 from auv_experiment.recording import FloatArray
 
 MAX_COLUMNS = 1200
-STYLE = {
+MAX_LINES = 10
+PAGE_STYLE: dict[str, Any] = {
+    "figure.figsize": (6.5, 3.6),
     "font.size": 9.0,
     "axes.titlesize": 9.0,
     "axes.labelsize": 9.0,
@@ -35,6 +40,29 @@ STYLE = {
     "lines.markersize": 4.5,
     "axes.spines.top": False,
     "axes.spines.right": False,
+}
+"""For pages: PNG."""
+PAPER_STYLE: dict[str, Any] = {
+    **PAGE_STYLE,
+    "figure.figsize": (3.5, 2.4),
+    "font.size": 8.0,
+    "axes.titlesize": 8.0,
+    "axes.labelsize": 8.0,
+    "legend.fontsize": 7.0,
+    "lines.markersize": 3.5,
+    "pdf.fonttype": 42,  # TrueType, embedded and searchable; journals refuse the Type 3 of the default
+    "svg.fonttype": "path",  # letters as outlines: an SVG cannot embed the font, and a reader may lack it
+    "svg.hashsalt": "shoal",
+}
+"""For one column of a paper: PDF and SVG."""
+_WIDE_IN = 5.0
+_PAPER_HEIGHT = 0.8
+_HANDLE_EM, _LETTER_EM = 4.8, 0.55
+"""Width of a legend's column beside its words, and of a letter (em)."""
+_METADATA: dict[str, dict[str, None]] = {
+    "png": {"Software": None},
+    "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
+    "svg": {"Date": None},
 }
 # dark to light, apart in grey as well as for colour-blind readers
 _COLOURS = ("#111111", "#0063a8", "#c84b00", "#3a9d6e", "#7b3f8c", "#b58900")
@@ -57,10 +85,48 @@ def vehicle_style(i: int) -> dict[str, Any]:
     return {"color": colour(i), "linestyle": _DASHES[i % len(_DASHES)]}
 
 
-def save_canvas(canvas: Canvas, path: Path, dpi: int) -> None:
-    """Write a PNG file whole or not at all, the same bytes whenever it is drawn; raise WriteError."""
-    with whole_file(path) as unfinished:
-        canvas.savefig(unfinished, dpi=dpi, metadata={"Software": None})
+def new_canvas(height_in: float = 3.6, *, layout: Literal["constrained"] | None = "constrained") -> Canvas:
+    """
+    Return an empty figure of the width that the style asks for.
+
+    Parameters
+    ----------
+    height_in : float
+        Height in the style of pages (in); in that of papers it is less.
+    layout : str or None
+        As of Matplotlib.
+
+    """
+    canvas = Canvas(layout=layout)
+    set_height(canvas, height_in)
+    return canvas
+
+
+def set_height(canvas: Canvas, height_in: float) -> None:
+    """Give a figure its height in the style of pages (in); in that of papers it is less."""
+    canvas.set_figheight(height_in if _is_wide(canvas) else _PAPER_HEIGHT * height_in)
+
+
+def side_by_side(canvas: Canvas, count: int, width_ratios: Sequence[float] | None = None) -> list[Any]:
+    """Return axes side by side; in a narrow figure, which becomes higher, one above the other."""
+    if _is_wide(canvas):
+        return list(canvas.subplots(1, count, width_ratios=width_ratios, squeeze=False)[0])
+    canvas.set_figheight((0.5 + 0.4 * count) * canvas.get_figheight())
+    return list(canvas.subplots(count, 1, squeeze=False)[:, 0])
+
+
+def _is_wide(canvas: Canvas) -> bool:
+    return canvas.get_figwidth() > _WIDE_IN
+
+
+def style_of(file_format: str) -> dict[str, Any]:
+    """Return the style in which figures of a format are drawn and saved."""
+    return PAGE_STYLE if file_format == PAGE_FORMAT else PAPER_STYLE
+
+
+def save_canvas(canvas: Canvas, target: Path | BytesIO, file_format: str, *, dpi: int) -> None:
+    """Write a figure, the same bytes whenever it is drawn; in the style of its format."""
+    canvas.savefig(target, dpi=dpi, format=file_format, metadata=_METADATA[file_format])
 
 
 def plot_plan_line(axes: Any, ned_m: FloatArray, **style: Any) -> None:
@@ -203,15 +269,17 @@ def two_sigma_handle() -> Any:
 
 
 def legend_below(
-    canvas: Canvas, handles: list[Any], labels: list[str] | None = None, *, columns: int = 4
+    canvas: Canvas, handles: list[Any], labels: list[str] | None = None, *, columns: int = 4, title: str = ""
 ) -> None:
-    """Put a legend below all axes of a figure; labels default to those of the handles."""
+    """Put a legend below all axes, in columns that fit; labels default to those of the handles."""
     if not handles:
         return
     names = labels if labels is not None else [str(handle.get_label()) for handle in handles]
+    column_in = (_HANDLE_EM + _LETTER_EM * max(map(len, names))) * rcParams["legend.fontsize"] / 72.0
+    columns = min(columns, max(1, int(canvas.get_figwidth() / column_in)))
     is_free = canvas.get_layout_engine() is None
     place = "lower center" if is_free else "outside lower center"
-    canvas.legend(handles, names, loc=place, ncols=min(len(names), columns))
+    canvas.legend(handles, names, loc=place, ncols=min(len(names), columns), title=title or None)
 
 
 def wilson_interval(successes: NDArray[Any], trials: NDArray[Any]) -> tuple[FloatArray, FloatArray]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
 from auv_control.region import Ring
-from auv_experiment.figures.files import WIDTH_IN, Drawer, Drawing, Figure, save_figures
+from auv_experiment.figures import Drawer, Drawing
 from auv_experiment.figures.plotting import (
     band_handle,
     colour,
@@ -26,8 +25,11 @@ from auv_experiment.figures.plotting import (
     log_scale,
     mark,
     marker,
+    new_canvas,
     plot_plan_line,
     plot_thinned,
+    set_height,
+    side_by_side,
     span_time,
     vehicle_style,
 )
@@ -43,36 +45,14 @@ MAX_POINTS = 2000
 _RING_COLOUR = "0.45"
 
 
-def region_figures(recording: Recording, scenario: Scenario, out_dir: Path) -> list[Figure]:
-    """
-    Draw the figures of a run to a region as PNG files.
-
-    Parameters
-    ----------
-    recording : Recording
-        What happened.
-    scenario : Scenario
-        What was asked for: the ring, the hulls.
-    out_dir : Path
-        Folder for the files; made if it does not exist.
-
-    Returns
-    -------
-    figures : list of Figure
-        In the order in which a report shows them; empty where the law steers to no ring.
-
-    """
-    return save_figures(region_drawers(recording, scenario), scenario, out_dir)
-
-
 def region_drawers(recording: Recording, scenario: Scenario) -> dict[str, Drawer]:
-    """Return what draws each figure of a run to a region, by name; see `region_figures`."""
+    """Return what draws each figure of a run to a region, by name."""
     ring = metrics_region.ring_of(scenario)
     if ring is None or not np.isfinite(recording.position_ned_m).any():
         return {}
 
     def drawn(draw: Callable[..., tuple[str, str]]) -> Drawing:
-        canvas = Canvas(layout=None if draw is _draw_space else "constrained")
+        canvas = new_canvas(layout=None if draw is _draw_space else "constrained")
         return Drawing(canvas, *draw(canvas, recording, scenario, ring))
 
     return {name: partial(drawn, draw) for name, draw in _DRAWERS.items()}
@@ -156,7 +136,7 @@ def _arranged(points: FloatArray, order: Sequence[int]) -> list[FloatArray]:
 
 
 def _draw_space(canvas: Canvas, recording: Recording, scenario: Scenario, ring: Ring) -> tuple[str, str]:
-    canvas.set_size_inches(WIDTH_IN, 5.2)
+    set_height(canvas, 5.2)
     axes: Any = canvas.add_axes((0.0, 0.12, 0.94, 0.88), projection="3d")
     plot_tracks_in_space(axes, recording, ring, EAST_NORTH_DOWN)
     equal_box(axes)
@@ -175,8 +155,8 @@ def _draw_space(canvas: Canvas, recording: Recording, scenario: Scenario, ring: 
 
 
 def _draw_plan(canvas: Canvas, recording: Recording, scenario: Scenario, ring: Ring) -> tuple[str, str]:
-    canvas.set_size_inches(WIDTH_IN, 3.9)
-    whole, near = canvas.subplots(1, 2)
+    set_height(canvas, 3.9)
+    whole, near = side_by_side(canvas, 2)
     for axes in (whole, near):
         plot_ring_from_above(axes, ring)
         for i in range(recording.n_vehicles):
@@ -207,7 +187,7 @@ def _draw_plan(canvas: Canvas, recording: Recording, scenario: Scenario, ring: R
 
 
 def _draw_distances(canvas: Canvas, recording: Recording, scenario: Scenario, ring: Ring) -> tuple[str, str]:
-    canvas.set_size_inches(WIDTH_IN, 5.0)
+    set_height(canvas, 5.0)
     upper, lower = canvas.subplots(2, 1, sharex=True)
     t_s = recording.t_s
     to_ring_m = metrics_region.ring_distances_m(recording, ring)
@@ -241,7 +221,7 @@ def _draw_distances(canvas: Canvas, recording: Recording, scenario: Scenario, ri
 
 
 def _draw_forces(canvas: Canvas, recording: Recording, scenario: Scenario, ring: Ring) -> tuple[str, str]:
-    canvas.set_size_inches(WIDTH_IN, 4.4)
+    set_height(canvas, 4.4)
     upper, lower = canvas.subplots(2, 1, sharex=True)
     forces_n = metrics_region.forces_n(recording)
     speeds_mps = metrics_region.speeds_mps(recording)

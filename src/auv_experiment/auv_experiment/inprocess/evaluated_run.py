@@ -26,6 +26,9 @@ def load_source() -> None:
     """Load all that flights need, so that processes forked later fly with it, whatever changes on disk."""
     import auv_experiment.inprocess.sampled
     import auv_experiment.metrics.run  # noqa: F401
+    from auv_experiment.metrics.own import own_files_of_metrics
+
+    own_files_of_metrics()
 
 
 def fly(scenario: Scenario, *, on_progress: Callable[[float], None] | None = None) -> Flight:
@@ -41,13 +44,17 @@ def fly(scenario: Scenario, *, on_progress: Callable[[float], None] | None = Non
 
     Raises
     ------
+    ConfigError
+        When a file of own metrics cannot be used; nothing is flown.
     DivergedError
         When a motion has no finite solution.
 
     """
     from auv_experiment.inprocess.sampled import run_in_process
+    from auv_experiment.metrics.own import own_files_of_metrics
     from auv_experiment.metrics.run import compute_metrics
 
+    own_files_of_metrics()
     start_s, cpu_start_s = time.monotonic(), time.process_time()
     recording = run_in_process(scenario, on_progress=on_progress)
     factor = scenario.duration_s / max(time.monotonic() - start_s, 1e-9)

@@ -1,99 +1,231 @@
-"""The metrics in words: unit, meaning and digits, the same for the terminal and the report."""
+"""What each metric says, in words: the same for the terminal, the report, sweeps and the docs."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+import re
+
+from auv_experiment.metrics import Meaning
 
 
-@dataclass(frozen=True)
-class Meaning:
-    """How a metric is shown."""
+def _share(words: str, digits: int = 3) -> Meaning:
+    return Meaning("", words, digits, is_share=True)
 
-    unit: str
-    words: str
-    digits: int = 3
 
+OF_LAWS = {
+    # paths
+    "position_rms_m": Meaning("m", "distance to the path, rms over the run; the worst vehicle", 4),
+    "position_rms_after_30s_m": Meaning("m", "distance to the path, rms from 30 s on; the worst vehicle", 4),
+    "position_err_max_m": Meaning("m", "largest distance to the path after 30 s", 4),
+    "overshoot_x_m": Meaning("m", "largest north error (path minus position) before 30 s", 4),
+    "undershoot_y_m": Meaning("m", "smallest east error (path minus position) before 30 s", 4),
+    "velocity_err_x_peak_mps": Meaning("m/s", "largest north error of the velocity", 4),
+    "velocity_err_y_peak_mps": Meaning("m/s", "largest east error of the velocity", 4),
+    "x_settling_0p1m_s": Meaning("s", "time after which the north error stays below 0.1 m", 2),
+    "y_settling_0p2m_s": Meaning("s", "time after which the east error stays below 0.2 m", 2),
+    "y_settling_0p1m_s": Meaning("s", "time after which the east error stays below 0.1 m", 2),
+    "position_settling_0p1m_s": Meaning(
+        "s", "time after which the distance to the path stays below 0.1 m", 2
+    ),
+    "velocity_settling_0p01mps_s": Meaning(
+        "s", "time after which the north and east errors of the velocity stay below 0.01 m/s", 2
+    ),
+    "control_effort_n2s": Meaning("N² s", "sum over time of the squared force asked for, all vehicles", 1),
+    "obstacle_clearance_m": Meaning("m", "smallest distance of a hull centre to each obstacle's centre"),
+    "obstacle_closest_at_s": Meaning("s", "time of the smallest distance to each obstacle", 1),
+    # adaptive formation
+    "position_err_range_m": Meaning(
+        "m", "smallest and largest path error of the first vehicle, over x, y, z and yaw (rad)"
+    ),
+    "velocity_err_range_mps": Meaning("m/s", "smallest and largest rate of that error, yaw in rad/s"),
+    "force_range_n": Meaning("N", "smallest and largest force asked of the first vehicle, yaw in N m", 1),
+    **{
+        f"{axis}_settling_0p05_s": Meaning(
+            "s", f"time after which the {axis} error of the first vehicle stays within 0.05 {unit}", 2
+        )
+        for axis, unit in (("x", "m"), ("y", "m"), ("z", "m"), ("yaw", "rad"))
+    },
+    **{
+        f"{axis}_overshoot_{unit}": Meaning(
+            unit, f"largest {axis} error of the first vehicle on the other side than at the start", 4
+        )
+        for axis, unit in (("x", "m"), ("y", "m"), ("z", "m"), ("yaw", "rad"))
+    },
+    **{
+        f"{axis}_force_late_n": Meaning("N", f"largest {axis} force asked of the first vehicle after 100 s")
+        for axis in "xyz"
+    },
+    **{
+        f"{pair}_{what}": Meaning(unit, words.format(pair=f"vehicles {pair[1]} and {pair[2]}"), digits)
+        for pair in ("d12", "d23")
+        for what, unit, words, digits in (
+            ("range_m", "m", "smallest and largest signed distance of {pair} from the vertical axis", 3),
+            (
+                "settling_0p05_s",
+                "s",
+                "time after which the signed distance of {pair} is within 0.05 m of that of their paths",
+                2,
+            ),
+            (
+                "err_late_m",
+                "m",
+                "largest error of the signed distance of {pair} after 100 s",
+                4,
+            ),
+            ("true_range_m", "m", "smallest and largest distance of the hull centres of {pair}", 3),
+        )
+    },
+    "d12_minus_d23_range_m": Meaning("m", "smallest and largest difference of the two signed distances"),
+    "d12_minus_d23_final_m": Meaning("m", "difference of the two signed distances at the end", 4),
+    "d12_minus_d23_late_m": Meaning("m", "largest difference of the two signed distances after 100 s", 4),
+    "estimate_names": Meaning("", "names of the law's parameter estimates"),
+    "estimates_final": Meaning("", "parameter estimates of each vehicle at the end, in that order"),
+    "adaptation_frozen_s": Meaning(
+        "s", "time in which the law's force limit held the parameter estimates, summed over the vehicles", 1
+    ),
+    # regions
+    "ring_first_inside_s": Meaning("s", "first time of each vehicle inside the ring", 1),
+    "ring_reached_s": Meaning(
+        "s", "time after which each vehicle stays within 0.05 m of the ring, inside it included", 1
+    ),
+    "ring_distance_final_m": Meaning("m", "distance of each vehicle to the ring at the end, 0 inside"),
+    "axis_distance_final_m": Meaning("m", "distance of each vehicle to the ring's axis at the end"),
+    "position_final_ned_m": Meaning("m", "position of each vehicle at the end (north, east, down)"),
+    "speed_max_mps": Meaning("m/s", "largest speed of any vehicle"),
+    "force_max_n": Meaning("N", "largest force asked of any vehicle", 1),
+    # the thesis's bound on the consensus error
+    "consensus_rho_mps": Meaning("m/s", "largest disturbance of the consensus filters (rho of Eq. 6.18)", 4),
+    "consensus_rho_settled_mps": Meaning(
+        "m/s", "largest disturbance of the consensus filters after 100 s (rho of Eq. 6.18)", 4
+    ),
+    "consensus_bound_holds": Meaning(
+        "", "the bound of Eq. (6.18) on the consensus error holds in the whole run"
+    ),
+    "consensus_bound_margin_m2ps": Meaning("m²/s", "smallest margin to the bound of Eq. (6.18)", 4),
+    "consensus_bound_radius_settled_m": Meaning(
+        "m", "largest consensus error, over all vehicles, that Eq. (6.18) allows after 100 s", 4
+    ),
+    "consensus_error_norm_settled_m": Meaning(
+        "m", "largest consensus error, over all vehicles, after 100 s", 4
+    ),
+}
+"""Metrics that only runs of some laws have."""
 
 MEANINGS = {
     "pair_distance_min_m": Meaning(
         "m", "smallest distance of two hull centres at any time, lost vehicles included"
     ),
-    "formed_at_s": Meaning("s", "end of the first 10 s with every pair under 4 m", 1),
-    "pair_distance_formed_min_m": Meaning("m", "smallest pair distance once formed"),
-    "pair_distance_formed_max_m": Meaning("m", "largest pair distance once formed"),
-    "pair_distance_settled_min_m": Meaning("m", "smallest pair distance after 100 s", 4),
-    "pair_distance_settled_max_m": Meaning("m", "largest pair distance after 100 s", 4),
-    "pair_distance_min_after_150s_m": Meaning("m", "smallest pair distance after 150 s"),
-    "pair_distance_max_after_200s_m": Meaning("m", "largest pair distance after 200 s"),
+    "pair_distance_min_at_s": Meaning("s", "time of the smallest distance of two hull centres", 1),
+    "formed_at_s": Meaning(
+        "s",
+        "end of the first 10 s in which every pair is nearer than twice the spacing of the flocking law",
+        1,
+    ),
+    "pair_distance_formed_min_m": Meaning("m", "smallest distance of a pair once the flock has formed"),
+    "pair_distance_formed_max_m": Meaning("m", "largest distance of a pair once the flock has formed"),
+    "pair_distance_settled_min_m": Meaning("m", "smallest distance of a pair after 100 s", 4),
+    "pair_distance_settled_max_m": Meaning("m", "largest distance of a pair after 100 s", 4),
+    "pair_distance_min_after_150s_m": Meaning("m", "smallest distance of a pair after 150 s"),
+    "pair_distance_max_after_200s_m": Meaning("m", "largest distance of a pair after 200 s"),
     "approach_time_2pct_s": Meaning(
-        "s", "after this every pair stays within 2 % of its own mean over t > 20 s", 1
+        "s", "first time after which every pair stays within 2 % of its own mean over t > 20 s", 1
     ),
-    "centroid_path_rms_m": Meaning("m", "mean of the vehicles to the path, rms after 100 s", 4),
-    "centroid_path_rms_after_200s_m": Meaning("m", "the same after 200 s", 4),
+    "centroid_path_rms_m": Meaning("m", "distance of the vehicles' mean to the path, rms after 100 s", 4),
+    "centroid_path_rms_after_200s_m": Meaning(
+        "m", "distance of the vehicles' mean to the path, rms after 200 s", 4
+    ),
     "consensus_error_max_m": Meaning(
-        "m", "worst estimate of the flocking centre against the true mean, after 100 s", 4
+        "m", "largest error of a vehicle's estimate of the flocking centre after 100 s", 4
     ),
-    "obstacle_clearance_min_m": Meaning("m", "smallest distance from a hull centre to an obstacle"),
-    "hull_in_air_ratio": Meaning("", "share of time, over all vehicles, with the hull above the surface"),
+    "obstacle_clearance_min_m": Meaning("m", "smallest distance of a hull centre to an obstacle's centre"),
+    "hull_in_air_ratio": _share("share of time, over all vehicles, with the whole hull above the surface"),
     "hull_in_air_height_m": Meaning("m", "largest height of a hull's lowest point above the surface", 2),
+    **OF_LAWS,
+    # what vehicles know of each other
     "neighbour_position_rmse_m": Meaning(
-        "m", "error of what vehicles believe of each other, rms after 100 s", 4
+        "m", "error of the neighbour estimates' relative positions, rms after 100 s", 4
     ),
-    "neighbour_within_2sigma_ratio": Meaning(
-        "", "share of these errors inside the filter's own 2-sigma band (0.954 expected)"
+    "neighbour_within_2sigma_ratio": _share(
+        "share of the neighbour estimates' errors within two of their standard deviations (0.954 expected)"
     ),
     "neighbour_nees_position_mean": Meaning(
-        "", "squared error of relative positions in units of the filter's covariance (3 expected)", 2
+        "",
+        "squared error of relative positions by the filter's covariance, mean once formed (3 expected)",
+        2,
     ),
-    "neighbour_nees_mean": Meaning("", "the same with velocities (6 expected)", 2),
-    "neighbour_nees_within_95_ratio": Meaning("", "share of the first below its 95 % point (0.95 expected)"),
-    "neighbour_age_mean_s": Meaning("s", "mean age of what vehicles know of each other, after 100 s", 2),
-    "neighbour_age_95pct_s": Meaning("s", "95 % of these ages are below", 2),
-    "neighbour_age_max_s": Meaning("s", "largest age of it", 2),
-    "packets_sent": Meaning("", "acoustic packets sent"),
-    "packet_delivery_ratio": Meaning("", "receptions / (packets sent x other vehicles)"),
-    "packets_lost": Meaning("", "packets that did not reach a receiver"),
-    "packet_loss_outage_ratio": Meaning("", "share of packets at their receivers lost to outage"),
-    "packet_loss_noise_ratio": Meaning("", "the same, to noise"),
-    "packet_loss_collision_ratio": Meaning("", "the same, to collisions"),
-    "packet_loss_half_duplex_ratio": Meaning("", "the same, since the receiver was sending"),
-    "packet_loss_range_ratio": Meaning("", "the same, since it was out of range"),
-    "packet_delay_mean_s": Meaning("s", "from the start of transmission to the end of reception, mean"),
-    "packet_delay_95pct_s": Meaning("s", "the same, 95 % of packets below"),
-    "packet_delay_max_s": Meaning("s", "the same, largest"),
+    "neighbour_nees_mean": Meaning(
+        "",
+        "squared error of relative positions and velocities by the filter's covariance, mean once formed "
+        "(6 expected)",
+        2,
+    ),
+    "neighbour_nees_within_95_ratio": _share(
+        "share of the squared errors of relative positions below their 95 % point (0.95 expected)"
+    ),
+    "neighbour_age_mean_s": Meaning(
+        "s", "age of the newest packet in a neighbour estimate, mean after 100 s", 2
+    ),
+    "neighbour_age_95pct_s": Meaning(
+        "s", "age of the newest packet in a neighbour estimate, 95 % are below, after 100 s", 2
+    ),
+    "neighbour_age_max_s": Meaning(
+        "s", "age of the newest packet in a neighbour estimate, largest after 100 s", 2
+    ),
+    # packets
+    "packets_sent": Meaning("", "packets handed to modems"),
+    "packet_delivery_ratio": _share("receptions / (packets sent x other vehicles)"),
+    "packets_lost": Meaning("", "packets that did not reach a receiver, counted at every receiver"),
+    "packet_loss_outage_ratio": _share("share of packets at their receivers lost to outage"),
+    "packet_loss_noise_ratio": _share("share of packets at their receivers lost to noise"),
+    "packet_loss_collision_ratio": _share(
+        "share of packets at their receivers lost to collisions of packets"
+    ),
+    "packet_loss_half_duplex_ratio": _share("share of packets lost since their receiver was sending"),
+    "packet_loss_range_ratio": _share("share of packets lost since their receiver was out of range"),
+    "packet_delay_mean_s": Meaning("s", "start of transmission to end of reception, mean"),
+    "packet_delay_95pct_s": Meaning("s", "start of transmission to end of reception, 95 % are below"),
+    "packet_delay_max_s": Meaning("s", "start of transmission to end of reception, largest"),
     "acoustic_bit_rate_bps": Meaning("bit/s", "payload on the air, all modems together", 0),
     "acoustic_load_ratio": Meaning("", "time on the air, all modems together, per time of the run"),
-    "graph_strongly_connected_ratio": Meaning("", "share of time in which news from all could reach all"),
-    "graph_connected_at_s": Meaning("s", "first time at which it could", 0),
-    "graph_disconnected_at_s": Meaning("s", "first time after that at which it could not", 0),
-    "graph_parts_max": Meaning("", "largest number of groups that news can go round in"),
-    "graph_algebraic_connectivity_mean": Meaning(
-        "", "algebraic connectivity, mean; N if all hear each other", 2
+    # who hears whom
+    "graph_strongly_connected_ratio": _share(
+        "share of time in which news of every vehicle can reach every other"
     ),
-    "graph_algebraic_connectivity_min": Meaning("", "the same, smallest", 2),
+    "graph_connected_at_s": Meaning(
+        "s", "first time at which news of every vehicle can reach every other", 0
+    ),
+    "graph_disconnected_at_s": Meaning("s", "first time after that at which it cannot", 0),
+    "graph_parts_max": Meaning("", "largest number of groups between which no news goes both ways"),
+    "graph_algebraic_connectivity_mean": Meaning(
+        "", "algebraic connectivity of who hears whom, mean; N if all N vehicles hear each other", 2
+    ),
+    "graph_algebraic_connectivity_min": Meaning("", "algebraic connectivity of who hears whom, smallest", 2),
     "graph_degree_mean": Meaning("", "neighbours that a vehicle hears, mean", 2),
     "graph_in_degree_min": Meaning("", "fewest neighbours that any vehicle heard", 0),
     "graph_out_degree_min": Meaning("", "fewest neighbours that heard any vehicle", 0),
     "graph_window_s": Meaning("s", "age up to which a packet counts as heard", 0),
     "sonar_contacts": Meaning("", "hulls seen by sonar, all pings of all vehicles"),
-    "navigation_error_rms_m": Meaning("m", "error of what vehicles believe of their own position, rms"),
-    "navigation_error_final_m": Meaning("m", "the same at the end"),
+    "navigation_error_rms_m": Meaning("m", "error of the navigations' own positions, rms over the run"),
+    "navigation_error_final_m": Meaning("m", "error of the navigations' own positions, rms at the end"),
     "navigation_nees_mean": Meaning(
-        "", "squared horizontal error of it in units of the stated variance (2 expected)", 2
+        "",
+        "squared horizontal error of the navigations in units of their stated variance, mean (2 expected)",
+        2,
     ),
-    "safe_command_ratio": Meaning("", "share of control ticks with the safe command in place of a law's"),
-    "safe_commands_stale_navigation": Meaning("", "such ticks since the navigation was too old"),
-    "safe_commands_unusable_navigation": Meaning("", "such ticks since the navigation had no possible state"),
-    "safe_commands_silent_modem": Meaning("", "such ticks since the modem was silent"),
+    # the safe command
+    "safe_command_ratio": _share("share of control ticks in which the safe command replaced the law's"),
+    "safe_commands_stale_navigation": Meaning("", "safe commands since the navigation was too old"),
+    "safe_commands_unusable_navigation": Meaning(
+        "", "safe commands since the navigation had no possible state"
+    ),
+    "safe_commands_silent_modem": Meaning("", "safe commands since the modem was silent"),
     "safe_commands_position_beyond_the_report": Meaning(
-        "", "such ticks since no report carries the position"
+        "", "safe commands since no report carries the position"
     ),
-    "safe_commands_no_finite_command_from_the_law": Meaning("", "such ticks since the law gave no number"),
+    "safe_commands_no_finite_command_from_the_law": Meaning("", "safe commands since the law gave no number"),
     "safe_commands_stale_command": Meaning("", "ticks in which a vehicle rested without a fresh command"),
+    # the run
     "collision": Meaning("", "two hulls touched"),
-    "collision_at_s": Meaning("s", "when they first did", 1),
+    "collision_at_s": Meaning("s", "first time at which two hulls touched", 1),
     "lost_vehicles": Meaning("", "vehicles whose computer was lost"),
     "vehicles": Meaning("", "number of vehicles"),
     "duration_s": Meaning("s", "scenario time flown", 1),
@@ -101,39 +233,30 @@ MEANINGS = {
     "scenario": Meaning("", "name of the scenario"),
     "seed": Meaning("", "seed of every random number"),
     "mode": Meaning("", "how the run was driven"),
+    "own_metrics_failed": Meaning("", "own metrics that failed, and why"),
 }
+"""Metrics by key, in the order in which they are shown."""
+
+_V = r"(?P<flock>flock_)?lyapunov_(?P<name>\w+)"
+FAMILIES = {
+    rf"{_V}_falls": Meaning("", "Lyapunov candidate {name} falls in the whole run"),
+    rf"{_V}_largest_rise_ratio": Meaning(
+        "", "largest rise of candidate {name} within one record, by its largest value", 6
+    ),
+    rf"{_V}_rise_ratio": _share("share of records in which candidate {name} rises", 4),
+    rf"{_V}_first_rise_s": Meaning("s", "first time at which candidate {name} rises", 1),
+    r"(flock_)?lyapunov_proof_gap": Meaning("", "why the printed proof does not cover the rise"),
+    r"(?P<axis>[xyz])_err_(?P<whole>\d+)p(?P<tenths>\d)_m": Meaning(
+        "m", "{axis} error (path minus position) of the first vehicle at {whole}.{tenths} s", 4
+    ),
+}
+"""Metrics whose keys hold a name or a number of the scenario, by a pattern of the key."""
 
 
-_UNITS = {"_bps": "bit/s", "_mps": "m/s", "_n2s": "N² s", "_m": "m", "_s": "s", "_n": "N", "_rad": "rad"}
-"""Units by the ending of a name, the longer endings first."""
-
-
-def shown_metrics(metrics: dict[str, Any]) -> Iterator[tuple[str, Meaning]]:
-    """Yield the keys that `metrics` has, those with a known meaning first and in their order."""
-    for key in [*MEANINGS, *(key for key in metrics if key not in MEANINGS)]:
-        if key in metrics:
-            yield key, MEANINGS.get(key) or _meaning_of_name(key)
-
-
-def _meaning_of_name(key: str) -> Meaning:
-    """Return what the name of a metric says by itself: its unit and its words."""
-    unit = next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
-    return Meaning(unit, key.replace("_", " "), 4)
-
-
-def is_share(key: str) -> bool:
-    """Tell whether a metric lies between 0 and 1 whatever happens."""
-    return key.endswith("_ratio") and key in MEANINGS and key != "acoustic_load_ratio"
-
-
-def value_text(value: Any, digits: int) -> str:
-    """Return a metric as text; a dash for what does not exist."""
-    if value is None:
-        return "–"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.{digits}f}"
-    if isinstance(value, list):
-        return ", ".join(value_text(item, digits) for item in value) or "none"
-    return str(value)
+def family_meaning(key: str) -> Meaning | None:
+    """Return what a metric of a family says, None for another key."""
+    for pattern, meaning in FAMILIES.items():
+        if match := re.fullmatch(pattern, key):
+            words = meaning.words.format(**match.groupdict())
+            return Meaning(meaning.unit, words, meaning.digits, meaning.is_share)
+    return None

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import numpy as np
 
 from auv_experiment.recording import FloatArray
@@ -40,3 +43,14 @@ def rms(values: FloatArray) -> float | None:
     """Return the root mean square of the finite values."""
     known = finite(values)
     return float(np.sqrt(np.mean(known * known))) if known.size else None
+
+
+def plain(value: Any) -> Any:
+    """Turn NumPy scalars into Python ones and numbers that are not finite into None, in lists too."""
+    if isinstance(value, list | tuple | np.ndarray):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -26,7 +26,7 @@ BoolArray = NDArray[np.bool_]
 
 APPROACH_MEAN_AFTER_S = 20.0
 APPROACH_BAND_RATIO = 0.02
-FORMED_DISTANCE_M = 4.0
+FORMED_SPACINGS = 2.0
 FORMED_FOR_S = 10.0
 
 
@@ -39,7 +39,7 @@ def gathering_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
     recording : Recording
         What happened.
     scenario : Scenario
-        What was asked for: hull radius.
+        What was asked for: hull radius, spacing of the flocking law.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def gathering_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
         pair_distance_min_m
             smallest distance of any pair at any time, lost vehicles included;
         formed_at_s
-            end of the first 10 s during which all pairs stayed under 4 m, NaN if there is none;
+            end of the first 10 s during which all pairs were within `formed_within_m`, NaN if there is none;
         pair_distance_formed_min_m, pair_distance_formed_max_m
             over all pairs of the flock for t >= formed_at_s;
         pair_distance_settled_min_m, pair_distance_settled_max_m
@@ -64,7 +64,10 @@ def gathering_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
     pairs_m = pair_distances_m(recording)
     ever_touching = (pairs_m < 2.0 * scenario.hull_radius_m).any(axis=1)
     flock_pairs_m = flock_pair_distances_m(recording)
-    formed_at_s = _formed_at_s(t_s, flock_pairs_m, pair_is_gone(recording))
+    within_m = formed_within_m(scenario)
+    formed_at_s = math.nan
+    if within_m is not None:
+        formed_at_s = _formed_at_s(t_s, flock_pairs_m < within_m, pair_is_gone(recording))
     formed_m = flock_pairs_m[t_s >= formed_at_s - TIME_TOLERANCE_S]
     settled_m = flock_pairs_m[after(t_s, SETTLED_AFTER_S)]
     return {
@@ -82,9 +85,23 @@ def gathering_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
     }
 
 
-def _formed_at_s(t_s: FloatArray, flock_pairs_m: FloatArray, is_gone: BoolArray) -> float:
+def formed_within_m(scenario: Scenario) -> float | None:
+    """
+    Return the distance within which every pair of a formed flock is (m), None where nothing flocks.
+
+    It is twice the law's ``spacing_m``, the distance at which neighbours begin to repel; of a law without it,
+    twice ``formation_spacing_m``.
+    """
+    if scenario.agent.flocking is None:
+        return None
+    params: Any = scenario.agent.flocking.params
+    spacing_m = getattr(params, "spacing_m", None)
+    return FORMED_SPACINGS * (params.formation_spacing_m if spacing_m is None else spacing_m)
+
+
+def _formed_at_s(t_s: FloatArray, pair_is_near: BoolArray, is_gone: BoolArray) -> float:
     """Return the end of the first FORMED_FOR_S with all pairs near (s), NaN if there is none."""
-    is_near = ((flock_pairs_m < FORMED_DISTANCE_M) | is_gone).all(axis=1) & ~is_gone.all(axis=1)
+    is_near = (pair_is_near | is_gone).all(axis=1) & ~is_gone.all(axis=1)
     last_far = np.maximum.accumulate(np.where(is_near, -1, np.arange(len(t_s))))
     near_since_s = t_s[np.minimum(last_far + 1, len(t_s) - 1)]
     is_formed = is_near & (t_s - near_since_s >= FORMED_FOR_S - TIME_TOLERANCE_S)

@@ -13,7 +13,6 @@ run that ends before the time from which it counts) is None, never NaN.
 from __future__ import annotations
 
 import json
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,11 +20,12 @@ import numpy as np
 from auv_experiment.metrics.acoustics import acoustics_metrics
 from auv_experiment.metrics.by_law import law_metrics
 from auv_experiment.metrics.distances import centroid_path_error_m, consensus_error_m, obstacle_distances_m
-from auv_experiment.metrics.finite import largest, rms, smallest
+from auv_experiment.metrics.finite import largest, plain, rms, smallest
 from auv_experiment.metrics.gathering import gathering_metrics
 from auv_experiment.metrics.links import packet_metrics
 from auv_experiment.metrics.neighbours import neighbour_metrics
 from auv_experiment.metrics.network import network_metrics
+from auv_experiment.metrics.own import own_metrics
 from auv_experiment.metrics.safety import safe_command_metrics
 from auv_experiment.metrics.surface import surface_metrics
 from auv_experiment.metrics.windows import LATE_AFTER_S, SETTLED_AFTER_S, after
@@ -75,6 +75,7 @@ def compute_metrics(
     """
     t_s = recording.t_s
     gathering = gathering_metrics(recording, scenario)
+    is_flock = scenario.agent.flocking is not None
     path_error_m = centroid_path_error_m(recording, scenario)
     metrics: dict[str, Any] = {
         "scenario": scenario.name,
@@ -92,25 +93,15 @@ def compute_metrics(
         **surface_metrics(recording, scenario),
         **neighbour_metrics(recording),
         **packet_metrics(recording),
-        **acoustics_metrics(recording, formed_at_s=gathering["formed_at_s"]),
+        **acoustics_metrics(recording, formed_at_s=gathering["formed_at_s"] if is_flock else 0.0),
         **network_metrics(recording, scenario),
         **safe_command_metrics(recording),
         **law_metrics(recording, scenario),
+        **own_metrics(recording, scenario),
     }
-    return {key: _plain(value) for key, value in metrics.items()}
+    return {key: plain(value) for key, value in metrics.items()}
 
 
 def metrics_to_json(metrics: dict[str, Any]) -> str:
     """Return the metrics as strict JSON (no NaN, no Infinity), one key per line."""
     return json.dumps(metrics, indent=2, allow_nan=False) + "\n"
-
-
-def _plain(value: Any) -> Any:
-    """Turn NumPy scalars into Python ones and numbers that are not finite into None, in lists too."""
-    if isinstance(value, list | tuple | np.ndarray):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

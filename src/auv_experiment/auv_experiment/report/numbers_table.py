@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from typing import TYPE_CHECKING, Any
 
-from auv_experiment.metrics.descriptions import shown_metrics, value_text
+from auv_experiment.metrics.wording import shown_metrics, value_text
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -44,17 +44,17 @@ _REFERENCES: dict[str, dict[str, tuple[float, str]]] = {
 
 
 def numbers_table(scenario: Scenario, metrics: dict[str, Any]) -> str:
-    """Return the table, with two columns more where the scenario has references."""
+    """Return the table of the metrics that have a value, with two columns more where there are references."""
     references = _REFERENCES.get(scenario.name, {})
     head = "<tr><th>meaning</th><th class='value'>value</th><th>unit</th>"
     head += "<th class='value'>reference</th><th class='value'>thesis</th>" if references else ""
     rows = [head + "<th class='key'>key</th></tr>"]
     for key, meaning in shown_metrics(metrics):
+        if metrics[key] is None:
+            continue
         text = value_text(metrics[key], meaning.digits)
         cells = [f"<td>{html.escape(meaning.words)}</td>"]
-        cells.append(
-            f"<td class='value{'' if metrics[key] is not None else ' none'}'>{html.escape(text)}</td>"
-        )
+        cells.append(f"<td class='value'>{html.escape(text)}</td>")
         cells.append(f"<td>{html.escape(meaning.unit)}</td>")
         if references:
             reference, thesis = references.get(key, (None, ""))

@@ -16,7 +16,6 @@ import math
 import os
 import platform
 import shlex
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +27,7 @@ from auv_experiment.report.template import PAGE
 from auv_experiment.report.verdicts import verdicts
 
 if TYPE_CHECKING:
-    from auv_experiment.figures.files import Figure
+    from auv_experiment.figures.files import SavedFigures
     from auv_experiment.scenario.schema import Scenario
 
 REPORT_FILE = "report.html"
@@ -36,9 +35,7 @@ REPORT_FILE = "report.html"
 _SHOWN_PACKAGES = ("numpy", "scipy", "numba", "matplotlib", "mcap", "rosbags", "ros-jazzy-rclpy")
 
 
-def write_report(
-    results_dir: Path, scenario: Scenario, metrics: dict[str, Any], figures: Sequence[Figure]
-) -> Path:
+def write_report(results_dir: Path, scenario: Scenario, metrics: dict[str, Any], saved: SavedFigures) -> Path:
     """
     Write `report.html` into a results folder.
 
@@ -50,8 +47,8 @@ def write_report(
         What was asked for.
     metrics : dict
         What `compute_metrics` returned.
-    figures : sequence of Figure
-        What `run_figures` returned; their files are embedded.
+    saved : SavedFigures
+        What `save_figures` returned; the files are embedded.
 
     Returns
     -------
@@ -66,7 +63,7 @@ def write_report(
         flown=html.escape(_flown(scenario, metrics) + _strangers(provenance)),
         verdicts="\n".join(verdicts(scenario, metrics)),
         numbers=numbers_table(scenario, metrics),
-        figures=_figures_section(figures),
+        figures=_figures_section(saved),
         again=_again(results_dir, scenario, metrics, provenance),
         versions=_versions_table(provenance),
         scenario=html.escape(_scenario_text(results_dir, scenario)),
@@ -126,9 +123,10 @@ def _water(scenario: Scenario) -> str:
     return f", with {' and '.join(parts)}" if parts else ""
 
 
-def _figures_section(figures: Sequence[Figure]) -> str:
-    parts = ["<h2>Figures</h2>"] if figures else []
-    for number, figure in enumerate(figures, start=1):
+def _figures_section(saved: SavedFigures) -> str:
+    parts = ["<h2>Figures</h2>"] if saved.figures or saved.failures else []
+    parts += [f"<p class='failure'>A figure is left out: {html.escape(line)}</p>" for line in saved.failures]
+    for number, figure in enumerate(saved.figures, start=1):
         image = base64.b64encode(figure.path.read_bytes()).decode("ascii")
         title, caption = html.escape(figure.title), html.escape(figure.caption)
         parts.append(

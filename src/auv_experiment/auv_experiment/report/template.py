@@ -21,7 +21,6 @@ h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid #bbb; 
 table { border-collapse: collapse; width: 100%; font-size: .92rem; }
 th, td { text-align: left; vertical-align: top; padding: .3rem .6rem .3rem 0; border-bottom: 1px solid #ddd; }
 td.value, th.value { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
-td.none { color: #777; }
 code, pre { font: .85rem/1.45 ui-monospace, "DejaVu Sans Mono", Consolas, monospace; }
 td code { color: #555; }
 pre { background: #f4f4f4; padding: .7rem .8rem; overflow-x: auto; border-radius: .3rem; }
@@ -43,11 +42,11 @@ summary { cursor: pointer; font-weight: 600; }
 <ul class="verdicts">
 $verdicts
 </ul>
+$figures
 <h2>Numbers</h2>
 <div class="scroll">
 $numbers
 </div>
-$figures
 <h2>Do it again</h2>
 $again
 <h2>Made with</h2>

@@ -5,12 +5,12 @@ from __future__ import annotations
 import html
 from typing import TYPE_CHECKING, Any
 
+from auv_experiment.metrics.gathering import formed_within_m
 from auv_experiment.metrics.surface import surface_warning
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
-_CLOSE_LIMIT_M = 4.0
 _CONSISTENT_SHARE = (0.90, 0.985)
 
 
@@ -25,13 +25,15 @@ def verdicts(scenario: Scenario, metrics: dict[str, Any]) -> list[str]:
         if get("collision"):
             detail += f" First contact at {get('collision_at_s'):.1f} s."
         answers.append(_answer("Did hulls touch?", bool(get("collision")), detail, good=False))
-        answers.append(_formed_answer(metrics))
+    within_m = formed_within_m(scenario)
+    if nearest_m is not None and within_m is not None:
+        answers.append(_formed_answer(metrics, within_m))
     if surface_warning(metrics):
         answers.append(_answer("Did hulls leave the water?", True, surface_warning(metrics), good=False))
     farthest_m = get("pair_distance_formed_max_m")
-    if farthest_m is not None:
+    if farthest_m is not None and within_m is not None:
         detail = f"Once formed between {get('pair_distance_formed_min_m'):.2f} and {farthest_m:.2f} m apart."
-        answers.append(_answer("Did the flock stay together?", farthest_m <= _CLOSE_LIMIT_M, detail))
+        answers.append(_answer("Did the flock stay together?", farthest_m <= within_m, detail))
     clearance_m = get("obstacle_clearance_min_m")
     if clearance_m is not None:
         detail = (
@@ -56,9 +58,12 @@ def _answer(question: str, holds: bool, detail: str, *, good: bool = True) -> st
     return f'<li class="{kind}">{html.escape(question)} <b>{word}</b> {html.escape(detail)}</li>'
 
 
-def _formed_answer(metrics: dict[str, Any]) -> str:
+def _formed_answer(metrics: dict[str, Any], within_m: float) -> str:
     formed_at_s = metrics.get("formed_at_s")
-    detail = "" if formed_at_s is None else f"Every pair had been under 4 m for 10 s at {formed_at_s:.1f} s."
+    near = f"within {within_m:g} m (twice the law's spacing) for 10 s"
+    detail = f"At no time had every pair been {near}."
+    if formed_at_s is not None:
+        detail = f"Every pair had been {near} at {formed_at_s:.1f} s."
     return _answer("Did the flock form?", formed_at_s is not None, detail)
 
 

@@ -6,6 +6,7 @@ import argparse
 import math
 import os
 import sys
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -17,6 +18,7 @@ from auv_core.cli.one_line_parser import MOST_WORKERS, OneLineParser, fail, read
 from auv_core.machine.file_locks import lock_file
 from auv_core.machine.processors import processor_count
 from auv_core.params import ConfigError
+from auv_experiment.figures.formats import add_format_option
 from auv_experiment.results import FIGURES, ResultsError, make_folder
 from auv_experiment.sweeps.study import Study, list_studies, load_study
 
@@ -42,7 +44,7 @@ how it works:
 results:
   DIR/runs.parquet    one row per run: parameters, seed, status, every metric
   DIR/summary.csv     mean, confidence interval and range of every metric at every point
-  DIR/figures/*.png   the metrics of the study, with intervals
+  DIR/figures/*       the metrics of the study, with intervals
   DIR/index.html      figures and tables on one self-contained page
   DIR/failures.txt    tracebacks of failures; only if something failed
   DIR/parts/          finished runs, for the next call
@@ -60,7 +62,7 @@ examples:
   ./scripts/sweep safety --check                count and check the runs; fly nothing
   ./scripts/sweep safety                        on all cores
   ./scripts/sweep my_study.yaml --scheduler tcp://10.0.0.5:8786
-  ./scripts/sweep --summarise results/sweeps/safety   page and figures again
+  ./scripts/sweep --summarise results/sweeps/safety --format pdf   page and figures again
 """
 
 
@@ -103,6 +105,7 @@ def _parser() -> argparse.ArgumentParser:
         "(default: 20 times the median of the others, at least 300 s; a cluster has no limit)",
     )
     parser.add_argument("--fresh", action="store_true", help="fly everything again, kept runs too")
+    add_format_option(parser)
     other = parser.add_mutually_exclusive_group()
     other.add_argument("--list", action="store_true", help="list the built-in studies")
     other.add_argument("--check", action="store_true", help="resolve and check every run; fly nothing")
@@ -127,7 +130,7 @@ def _do(options: argparse.Namespace) -> int:
             print(f"{name:<16} {title}")
         return DONE
     if options.summarise is not None:
-        return _summarise(options.summarise)
+        return _summarise(options.summarise, options.formats)
     if options.study is None:
         raise ConfigError(
             f"study: missing; allowed: {', '.join(name for name, _ in list_studies())}, or a path"
@@ -169,7 +172,7 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
             )
     except WorkersError as error:
         return fail(FAILED, f"{error}; finished runs are kept for the next call")
-    return _summarise(folder)
+    return _summarise(folder, options.formats)
 
 
 @contextmanager
@@ -209,7 +212,8 @@ def _way_to_fly(options: argparse.Namespace, patience: Patience) -> Fly:
     return partial(fly_there, scheduler=options.scheduler)
 
 
-def _summarise(folder: Path) -> int:
+def _summarise(folder: Path, formats: Sequence[str]) -> int:
+    from auv_experiment.metrics.own import FAILED as OWN_FAILED
     from auv_experiment.sweeps.figures import write_figures
     from auv_experiment.sweeps.page import failed_rows, write_page
     from auv_experiment.sweeps.runner import FAILURES_FILE
@@ -219,8 +223,10 @@ def _summarise(folder: Path) -> int:
     table = read_table(folder)
     metrics = shown_metrics_of(table)
     write_summary(folder, table)
-    figures = write_figures(folder / FIGURES, table, metrics)
+    figures = write_figures(folder / FIGURES, table, metrics, formats)
     page = write_page(folder, table, metrics, figures)
+    for line, count in Counter(filter(None, table.columns.get(OWN_FAILED, ()))).items():
+        print(f"warning: own metrics failed in {count} of {table.n_runs} runs: {line}", file=sys.stderr)
     print(f"table: {folder / TABLE_FILE}\npage:  {page}", flush=True)
     if failed := len(failed_rows(table)):
         return fail(FAILED, f"{failed} of {table.n_runs} runs failed; see {folder / FAILURES_FILE}")

@@ -9,53 +9,61 @@ runs. Without parameters: the distribution over the seeds with its interval.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure as Canvas
 
-from auv_core.machine.whole_files import whole_file
-from auv_experiment.figures.plotting import STYLE, colour, legend_below, marker, vehicle_style
-from auv_experiment.metrics.descriptions import Meaning, shown_metrics
+from auv_experiment.figures import Drawing
+from auv_experiment.figures.files import draw_files
+from auv_experiment.figures.formats import FORMATS, PAGE_FORMAT
+from auv_experiment.figures.plotting import colour, legend_below, marker, new_canvas, vehicle_style
+from auv_experiment.metrics.wording import meaning_of
 from auv_experiment.sweeps.confidence import Summary, distribution_band
-from auv_experiment.sweeps.study import is_number, value_text
+from auv_experiment.sweeps.labels import group_label, legend_title, metric_label, parameter_label, value_label
+from auv_experiment.sweeps.study import is_number
 from auv_experiment.sweeps.summary import Group, groups_by, metric_of
 from auv_experiment.sweeps.table import PREFIX, SweepTable
 
-_SIZE_IN = (7.2, 3.6)
 _DPI = 130
 _BAND_OPACITY = 0.13
 _EDGE_OPACITY = 0.6
 _MAX_LINES = 12
 _RUNS_PER_MEAN = 8
 _MOST_MEANS = 10
-_LONGEST_LABEL = 28
 
 
-def write_figures(folder: Path, table: SweepTable, metrics: Sequence[str]) -> dict[str, Path]:
+def write_figures(
+    folder: Path, table: SweepTable, metrics: Sequence[str], formats: Sequence[str] = (PAGE_FORMAT,)
+) -> dict[str, Path]:
     """Draw metrics; return the PNG files by metric. Metrics that no run has are left out."""
     folder.mkdir(parents=True, exist_ok=True)
-    for path in folder.glob("*.png"):  # of an earlier call, perhaps of other metrics
-        path.unlink()
+    for file_format in FORMATS:
+        for path in folder.glob(f"*.{file_format}"):  # of an earlier call, perhaps of other metrics
+            path.unlink()
     paths = {}
     for name in metrics:
         if any(value is not None for value in table.columns.get(name, ())):
-            with mpl.rc_context(STYLE):
-                canvas = Canvas(figsize=_SIZE_IN, layout="constrained")
-                draw_metric(canvas, table, name)
-                paths[name] = folder / f"{name}.png"
-                with whole_file(paths[name]) as unfinished:
-                    canvas.savefig(unfinished, dpi=_DPI, metadata={"Software": None})
+            draw_files(partial(draw_metric, table, name), folder / name, formats, dpi=_DPI)
+            paths[name] = folder / f"{name}.{PAGE_FORMAT}"
     return paths
 
 
-def draw_metric(canvas: Canvas, table: SweepTable, name: str) -> None:
-    """Draw one metric into an empty figure."""
+def draw_metric(table: SweepTable, name: str) -> Drawing:
+    """Draw one metric."""
+    canvas = new_canvas()
     axes = canvas.subplots()
-    axes.set_ylabel(axis_words(table, name))
+    _draw_into(axes, table, name)
+    handles, labels = axes.get_legend_handles_labels()
+    if len(handles) > 1:
+        legend_below(canvas, handles, labels, title=legend_title(table, line_parameters(table)))
+    return Drawing(canvas, metric_label(table, name), meaning_of(name).words)
+
+
+def _draw_into(axes: Any, table: SweepTable, name: str) -> None:
+    axes.set_ylabel(metric_label(table, name))
     x = axis_parameter(table)
     if x is None:
         _draw_distribution(axes, table, name)
@@ -68,15 +76,12 @@ def draw_metric(canvas: Canvas, table: SweepTable, name: str) -> None:
             _draw_cloud(axes, table, name, x, line, index)
         else:
             _draw_means(axes, table, name, x, line, index, n_lines=len(lines[:_MAX_LINES]))
-    axes.set_xlabel(short_names(table)[x])
+    axes.set_xlabel(parameter_label(table, x))
     if not is_numeric:
         values = _values_along(table, x)
-        axes.set_xticks(range(len(values)), [_label(value) for value in values])
-    if len(lines) > 1:
-        handles, labels = axes.get_legend_handles_labels()
-        legend_below(canvas, handles, labels)
-        if len(lines) > _MAX_LINES:
-            axes.set_title(f"the first {_MAX_LINES} of {len(lines)} lines; the summary has all")
+        axes.set_xticks(range(len(values)), [value_label(table, x, value) for value in values])
+    if len(lines) > _MAX_LINES:
+        axes.set_title(f"the first {_MAX_LINES} of {len(lines)} lines; the summary has all")
 
 
 def axis_parameter(table: SweepTable) -> str | None:
@@ -91,38 +96,8 @@ def line_parameters(table: SweepTable) -> tuple[str, ...]:
     return tuple(path for path in table.study.grid or {} if path != axis_parameter(table))
 
 
-def short_names(table: SweepTable) -> dict[str, str]:
-    """Return each parameter's last word, or its whole path where two end in one word."""
-    paths = table.study.parameters
-    last = [path.rpartition(".")[2] for path in paths]
-    return {path: word if last.count(word) == 1 else path for path, word in zip(paths, last, strict=True)}
-
-
-def meaning_of(name: str) -> Meaning:
-    """Return unit and words of a metric."""
-    ((_, meaning),) = shown_metrics({name: None})
-    return meaning
-
-
-def axis_words(table: SweepTable, name: str) -> str:
-    """Return the label of a metric on an axis; a truth value is shown as a share."""
-    unit = meaning_of(name).unit
-    words = name.removesuffix(f"_{unit}").replace("_", " ") + (f" ({unit})" if unit else "")
-    return f"share of runs: {words}" if _is_share(table, name) else words
-
-
-def group_label(table: SweepTable, group: Group) -> str:
-    """Return a short label for the values of a group."""
-    short = short_names(table)
-    return ", ".join(f"{short[path]} {_label(value)}" for path, value in group.values.items()) or "all runs"
-
-
 def _has(table: SweepTable, name: str, group: Group) -> bool:
     return metric_of(table, name, group).n > 0
-
-
-def _is_share(table: SweepTable, name: str) -> bool:
-    return any(isinstance(value, bool) for value in table.columns[name])
 
 
 def _values_along(table: SweepTable, path: str) -> list[Any]:
@@ -194,9 +169,4 @@ def _draw_distribution(axes: Any, table: SweepTable, name: str) -> None:
     band = np.clip(share - half, 0.0, 1.0), np.clip(share + half, 0.0, 1.0)
     axes.fill_between(values, *band, step="post", color=colour(1), alpha=_BAND_OPACITY, linewidth=0.0)
     axes.step(values, share, where="post", color=colour(1))
-    axes.set(xlabel=axis_words(table, name), ylabel="share of runs that are not above", ylim=(0.0, 1.02))
-
-
-def _label(value: Any) -> str:
-    text = f"{value:g}" if is_number(value) else value if isinstance(value, str) else value_text(value)
-    return text if len(text) <= _LONGEST_LABEL else text[: _LONGEST_LABEL - 1] + "…"
+    axes.set(xlabel=metric_label(table, name), ylabel="share of runs that are not above", ylim=(0.0, 1.02))

@@ -9,10 +9,12 @@ from pathlib import Path
 
 from auv_core.machine.whole_files import write_text
 from auv_core.params import dump
-from auv_experiment.metrics.descriptions import value_text as metric_text
+from auv_experiment.metrics.wording import meaning_of
+from auv_experiment.metrics.wording import value_text as metric_text
 from auv_experiment.report.html import embedded_png, head, pairs_table
 from auv_experiment.scenario.strict_yaml import to_yaml
-from auv_experiment.sweeps.figures import axis_parameter, line_parameters, meaning_of, short_names
+from auv_experiment.sweeps.figures import axis_parameter, line_parameters
+from auv_experiment.sweeps.labels import parameter_label, value_label
 from auv_experiment.sweeps.plan import override_texts
 from auv_experiment.sweeps.summary import Group, grid_groups, metric_of, n_failed
 from auv_experiment.sweeps.table import DONE, SweepTable
@@ -82,7 +84,7 @@ def _how_to_read(table: SweepTable) -> str:
         "A metric's statistics leave out runs that failed and runs without the metric."
     )
     if pooled:
-        words += f" Figures pool the runs over {', '.join(short_names(table)[path] for path in pooled)}."
+        words += f" Figures pool the runs over {', '.join(parameter_label(table, path) for path in pooled)}."
     return f"<p>{html.escape(words)}</p>"
 
 
@@ -100,9 +102,11 @@ def _metric(table: SweepTable, name: str, figure: Path | None) -> str:
 
 
 def _metric_table(table: SweepTable, name: str) -> str:
-    short, groups = short_names(table), grid_groups(table)
+    groups = grid_groups(table)
     words = ("runs", "failed", "counted", "mean", "95 % from", "to", "smallest", "median", "largest")
-    cells = "".join(f"<th scope='col'>{html.escape(short[path])}</th>" for path in table.study.grid or {})
+    cells = "".join(
+        f"<th scope='col'>{html.escape(parameter_label(table, path))}</th>" for path in table.study.grid or {}
+    )
     cells += "".join(f"<th scope='col' class='value'>{word}</th>" for word in words)
     rows = [f"<tr>{cells}</tr>", *(_group(table, name, group) for group in groups[:_MOST_GROUPS])]
     more = len(groups) - _MOST_GROUPS
@@ -116,7 +120,9 @@ def _group(table: SweepTable, name: str, group: Group) -> str:
     counts = (len(group.rows), n_failed(table, group), summary.n)
     numbers = (summary.mean, summary.low, summary.high, summary.smallest, summary.median, summary.largest)
     texts = [*(str(count) for count in counts), *(metric_text(number, digits) for number in numbers)]
-    values = "".join(f"<td>{html.escape(str(value))}</td>" for value in group.values.values())
+    values = "".join(
+        f"<td>{html.escape(value_label(table, path, value))}</td>" for path, value in group.values.items()
+    )
     return f"<tr>{values}{''.join(f'<td class=value>{html.escape(text)}</td>' for text in texts)}</tr>"
 
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from auv_core.params import ConfigError, shown
 from auv_experiment.inprocess.evaluated_run import effort
-from auv_experiment.metrics.descriptions import MEANINGS
+from auv_experiment.metrics.descriptions import MEANINGS, OF_LAWS
+from auv_experiment.metrics.own import own_files_of_metrics
 from auv_experiment.run_key import run_key, source_version
 from auv_experiment.scenario.loading import load_for_seeds, scenario_to_json
 from auv_experiment.sweeps.study import Sample, Study, value_text
@@ -64,6 +65,7 @@ def plan_runs(study: Study) -> list[PlannedRun]:
         a metric.
 
     """
+    own_files_of_metrics()
     runs: list[PlannedRun] = []
     for parameters in points(study):
         for scenario in _scenarios(study, parameters):
@@ -112,7 +114,8 @@ def _scenarios(study: Study, parameters: dict[str, Any]) -> Iterator[Scenario]:
 
 def _check_metrics(study: Study, scenario: Scenario) -> None:
     """Refuse metrics that runs do not have; a run of a few ticks shows which they have."""
-    if all(name in MEANINGS and name not in NO_RESULTS for name in study.metrics):
+    of_every_run = set(MEANINGS) - set(OF_LAWS) - NO_RESULTS
+    if of_every_run.issuperset(study.metrics):
         return
     rehearsal = replace(scenario, duration_s=min(scenario.ticks, _REHEARSED_TICKS) * scenario.period_s)
     rehearsed = fly_run(scenario_to_json(rehearsal), source_version())

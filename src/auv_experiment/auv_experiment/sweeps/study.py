@@ -87,6 +87,16 @@ class Sample:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Label:
+    """The label of a parameter or of a metric in figures and tables, and those of a parameter's values."""
+
+    name: str | None = param("text in place of the name", default=None)
+    values: tuple[str, ...] | None = param(
+        "texts in place of the values, in the order of the grid", default=None
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class Study:
     """Everything that determines a sweep."""
 
@@ -110,6 +120,10 @@ class Study:
     by: str | None = param(
         "parameter that distinguishes the lines; if missing, all others of the grid", default=None
     )
+    labels: dict[str, Label] | None = param(
+        "labels of parameters, by dotted path, and of metrics: a text, or {name: ..., values: [...]}",
+        default=None,
+    )
 
     def __post_init__(self) -> None:
         """Check values against each other; messages begin with the field."""
@@ -126,6 +140,8 @@ class Study:
         self._check_paths()
         for field in ("x", "by"):
             self._check_axis(field)
+        for key, label in (self.labels or {}).items():
+            self._check_label(key, label)
         if self.n_runs > MAX_RUNS:
             raise ValueError(f"seeds: {self.n_runs} runs are not allowed; allowed: at most {MAX_RUNS}")
 
@@ -168,6 +184,17 @@ class Study:
             allowed = ", ".join(others) or "nothing, no parameter varies"
             raise ValueError(f"{field}: {shown(path)} is not allowed; allowed: {allowed}")
 
+    def _check_label(self, key: str, label: Label) -> None:
+        known = (*self.parameters, *self.metrics)
+        if key not in known and ("." in key or self.metrics):
+            raise ValueError(f"labels: {shown(key)} is not allowed; allowed: {', '.join(known) or 'metrics'}")
+        count = len((self.grid or {}).get(key, ()))
+        if label.values is not None and len(label.values) != count:
+            raise ValueError(
+                f"labels.{key}.values: {len(label.values)} labels are not allowed; "
+                f"allowed: one for each of the {count} values of the grid"
+            )
+
 
 def load_study(name_or_path: str) -> Study:
     """
@@ -197,6 +224,9 @@ def study_from_plain(raw: Mapping[str, Any]) -> Study:
     if isinstance(plain.get("seeds"), Mapping):
         seeds = load(SeedRange, plain["seeds"], "study.seeds")
         plain["seeds"] = list(range(seeds.first, seeds.first + seeds.count))
+    if isinstance(plain.get("labels"), Mapping):
+        labels = plain["labels"].items()
+        plain["labels"] = {key: {"name": text} if isinstance(text, str) else text for key, text in labels}
     return load(Study, plain, "study")
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from auv_core.machine.whole_files import whole_file
-from auv_experiment.metrics.descriptions import is_share
+from auv_experiment.metrics.wording import meaning_of
 from auv_experiment.sweeps.confidence import Summary, summarise
 from auv_experiment.sweeps.study import is_number
 from auv_experiment.sweeps.table import DONE, PREFIX, SweepTable
@@ -57,7 +57,8 @@ def metric_of(table: SweepTable, name: str, group: Group) -> Summary:
     column, status = table.columns.get(name), table.columns["status"]
     values = [column[row] for row in group.rows if status[row] == DONE] if column else []
     return summarise(
-        [value for value in values if isinstance(value, bool) or is_number(value)], is_share=is_share(name)
+        [value for value in values if isinstance(value, bool) or is_number(value)],
+        is_share=meaning_of(name).is_share,
     )
 
 

@@ -84,6 +84,10 @@ class SweepTable:
         values = {path: self.columns[PREFIX + path][row] for path in self.study.parameters}
         return {path: json.loads(value) if path in self._texts else value for path, value in values.items()}
 
+    def as_in_column(self, path: str, value: Any) -> Any:
+        """Return a value of a parameter as the column of the parameter has it."""
+        return value_text(value) if path in self._texts else value
+
     @property
     def metrics(self) -> list[str]:
         """Names of the columns that are metrics."""

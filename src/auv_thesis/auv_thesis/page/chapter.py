@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
+from auv_experiment.figures.formats import PAGE_FORMAT
 from auv_experiment.report.html import embedded_png
 from auv_thesis.items import Figure, Row, RunSpec, Table, Verdict
 from auv_thesis.page.outcome import ChapterOutcome, Outcome
@@ -70,8 +71,8 @@ def _figure(outcome: Outcome) -> str:
     item = outcome.item
     caption = html.escape(item.caption) if isinstance(item, Figure) else ""
     words = heading(item)
-    if isinstance(outcome.content, bytes):
-        image = embedded_png(outcome.content, f"{words}, drawn from our runs")
+    if isinstance(outcome.content, dict):
+        image = embedded_png(outcome.content[PAGE_FORMAT], f"{words}, drawn from our runs")
     else:
         image = f"<p>{_failure(outcome)}</p>"
     return (

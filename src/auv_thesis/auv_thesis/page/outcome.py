@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib
 from matplotlib.figure import Figure as Canvas
+from matplotlib.gridspec import GridSpecBase
 
 from auv_core.cli.tally import Tally
 from auv_core.machine.failure import Failure
 from auv_core.machine.workers import Advance, Call, attempt, spread
-from auv_experiment.figures.plotting import STYLE
+from auv_experiment.figures.formats import PAGE_FORMAT
+from auv_experiment.figures.plotting import new_canvas, save_canvas, style_of
 from auv_thesis.items import Chapter, Figure, Item, Row, Run, Table, Verdict, function_of
 
 if TYPE_CHECKING:
@@ -22,12 +24,13 @@ if TYPE_CHECKING:
     from auv_thesis.runs.runner import Flown
     from auv_thesis.runs.store import PlannedRun, Store
 
-SIZE_IN = (6.5, 4.0)
+HEIGHT_IN = 4.0
 DPI = 130
+_TWO_COLUMNS_IN = 7.16
 _KEPT_RECORDINGS = 6
 
-Content = bytes | tuple[Row, ...] | Verdict
-"""A figure as PNG, a table's rows, a claim's verdict."""
+Content = dict[str, bytes] | tuple[Row, ...] | Verdict
+"""A figure by the format of its file, PNG among them; a table's rows; a claim's verdict."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,13 @@ class ChapterOutcome:
 
 
 def evaluate(
-    chapters: Sequence[Chapter], flown: Flown, store: Store, *, n_workers: int, tally: Tally
+    chapters: Sequence[Chapter],
+    flown: Flown,
+    store: Store,
+    *,
+    n_workers: int,
+    tally: Tally,
+    formats: Sequence[str] = (PAGE_FORMAT,),
 ) -> tuple[ChapterOutcome, ...]:
     """
     Make all figures, tables and claims of these chapters.
@@ -83,6 +92,8 @@ def evaluate(
         Number of processes.
     tally : Tally
         Receives the failures.
+    formats : sequence of str
+        Formats of the figures; PNG is among them.
 
     """
     items = [item for chapter in chapters for item in chapter.items]
@@ -94,7 +105,8 @@ def evaluate(
 
     def call_of(index: int) -> Call:
         item = items[index]
-        return partial(evaluate_item, item, tuple(flown.planned[spec] for spec in item.runs), store)
+        runs = tuple(flown.planned[spec] for spec in item.runs)
+        return partial(evaluate_item, item, runs, store, formats=formats)
 
     def note(place: int, made: list[Content | Failure] | Failure) -> None:
         group = groups[place]
@@ -154,13 +166,18 @@ def name_of(item: Item) -> str:
 
 
 def evaluate_item(
-    item: Item, planned: Sequence[PlannedRun], store: Store, advance: Advance = lambda amount: None
+    item: Item,
+    planned: Sequence[PlannedRun],
+    store: Store,
+    advance: Advance = lambda amount: None,
+    *,
+    formats: Sequence[str] = (PAGE_FORMAT,),
 ) -> Content:
     """Make one item from its finished runs."""
     del advance
     runs: list[Run] = [_KeptRun(run, store) for run in planned]
     if isinstance(item, Figure):
-        return _png(item, runs)
+        return {file_format: _image(item, runs, file_format) for file_format in formats}
     if isinstance(item, Table):
         rows = tuple(item.rows(runs))
         if not all(isinstance(row, Row) for row in rows):
@@ -203,10 +220,21 @@ def _recording(store: Store, key: str) -> Recording:
     return store.recording(key)
 
 
-def _png(figure: Figure, runs: list[Run]) -> bytes:
-    with matplotlib.rc_context(STYLE):
-        canvas = Canvas(figsize=SIZE_IN, layout="constrained")
+def _image(figure: Figure, runs: list[Run], file_format: str) -> bytes:
+    stream = io.BytesIO()
+    with matplotlib.rc_context(style_of(file_format)):
+        canvas = new_canvas(HEIGHT_IN)
         figure.draw(canvas, runs)
-        stream = io.BytesIO()
-        canvas.savefig(stream, dpi=DPI, format="png", metadata={"Software": None})
+        if file_format != PAGE_FORMAT:
+            _fit_to_paper(canvas)
+        save_canvas(canvas, stream, file_format, dpi=DPI)
     return stream.getvalue()
+
+
+def _fit_to_paper(canvas: Canvas) -> None:
+    """Give a figure the width of one column of a paper, of two where its panels stand side by side."""
+    grids = [axes.get_gridspec() for axes in canvas.axes]
+    if any(isinstance(grid, GridSpecBase) and grid.ncols > 1 for grid in grids):
+        canvas.set_figwidth(_TWO_COLUMNS_IN)
+    elif canvas.get_figwidth() > matplotlib.rcParams["figure.figsize"][0]:
+        canvas.set_size_inches(matplotlib.rcParams["figure.figsize"][0], 0.8 * canvas.get_figheight())

@@ -19,7 +19,7 @@ def counts(chapters: Sequence[ChapterOutcome]) -> dict[str, dict[str, int]]:
     return {
         "claims": {word: claims[word] for word in CLAIM_VERDICTS},
         "rows": {word: rows[word] for word in ROW_VERDICTS},
-        "figures": {"drawn": sum(isinstance(outcome.content, bytes) for outcome in outcomes)},
+        "figures": {"drawn": sum(isinstance(outcome.content, dict) for outcome in outcomes)},
         "failures": {"failed": sum(outcome.failure is not None for outcome in outcomes)},
     }
 

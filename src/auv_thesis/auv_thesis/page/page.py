@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from auv_core.machine.whole_files import write_bytes, write_text
+from auv_experiment.figures.formats import FORMATS
 from auv_experiment.report.html import head, pairs_table
 from auv_thesis.items import Figure
 from auv_thesis.page.chapter import chapter_section
@@ -34,7 +35,7 @@ _TITLE = "The thesis, redone"
 
 def write_page(folder: Path, chapters: Sequence[ChapterOutcome], making: Making) -> Path:
     """
-    Write index.html, summary.json and figures/*.png.
+    Write index.html, summary.json and figures/*.
 
     Parameters
     ----------
@@ -80,12 +81,16 @@ def page_html(chapters: Sequence[ChapterOutcome], making: Making) -> str:
 
 def _write_figures(folder: Path, chapters: Sequence[ChapterOutcome]) -> None:
     folder.mkdir(exist_ok=True)
-    for path in folder.glob("figure_*.png"):  # left by an earlier call, perhaps for other chapters
-        path.unlink()
+    for file_format in FORMATS:
+        for path in folder.glob(
+            f"figure_*.{file_format}"
+        ):  # left by an earlier call, perhaps for other chapters
+            path.unlink()
     for chapter in chapters:
         for outcome in chapter.figures:
-            if isinstance(outcome.item, Figure) and isinstance(outcome.content, bytes):
-                write_bytes(folder / figure_file(outcome.item), outcome.content)
+            if isinstance(outcome.item, Figure) and isinstance(outcome.content, dict):
+                for file_format, data in outcome.content.items():
+                    write_bytes(folder / figure_file(outcome.item, file_format), data)
 
 
 def _runs_table(making: Making) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from auv_experiment.figures.formats import PAGE_FORMAT
 from auv_thesis.items import Claim, Figure, Table, Verdict
 from auv_thesis.page.outcome import ChapterOutcome
 from auv_thesis.page.overview import counts
@@ -16,9 +17,9 @@ if TYPE_CHECKING:
 FIGURES_FOLDER = "figures"
 
 
-def figure_file(figure: Figure) -> str:
-    """Return the name of a figure's PNG file."""
-    return f"figure_{slug(figure.number)}.png"
+def figure_file(figure: Figure, file_format: str = PAGE_FORMAT) -> str:
+    """Return the name of a figure's file."""
+    return f"figure_{slug(figure.number)}.{file_format}"
 
 
 def summary_of(chapters: Sequence[ChapterOutcome], making: Making) -> dict[str, Any]:
