@@ -45,7 +45,9 @@ def message_bytes(vehicle_id: str, neighbours: int) -> dict[str, bytes]:
     name, serialised = vehicle_id, serialize_message
     state = convert.state_stencil().filled(0.0, *[0] * 17)
     odometry = convert.odometry_stencil("", "").filled(0.0, *[0] * 25)
-    estimates = convert.neighbours_stencil(range(neighbours)).filled(0.0, 0, np.zeros((neighbours, 44)))
+    estimates = convert.neighbours_stencil(range(neighbours)).filled(
+        0.0, 0, np.zeros((neighbours, convert.NEIGHBOUR_NUMBERS))
+    )
     status = DiagnosticStatus(name=f"{name}/agent_node: neighbours", message="oldest packet 1.0 s")
     return {
         "state": state,

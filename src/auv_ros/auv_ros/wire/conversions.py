@@ -48,7 +48,8 @@ MAP_FRAME = "map"
 _STATE = struct.Struct("<q?7x15d")
 _SIX = struct.Struct("<6d")
 _TICK = struct.Struct("<q")
-_NEIGHBOUR_NUMBERS = 44
+NEIGHBOUR_NUMBERS = 44
+"""Numbers of one auv_msgs/NeighbourEstimate, its address left out."""
 _HALF_SQRT = math.sqrt(0.5)
 _DIAGONAL_OF_SIX = "48x".join("d" * 6)
 """The six diagonal numbers of a covariance of 36, with zeros between them."""
@@ -279,7 +280,7 @@ def neighbours_stencil(addresses: Sequence[int]) -> RowStencil:
     message = NeighbourEstimates(
         header=header(0.0, WORLD_FRAME), neighbours=[NeighbourEstimate(address=k) for k in addresses]
     )
-    return RowStencil(bytes(serialize_message(message)), len(addresses), _NEIGHBOUR_NUMBERS)
+    return RowStencil(bytes(serialize_message(message)), len(addresses), NEIGHBOUR_NUMBERS)
 
 
 class NeighboursWriter:
