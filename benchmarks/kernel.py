@@ -37,7 +37,7 @@ LEAST_TICKS, STEPS, DT_S = 100, 5, 0.02
 FEW_VEHICLE_TICKS = 4000
 
 
-class Flight:
+class FleetRun:
     """
     `swarm` without its path, N vehicles on a cubic grid of 6 m, disturbed by up to half a metre, who hear to
     10 m and keep 4 m apart; every block flies the same ten seconds from there, fewer than 40 vehicles longer.
@@ -55,7 +55,7 @@ class Flight:
     def fly(self) -> None:
         """Fly once, from the start."""
         self._fleet.motion[:], self._fleet.centres[:] = self._start
-        self._fleet.fly(self._ticks, STEPS, DT_S, self._paths)
+        self._fleet.run(self._ticks, STEPS, DT_S, self._paths)
 
     def rate(self, block_s: float) -> float:
         """Return vehicle-steps per second of processor time, over a block of so many of them."""
@@ -77,7 +77,7 @@ def rows(*, quick: bool = False, peers: Path | None = None) -> Iterator[Row]:
 def beside_peers(blocks: int, block_s: float, peers: Path | None) -> Iterator[Row]:
     """Yield the rate for a few vehicles and for many, in turns with the same number of a peer's."""
     for count, bar in BARS.items():
-        flight = Flight(count)
+        flight = FleetRun(count)
         flight.fly()
         name = f"kernel, {count} vehicles: vehicle-steps/s"
         for peer in PEERS:
@@ -97,7 +97,7 @@ def beside_peers(blocks: int, block_s: float, peers: Path | None) -> Iterator[Ro
 
 def growth(counts: tuple[int, ...], blocks: int, block_s: float) -> Iterator[Row]:
     """Yield the rates at one density and the exponent of the cost of a step in the number of vehicles."""
-    flights = [Flight(count) for count in counts]
+    flights = [FleetRun(count) for count in counts]
     for flight in flights:
         flight.fly()
     found = taking_turns([partial(flight.rate, block_s) for flight in flights], blocks)
@@ -121,7 +121,7 @@ def whole_runs(blocks: int, duration_s: float) -> Iterator[Row]:
         overrides = [f"vehicles.count={count}", f"agent.consensus.params.reach_m={REACH_M}"]
         scenario = load_scenario("swarm", duration_s=duration_s, overrides=overrides)
         steps = count * round(duration_s / scenario.dt_s)
-        flight = Flight(count)
+        flight = FleetRun(count)
         measures = [
             lambda: steps / cpu_seconds(lambda: run_continuous(scenario), 0.0),  # noqa: B023
             lambda: flight.rate(0.1),  # noqa: B023
@@ -158,7 +158,7 @@ def _peak_kib(count: int) -> int:
 def print_peak(count: int) -> None:
     """Fly so many vehicles for one tick and print the most memory that this process ever had (KiB)."""
     use_compiler()
-    Flight(count, ticks=1).fly()
+    FleetRun(count, ticks=1).fly()
     status = Path("/proc/self/status").read_text(encoding="ascii")
     print(next(line.split()[1] for line in status.splitlines() if line.startswith("VmHWM")))
 

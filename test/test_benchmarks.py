@@ -43,11 +43,11 @@ def test_a_part_that_is_none_is_refused(capsys):
 
 
 def test_the_kernel_flies_any_number_from_where_it_began(monkeypatch):
-    from benchmarks.kernel import Flight
+    from benchmarks.kernel import FleetRun
 
     monkeypatch.setattr(compiled, "_is_on", False)
     compiled.use_compiler()
-    flight = Flight(300)
+    flight = FleetRun(300)
     flight.fly()
     first = flight._fleet.motion.copy()
     flight.fly()

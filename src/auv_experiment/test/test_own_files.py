@@ -14,7 +14,7 @@ from own_folder import OwnFolder
 from auv_core.params import ConfigError
 from auv_experiment.figures.by_law import run_drawers
 from auv_experiment.figures.files import save_figures
-from auv_experiment.inprocess.evaluated_run import fly
+from auv_experiment.inprocess.evaluated_run import run_evaluated
 from auv_experiment.metrics.own import failure_warning, own_files_of_metrics, own_metrics
 from auv_experiment.metrics.wording import meaning_of, metrics_table
 from auv_experiment.recording import Recording
@@ -149,7 +149,7 @@ def test_a_file_that_cannot_be_used_is_refused_before_a_flight(
 ) -> None:
     own.write("metrics", name, text)
     with pytest.raises(ConfigError) as caught:
-        fly(SCENARIO)
+        run_evaluated(SCENARIO)
     assert str(caught.value).startswith(complaint)
     assert "\n" not in str(caught.value)
 

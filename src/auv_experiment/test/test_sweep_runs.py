@@ -108,13 +108,13 @@ def rows_of(folder):
 def flights(monkeypatch):
     """Count flights in this process by seed."""
     seeds = []
-    fly_truly = evaluated_run.fly
+    fly_truly = evaluated_run.run_evaluated
 
     def counted(scenario):
         seeds.append(scenario.seed)
         return fly_truly(scenario)
 
-    monkeypatch.setattr(worker, "fly", counted)
+    monkeypatch.setattr(worker, "run_evaluated", counted)
     return seeds
 
 

@@ -21,7 +21,7 @@ from auv_experiment.figures.formats import add_format_option
 from auv_thesis.items import Chapter, ChapterError, chapters, choose, with_seeds
 
 if TYPE_CHECKING:
-    from auv_thesis.page.outcome import ChapterOutcome
+    from auv_thesis.page.made import MadeChapter
     from auv_thesis.runs.runner import Flown
 
 MOST_SEEDS = 100
@@ -174,8 +174,8 @@ def _write_documents(known: Sequence[Chapter]) -> int:
 
 def _reproduce(chosen: Sequence[Chapter], options: argparse.Namespace, arguments: list[str]) -> int:
     from auv_core.cli.tally import Tally
+    from auv_thesis.page.made import evaluate
     from auv_thesis.page.making import making_of
-    from auv_thesis.page.outcome import evaluate
     from auv_thesis.page.page import write_page
     from auv_thesis.runs.runner import fly_all
     from auv_thesis.runs.store import Store
@@ -188,35 +188,35 @@ def _reproduce(chosen: Sequence[Chapter], options: argparse.Namespace, arguments
     with Tally("runs") as tally:
         flown = fly_all(specs, store, n_workers=n_workers, tally=tally, is_fresh=options.fresh)
     with Tally("figures, tables and claims") as tally:
-        outcomes = evaluate(chosen, flown, store, n_workers=n_workers, tally=tally, formats=options.formats)
+        all_made = evaluate(chosen, flown, store, n_workers=n_workers, tally=tally, formats=options.formats)
     store.forget_old()
     command = shlex.join(["./scripts/reproduce", *arguments])
     wall_s = time.monotonic() - start_s
-    page = write_page(folder, outcomes, making_of(command, flown, n_workers=n_workers, wall_s=wall_s))
-    _print_counts(outcomes)
+    page = write_page(folder, all_made, making_of(command, flown, n_workers=n_workers, wall_s=wall_s))
+    _print_counts(all_made)
     print(f"page: {page}", flush=True)
-    return _tell_failures(folder / FAILURES_FILE, flown, outcomes)
+    return _tell_failures(folder / FAILURES_FILE, flown, all_made)
 
 
-def _print_counts(outcomes: Sequence[ChapterOutcome]) -> None:
+def _print_counts(all_made: Sequence[MadeChapter]) -> None:
     from auv_thesis.page.overview import counts
 
-    for kind, found in counts(outcomes).items():
+    for kind, found in counts(all_made).items():
         words = ", ".join(f"{count} {word}" for word, count in found.items() if count)
         if words:
             print(f"{kind + ':':<10}{words}")
 
 
-def _tell_failures(file: Path, flown: Flown, outcomes: Sequence[ChapterOutcome]) -> int:
+def _tell_failures(file: Path, flown: Flown, all_made: Sequence[MadeChapter]) -> int:
     """Write the tracebacks of everything that failed; return the exit status."""
-    from auv_thesis.page.outcome import name_of
+    from auv_thesis.page.made import name_of
 
     failures = [(f"run {spec}", failure) for spec, failure in flown.failed.items()]
     failures += [
-        (name_of(outcome.item), outcome.failure)
-        for chapter in outcomes
-        for outcome in chapter.all
-        if outcome.failure is not None
+        (name_of(made.item), made.failure)
+        for chapter in all_made
+        for made in chapter.all
+        if made.failure is not None
     ]
     file.unlink(missing_ok=True)
     if not failures:

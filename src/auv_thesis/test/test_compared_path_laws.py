@@ -7,7 +7,7 @@ import pytest
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.scenario.loading import load_scenario
 from auv_thesis.items import HOLDS, Run
-from auv_thesis.laws.path_laws import CASES, CLAIMS, RUNS, outcome
+from auv_thesis.laws.path_laws import CASES, CLAIMS, RUNS, numbers_of
 
 SPECS = dict(zip(CASES, RUNS, strict=True))
 ORIGIN = "own run of 2026-11, sampled at 10 Hz"
@@ -36,15 +36,15 @@ def test_every_case_is_a_scenario():
     ],
 )
 def test_errors_and_distances(law, condition, rms_mm, clearance_m):
-    result = outcome(_fly((law, condition)))
+    result = numbers_of(_fly((law, condition)))
     assert 1e3 * result.rms_m == pytest.approx(rms_mm, rel=0.02), ORIGIN
     assert result.clearance_m == pytest.approx(clearance_m, abs=0.005), ORIGIN
     assert result.worst_m >= result.rms_m
 
 
 def test_effort_is_what_the_actuators_give():
-    free = outcome(_fly(("PD (pfpd)", "nominal"), "duration_s=100.0")).effort_n2s
-    limited = outcome(_fly(("PD (pfpd)", "limits 200 N"), "duration_s=100.0")).effort_n2s
+    free = numbers_of(_fly(("PD (pfpd)", "nominal"), "duration_s=100.0")).effort_n2s
+    limited = numbers_of(_fly(("PD (pfpd)", "limits 200 N"), "duration_s=100.0")).effort_n2s
     assert limited < 0.2 * free
     assert limited < 2 * 200.0**2 * 100.0
 

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from auv_core.params import ConfigError
     from auv_experiment.results import ResultsError
     from auv_sim.vehicle import DivergedError
-    from shoal.flights import run, sweep
     from shoal.result import Result
     from shoal.result import open_result as open  # noqa: A004  shoal.open("results/...")
+    from shoal.runs import run, sweep
     from shoal.scenario import Scenario, load, scenarios
     from shoal.simulation import Simulation
 
@@ -53,9 +53,9 @@ _PLACES = {
     "Simulation": "shoal.simulation",
     "load": "shoal.scenario",
     "open": "shoal.result:open_result",
-    "run": "shoal.flights",
+    "run": "shoal.runs",
     "scenarios": "shoal.scenario",
-    "sweep": "shoal.flights",
+    "sweep": "shoal.runs",
 }
 """Where the names are defined; each is imported when it is first used, so that the command starts quickly."""
 

@@ -5,9 +5,9 @@ import importlib
 
 import pytest
 
-MODULES = ("shoal", "shoal.flights", "shoal.result", "shoal.scenario", "shoal.simulation")
+MODULES = ("shoal", "shoal.runs", "shoal.result", "shoal.scenario", "shoal.simulation")
 PUBLIC = {
-    "shoal.flights": {"run", "sweep"},
+    "shoal.runs": {"run", "sweep"},
     "shoal.result": {"Result", "Result.figure", "Result.to_pandas", "Result.to_xarray", "open_result"},
     "shoal.scenario": {"Scenario", "load", "scenarios"},
     "shoal.simulation": {"Simulation"},

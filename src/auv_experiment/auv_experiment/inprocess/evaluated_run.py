@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Flight:
+class EvaluatedRun:
     """A finished run: what happened, its metrics, and the wall and processor time that it took (s)."""
 
     recording: Recording
@@ -23,7 +23,7 @@ class Flight:
 
 
 def load_source() -> None:
-    """Load all that flights need, so that processes forked later fly with it, whatever changes on disk."""
+    """Load all that runs need, so that processes forked later fly with it, whatever changes on disk."""
     import auv_experiment.inprocess.sampled
     import auv_experiment.metrics.run  # noqa: F401
     from auv_experiment.metrics.own import own_files_of_metrics
@@ -31,7 +31,7 @@ def load_source() -> None:
     own_files_of_metrics()
 
 
-def fly(scenario: Scenario, *, on_progress: Callable[[float], None] | None = None) -> Flight:
+def run_evaluated(scenario: Scenario, *, on_progress: Callable[[float], None] | None = None) -> EvaluatedRun:
     """
     Fly a resolved scenario in this process and evaluate it.
 
@@ -59,7 +59,7 @@ def fly(scenario: Scenario, *, on_progress: Callable[[float], None] | None = Non
     recording = run_in_process(scenario, on_progress=on_progress)
     factor = scenario.duration_s / max(time.monotonic() - start_s, 1e-9)
     metrics = compute_metrics(recording, scenario, mode="inprocess", real_time_factor=factor)
-    return Flight(recording, metrics, time.monotonic() - start_s, time.process_time() - cpu_start_s)
+    return EvaluatedRun(recording, metrics, time.monotonic() - start_s, time.process_time() - cpu_start_s)
 
 
 def effort(scenario: Scenario) -> float:

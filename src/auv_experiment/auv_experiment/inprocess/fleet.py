@@ -15,7 +15,7 @@ from auv_core.compiled import fastest
 from auv_core.geometry import Vec3, quaternion_from_heading
 from auv_core.models import kinematic, six_dof
 from auv_core.pairs import near_pairs, no_pairs
-from auv_experiment.inprocess.fleet_loop import Course, FleetLog, FleetState, fly, lists_pairs
+from auv_experiment.inprocess.fleet_loop import Course, FleetLog, FleetState, lists_pairs, run_fleet
 from auv_experiment.inprocess.hull_lanes import (
     LANES,
     Hull,
@@ -108,14 +108,14 @@ class Fleet:
         rates = hull_rates if self.is_hull else point_rates
         strengths = self._law.strength, self._law.obstacle_strength
         self._functions = (fastest(pairs), fastest(flock_rates), fastest(rates), *strengths)
-        self._fly: Any = fastest(fly)
+        self._run: Any = fastest(run_fleet)
 
     def paths(self, first_step: int, steps: int, dt_s: float) -> Floats:
-        """Return the (2 * steps + 1, P, 8) table of the paths every half step, for `fly`."""
+        """Return the (2 * steps + 1, P, 8) table of the paths every half step, for `run_fleet`."""
         halves = range(2 * first_step, 2 * (first_step + steps) + 1)
         return np.array([[_path_row(path.at(0.5 * half * dt_s)) for path in self._paths] for half in halves])
 
-    def fly(self, ticks: int, steps: int, dt_s: float, paths: Floats) -> FleetLog:
+    def run(self, ticks: int, steps: int, dt_s: float, paths: Floats) -> FleetLog:
         """Fly so many control periods of so many steps along a table of `paths`; return what happened."""
         wrenches = (ticks + 1, len(self.motion), 6 * LANES) if self.is_hull else (0, 0, 0)
         log = FleetLog(
@@ -126,7 +126,7 @@ class Fleet:
             wrenches=np.empty(wrenches),
         )
         state = FleetState(self.motion, self.centres, self._law.numbers, self._hull)
-        self._fly(*self._functions, state, Course(ticks, steps, dt_s, paths, self._path_of), log)
+        self._run(*self._functions, state, Course(ticks, steps, dt_s, paths, self._path_of), log)
         return log
 
 
@@ -146,7 +146,7 @@ def fly_fleet(scenario: Scenario, recording: Recording, on_progress: Callable[[f
     for tick in range(0, scenario.ticks, chunk):
         ticks = min(chunk, scenario.ticks - tick)
         paths = fleet.paths(tick * steps, ticks * steps, scenario.dt_s)
-        _record(recording, tick, fleet, fleet.fly(ticks, steps, scenario.dt_s, paths))
+        _record(recording, tick, fleet, fleet.run(ticks, steps, scenario.dt_s, paths))
         if on_progress is not None:
             on_progress((tick + ticks) * scenario.period_s)
 

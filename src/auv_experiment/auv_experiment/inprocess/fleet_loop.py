@@ -132,7 +132,7 @@ class FleetLog(NamedTuple):
     f"void(FUNCTION({NEAR_PAIRS}), FUNCTION({FLOCK_RATES}), FUNCTION({VEHICLE_RATES}), "
     f"FUNCTION({STRENGTH}), FUNCTION({STRENGTH}), FleetState, Course, FleetLog)"
 )
-def fly(
+def run_fleet(
     list_pairs: ListPairs,
     flock_rates: Rates,
     vehicle_rates: Rates,

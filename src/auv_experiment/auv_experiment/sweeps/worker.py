@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from auv_core.machine.failure import Failure
-from auv_experiment.inprocess.evaluated_run import fly
+from auv_experiment.inprocess.evaluated_run import run_evaluated
 from auv_experiment.run_key import source_version
 from auv_experiment.scenario.loading import scenario_from_json
 
@@ -69,12 +69,12 @@ def fly_run(scenario_json: str, source: str) -> Finished:
             "allowed: the same checkout, Python and packages everywhere"
         )
     try:
-        flight = fly(scenario_from_json(scenario_json))
+        run = run_evaluated(scenario_from_json(scenario_json))
     except Exception as error:
         failure = Failure.of(error)
         is_lasting = not isinstance(error, OSError | MemoryError)
         return Finished({}, failure.line, failure.traceback, is_lasting)
-    return Finished(_scalars(flight.metrics), wall_s=flight.wall_s, cpu_s=flight.cpu_s)
+    return Finished(_scalars(run.metrics), wall_s=run.wall_s, cpu_s=run.cpu_s)
 
 
 def _scalars(metrics: dict[str, Any]) -> dict[str, Scalar]:

@@ -78,7 +78,7 @@ RUNS = tuple(
 )
 
 
-class Outcome(NamedTuple):
+class LawNumbers(NamedTuple):
     """Errors (m) after the start and clear of the obstacle, effort (N^2 s), distance to the obstacle (m)."""
 
     rms_m: float
@@ -87,7 +87,7 @@ class Outcome(NamedTuple):
     clearance_m: float
 
 
-def outcome(run: Run) -> Outcome:
+def numbers_of(run: Run) -> LawNumbers:
     """Return the summary of one run."""
     recording, scenario = run.recording, run.scenario
     errors_m = np.linalg.norm(metrics_path.position_error_ned_m(recording, scenario)[:, 0], axis=-1)
@@ -98,7 +98,7 @@ def outcome(run: Run) -> Outcome:
     limit_n = scenario.vehicles[0].model.params.max_force_n
     forces_n = recording.command[:, 0, :3]
     given_n = forces_n if limit_n is None else np.clip(forces_n, -limit_n, limit_n)
-    return Outcome(
+    return LawNumbers(
         rms_m=float(np.sqrt(np.mean(shown_m**2))),
         worst_m=float(shown_m.max()),
         effort_n2s=float(np.sum(given_n**2) * scenario.period_s),
@@ -106,13 +106,13 @@ def outcome(run: Run) -> Outcome:
     )
 
 
-def _outcomes(runs: list[Run]) -> dict[tuple[str, str], Outcome]:
-    return {case: outcome(run) for case, run in zip(CASES, runs, strict=True)}
+def _numbers_by_case(runs: list[Run]) -> dict[tuple[str, str], LawNumbers]:
+    return {case: numbers_of(run) for case, run in zip(CASES, runs, strict=True)}
 
 
 def _rows(runs: list[Run]) -> list[Row]:
     rows = []
-    for (law, condition), result in _outcomes(runs).items():
+    for (law, condition), result in _numbers_by_case(runs).items():
         ours = (
             f"rms {1e3 * result.rms_m:.1f} mm, worst {1e3 * result.worst_m:.1f} mm, "
             f"effort {result.effort_n2s:.3g} N^2 s, obstacle {result.clearance_m:.2f} m"
@@ -123,7 +123,7 @@ def _rows(runs: list[Run]) -> list[Row]:
 
 def _draw(canvas: Canvas, runs: list[Run]) -> None:
     canvas.set_size_inches(6.5, 4.6)
-    results = _outcomes(runs)
+    results = _numbers_by_case(runs)
     upper, lower = canvas.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     places = np.arange(len(CONDITIONS))
     for i, law in enumerate(LAWS):
@@ -152,7 +152,7 @@ def _draw(canvas: Canvas, runs: list[Run]) -> None:
 
 
 def _judge_robustness(runs: list[Run]) -> Verdict:
-    results = _outcomes(runs)
+    results = _numbers_by_case(runs)
     tests = ("plant +30 %", "plant -30 %", "current 0.1 m/s")
     worst_mm = {law: 1e3 * max(results[law, condition].rms_m for condition in tests) for law in LAWS}
     others_mm = min(value for law, value in worst_mm.items() if law not in ROBUST)
@@ -164,7 +164,7 @@ def _judge_robustness(runs: list[Run]) -> Verdict:
 
 
 def _judge_noise_and_limits(runs: list[Run]) -> Verdict:
-    results = _outcomes(runs)
+    results = _numbers_by_case(runs)
     tests = ("noise 5 cm, 1 cm/s", "limits 200 N")
     parts, good = [], 0
     for law in ROBUST:

@@ -19,7 +19,7 @@ from auv_experiment.figures.formats import FORMATS
 from auv_experiment.report.html import head, pairs_table
 from auv_thesis.items import Figure
 from auv_thesis.page.chapter import chapter_section
-from auv_thesis.page.outcome import ChapterOutcome
+from auv_thesis.page.made import MadeChapter
 from auv_thesis.page.overview import all_claims, contents, counts_table, failures
 from auv_thesis.page.summary import FIGURES_FOLDER, figure_file, summary_of
 from auv_thesis.page.template import PAGE
@@ -33,7 +33,7 @@ SUMMARY_FILE = "summary.json"
 _TITLE = "The thesis, redone"
 
 
-def write_page(folder: Path, chapters: Sequence[ChapterOutcome], making: Making) -> Path:
+def write_page(folder: Path, chapters: Sequence[MadeChapter], making: Making) -> Path:
     """
     Write index.html, summary.json and figures/*.
 
@@ -41,7 +41,7 @@ def write_page(folder: Path, chapters: Sequence[ChapterOutcome], making: Making)
     ----------
     folder : Path
         Folder of the page; made if it does not exist.
-    chapters : sequence of ChapterOutcome
+    chapters : sequence of MadeChapter
         The chapters to show, in this order.
     making : Making
         How it was made: command, versions, runs.
@@ -62,7 +62,7 @@ def write_page(folder: Path, chapters: Sequence[ChapterOutcome], making: Making)
     return path
 
 
-def page_html(chapters: Sequence[ChapterOutcome], making: Making) -> str:
+def page_html(chapters: Sequence[MadeChapter], making: Making) -> str:
     """Return the page as HTML."""
     return PAGE.substitute(
         head=head(_TITLE),
@@ -79,7 +79,7 @@ def page_html(chapters: Sequence[ChapterOutcome], making: Making) -> str:
     )
 
 
-def _write_figures(folder: Path, chapters: Sequence[ChapterOutcome]) -> None:
+def _write_figures(folder: Path, chapters: Sequence[MadeChapter]) -> None:
     folder.mkdir(exist_ok=True)
     for file_format in FORMATS:
         for path in folder.glob(
@@ -87,10 +87,10 @@ def _write_figures(folder: Path, chapters: Sequence[ChapterOutcome]) -> None:
         ):  # left by an earlier call, perhaps for other chapters
             path.unlink()
     for chapter in chapters:
-        for outcome in chapter.figures:
-            if isinstance(outcome.item, Figure) and isinstance(outcome.content, dict):
-                for file_format, data in outcome.content.items():
-                    write_bytes(folder / figure_file(outcome.item, file_format), data)
+        for made in chapter.figures:
+            if isinstance(made.item, Figure) and isinstance(made.content, dict):
+                for file_format, data in made.content.items():
+                    write_bytes(folder / figure_file(made.item, file_format), data)
 
 
 def _runs_table(making: Making) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from auv_experiment.figures.formats import PAGE_FORMAT
 from auv_thesis.items import Claim, Figure, Table, Verdict
-from auv_thesis.page.outcome import ChapterOutcome
+from auv_thesis.page.made import MadeChapter
 from auv_thesis.page.overview import counts
 from auv_thesis.page.wording import slug, text_of
 
@@ -22,11 +22,11 @@ def figure_file(figure: Figure, file_format: str = PAGE_FORMAT) -> str:
     return f"figure_{slug(figure.number)}.{file_format}"
 
 
-def summary_of(chapters: Sequence[ChapterOutcome], making: Making) -> dict[str, Any]:
+def summary_of(chapters: Sequence[MadeChapter], making: Making) -> dict[str, Any]:
     """Return the content of the page without the images of its figures."""
     return {
         "counts": counts(chapters),
-        "chapters": {outcome.chapter.key: _chapter_summary(outcome) for outcome in chapters},
+        "chapters": {made.chapter.key: _chapter_summary(made) for made in chapters},
         "command": making.command,
         "versions": making.versions,
         "runs": [
@@ -36,9 +36,9 @@ def summary_of(chapters: Sequence[ChapterOutcome], making: Making) -> dict[str, 
     }
 
 
-def _chapter_summary(outcome: ChapterOutcome) -> dict[str, Any]:
-    summary: dict[str, Any] = {"title": outcome.chapter.title, "claims": [], "tables": [], "figures": []}
-    for one in outcome.all:
+def _chapter_summary(made: MadeChapter) -> dict[str, Any]:
+    summary: dict[str, Any] = {"title": made.chapter.title, "claims": [], "tables": [], "figures": []}
+    for one in made.all:
         known: dict[str, Any] = {"number": one.item.number}
         known["text" if isinstance(one.item, Claim) else "title"] = text_of(one.item)
         if one.failure is not None:

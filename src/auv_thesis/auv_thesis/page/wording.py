@@ -16,7 +16,7 @@ from auv_thesis.items import (
     Claim,
     Item,
 )
-from auv_thesis.page.outcome import name_of
+from auv_thesis.page.made import name_of
 
 _SIGNS = {
     HOLDS: "●",

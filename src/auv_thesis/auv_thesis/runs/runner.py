@@ -12,7 +12,7 @@ from auv_core.machine.kept_json import KeptError, words_of_broken
 from auv_core.machine.whole_files import WriteError
 from auv_core.machine.workers import Advance, spread
 from auv_core.params import ConfigError
-from auv_experiment.inprocess.evaluated_run import fly, load_source
+from auv_experiment.inprocess.evaluated_run import load_source, run_evaluated
 from auv_thesis.items import RunSpec
 from auv_thesis.runs.store import PlannedRun, Store, plan_run
 
@@ -150,10 +150,10 @@ def _fly(run: PlannedRun, store: Store, advance: Advance) -> str:
         advance(run.cost * (time_s - reached_s) / run.scenario.duration_s)
         reached_s = time_s
 
-    flight = fly(run.scenario, on_progress=on_progress)
-    metrics = metrics_to_json(flight.metrics)
+    flown = run_evaluated(run.scenario, on_progress=on_progress)
+    metrics = metrics_to_json(flown.metrics)
     try:
-        store.put(run, flight.recording, metrics, wall_s=flight.wall_s, cpu_s=flight.cpu_s)
+        store.put(run, flown.recording, metrics, wall_s=flown.wall_s, cpu_s=flown.cpu_s)
     except WriteError as error:
         return str(error)
     on_progress(run.scenario.duration_s)

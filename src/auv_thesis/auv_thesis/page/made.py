@@ -34,8 +34,8 @@ Content = dict[str, bytes] | tuple[Row, ...] | Verdict
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """A figure, a table or a claim, and its outcome."""
+class MadeItem:
+    """A figure, a table or a claim, and what was made of it."""
 
     item: Item
     content: Content | Failure
@@ -52,17 +52,17 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class ChapterOutcome:
-    """A chapter and the outcomes of its items, in the chapter's order."""
+class MadeChapter:
+    """A chapter and its items as they were made, in the chapter's order."""
 
     chapter: Chapter
-    figures: tuple[Outcome, ...]
-    tables: tuple[Outcome, ...]
-    claims: tuple[Outcome, ...]
+    figures: tuple[MadeItem, ...]
+    tables: tuple[MadeItem, ...]
+    claims: tuple[MadeItem, ...]
 
     @property
-    def all(self) -> tuple[Outcome, ...]:
-        """Every outcome of the chapter."""
+    def all(self) -> tuple[MadeItem, ...]:
+        """Every item of the chapter."""
         return (*self.figures, *self.tables, *self.claims)
 
 
@@ -74,7 +74,7 @@ def evaluate(
     n_workers: int,
     tally: Tally,
     formats: Sequence[str] = (PAGE_FORMAT,),
-) -> tuple[ChapterOutcome, ...]:
+) -> tuple[MadeChapter, ...]:
     """
     Make all figures, tables and claims of these chapters.
 
@@ -126,14 +126,14 @@ def evaluate(
         on_message=tally.message,
     )
     made = (
-        Outcome(item, content) for item, content in zip(items, contents, strict=True) if content is not None
+        MadeItem(item, content) for item, content in zip(items, contents, strict=True) if content is not None
     )
-    return tuple(_chapter_outcome(chapter, made) for chapter in chapters)
+    return tuple(_made_chapter(chapter, made) for chapter in chapters)
 
 
-def _chapter_outcome(chapter: Chapter, made: Iterator[Outcome]) -> ChapterOutcome:
-    """Return the outcome of a chapter from the outcomes of all items, in their order."""
-    return ChapterOutcome(
+def _made_chapter(chapter: Chapter, made: Iterator[MadeItem]) -> MadeChapter:
+    """Return a chapter from the items of all chapters as they were made, in their order."""
+    return MadeChapter(
         chapter,
         tuple(next(made) for _ in chapter.figures),
         tuple(next(made) for _ in chapter.tables),

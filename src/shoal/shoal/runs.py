@@ -1,4 +1,4 @@
-"""Flights in one process: one, or many."""
+"""Runs in one process: one, or many."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from auv_core.cli.tally import Tally
 from auv_core.machine.processors import processor_count
 from auv_core.params import ConfigError
-from auv_experiment.inprocess.evaluated_run import fly
+from auv_experiment.inprocess.evaluated_run import run_evaluated
 from auv_experiment.results import make_folder
 from auv_experiment.scenario import schema
 from auv_experiment.sweeps.local import fly_here
@@ -71,8 +71,8 @@ def run(
 
     """
     resolved = resolve(scenario, seed=seed, duration_s=duration_s)
-    flight = fly(resolved, on_progress=on_progress)
-    return Result(resolved, flight.recording, mode="inprocess", metrics=flight.metrics)
+    flown = run_evaluated(resolved, on_progress=on_progress)
+    return Result(resolved, flown.recording, mode="inprocess", metrics=flown.metrics)
 
 
 def sweep(
