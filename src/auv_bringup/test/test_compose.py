@@ -11,7 +11,8 @@ from auv_bringup.launching.node_specs import node_specs
 from auv_core.params import load
 from auv_experiment.compose import agent_configs, vehicle_configs
 from auv_experiment.scenario.loading import load_scenario
-from auv_flocking.agent_config import AgentConfig
+from auv_experiment.scenario.schema import Acoustics, Environment, Scenario, VehicleEntry
+from auv_flocking.agent_config import AgentConfig, AgentSettings
 from auv_ros.run_config import RunConfig
 from auv_sim.acoustics.medium import MediumConfig
 from auv_sim.vehicle import VehicleConfig
@@ -133,3 +134,15 @@ def test_modules_and_executables_of_all_nodes_exist(name):
         assert (source / package / package / Path(*rest).with_suffix(".py")).is_file()
         setup = (source / package / "setup.py").read_text()
         assert re.search(rf"\b{spec.executable} = {re.escape(spec.module)}:main\b", setup)
+
+
+def test_a_value_of_a_scenario_and_of_a_configuration_is_described_once() -> None:
+    """All but a start that may be drawn, and a path that a vehicle takes from its scenario."""
+    own = {"position_ned_m", "reference"}
+    sections = (AgentSettings, Acoustics, Environment, VehicleEntry, Scenario)
+    for config in (AgentConfig, MediumConfig, VehicleConfig):
+        known = {field.name: field for field in dataclasses.fields(config)}
+        for field in (field for section in sections for field in dataclasses.fields(section)):
+            if field.name in known.keys() - own:
+                assert dict(known[field.name].metadata) == dict(field.metadata), field.name
+                assert known[field.name].default == field.default, field.name

@@ -81,6 +81,48 @@ def param(
     return dataclasses.field(default=default, metadata=metadata)
 
 
+def same(owner: type, name: str, **changes: Any) -> Any:
+    """
+    Return the field `name` of another configuration, so that a value is described once.
+
+    Parameters
+    ----------
+    owner : type
+        Dataclass with fields made by `param`.
+    name : str
+        Name of the field.
+    changes : any
+        Arguments of `param` that are different here.
+
+    """
+    (field,) = [field for field in dataclasses.fields(owner) if field.name == name]
+    return param(**{"default": field.default, **field.metadata, **changes})
+
+
+def extended(cls: type[T], *sections: object, **own: Any) -> T:
+    """
+    Return a configuration from sections of a scenario and what is its own.
+
+    Parameters
+    ----------
+    cls : type
+        Dataclass of the configuration.
+    sections : dataclasses
+        Each gives the fields that `cls` has too.
+    own : any
+        The other fields, by name; they count before those of sections.
+
+    """
+    names = {field.name for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
+    taken = {
+        field.name: getattr(section, field.name)
+        for section in sections
+        for field in dataclasses.fields(section)  # type: ignore[arg-type]
+        if field.name in names
+    }
+    return cls(**{**taken, **own})
+
+
 def load(cls: type[T], raw: object, path: str) -> T:
     """
     Return an instance of the dataclass `cls` from the mapping `raw`.

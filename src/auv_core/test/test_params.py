@@ -8,7 +8,7 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from auv_core.params import ConfigError, Section, dump, load, load_section, param
+from auv_core.params import ConfigError, Section, dump, extended, load, load_section, param, same
 
 MODELS = "auv_core.models"
 
@@ -212,3 +212,24 @@ def test_nothing_but_a_config_error_leaves_the_loader(raw):
 def test_dump_of_a_section_is_kind_and_params():
     section = load_section({"kind": "kinematic", "params": {"hull_radius_m": 0.25}}, "model", MODELS)
     assert dump(section) == {"kind": "kinematic", "params": {"hull_radius_m": 0.25}}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sledge:
+    seats: int = same(Cart, "seats", maximum=2)
+    gear: str = same(Cart, "gear")
+    runner_m: float = param("length of a runner (m)", above=0.0)
+
+
+def test_a_field_of_another_configuration_keeps_what_is_not_changed() -> None:
+    assert load(Sledge, {"seats": 2, "runner_m": 1.0}, "sledge") == Sledge(seats=2, gear="slow", runner_m=1.0)
+    with pytest.raises(ConfigError, match=r"^sledge\.seats: 3 is not allowed; allowed: .* at most 2$"):
+        load(Sledge, {"seats": 3, "runner_m": 1.0}, "sledge")
+    with pytest.raises(ConfigError, match=r"^sledge\.gear: 'none' is not allowed; allowed: slow, fast$"):
+        load(Sledge, {"seats": 1, "gear": "none", "runner_m": 1.0}, "sledge")
+
+
+def test_a_configuration_takes_from_sections_the_fields_that_it_has_too() -> None:
+    cart = Cart(seats=2, gear="fast", name="red")
+    assert extended(Sledge, cart, runner_m=1.5) == Sledge(seats=2, gear="fast", runner_m=1.5)
+    assert extended(Sledge, cart, runner_m=1.5, seats=1).seats == 1

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from auv_core.compiled import use_compiler
 from auv_core.models import make_model
+from auv_core.params import extended
 from auv_core.state_checks import LARGEST
 from auv_experiment.scenario.schema import Scenario
 from auv_flocking.agent import Agent
@@ -25,18 +26,14 @@ _SPEED_MARGIN = 10.0
 def vehicle_configs(scenario: Scenario) -> list[VehicleConfig]:
     """Return the configuration of every simulated vehicle, in the order of addresses."""
     return [
-        VehicleConfig(
+        extended(
+            VehicleConfig,
+            vehicle,
+            scenario.environment,
+            scenario,
             vehicle_id=vehicle.id,
-            model=vehicle.model,
             position_ned_m=vehicle.position_ned_m or (0.0, 0.0, 0.0),
-            heading_rad=vehicle.heading_rad,
-            current_ned_mps=scenario.environment.current_ned_mps,
-            dt_s=scenario.dt_s,
-            period_s=scenario.period_s,
             address=index + 1,
-            seed=scenario.seed,
-            navigation=scenario.environment.navigation,
-            command_max_age_s=scenario.command_max_age_s,
         )
         for index, vehicle in enumerate(scenario.vehicles)
     ]
@@ -45,28 +42,19 @@ def vehicle_configs(scenario: Scenario) -> list[VehicleConfig]:
 def agent_configs(scenario: Scenario) -> list[AgentConfig]:
     """Return the configuration of every agent, in the order of addresses."""
     obstacles = scenario.environment.obstacles
-    settings = scenario.agent
-    fleet_ids = tuple(vehicle.id for vehicle in scenario.vehicles)
-    limits = input_limits(scenario)
     return [
-        AgentConfig(
+        extended(
+            AgentConfig,
+            replace(scenario.agent, inputs=input_limits(scenario)),
+            scenario,
             vehicle_id=vehicle.id,
             address=index + 1,
             fleet_size=len(scenario.vehicles),
-            fleet_ids=fleet_ids,
+            fleet_ids=tuple(each.id for each in scenario.vehicles),
             is_leader=vehicle.id in scenario.leaders,
-            period_s=scenario.period_s,
-            hold_s=settings.hold_s,
             obstacles_ned_m=tuple(x for obstacle in obstacles for x in obstacle.position_ned_m),
             obstacle_safety_distances_m=tuple(obstacle.safety_distance_m for obstacle in obstacles),
-            reference=scenario.reference if vehicle.reference is None else vehicle.reference,
-            flocking=settings.flocking,
-            separation=settings.separation,
-            consensus=settings.consensus,
-            report=settings.report,
-            neighbours=settings.neighbours,
-            inputs=limits,
-            controller=settings.controller,
+            reference=vehicle.reference or scenario.reference,
         )
         for index, vehicle in enumerate(scenario.vehicles)
     ]

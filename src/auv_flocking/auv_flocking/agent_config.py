@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from auv_control.controllers import controller_class
-from auv_core.params import Section, param
+from auv_core.params import Section, param, same
+from auv_core.run_settings import RunSettings
 from auv_flocking.consensus import make_consensus
 from auv_flocking.flock_task import Obstacles
 from auv_flocking.input_limits import InputLimits
@@ -22,31 +23,19 @@ COMPACT = Section("compact", compact.Params())
 
 
 @dataclass(frozen=True, kw_only=True)
-class AgentConfig:
-    """Configuration of one agent."""
+class AgentSettings:
+    """
+    Section `agent` of a scenario.
 
-    vehicle_id: str = param("name of the vehicle, also its namespace")
-    address: int = param("acoustic address of this vehicle, from 1", minimum=1, maximum=254)
-    fleet_size: int = param("number of vehicles", minimum=1, maximum=254)
-    fleet_ids: tuple[str, ...] = param(
-        "names of the vehicles in the order of their addresses, for messages", default=()
-    )
-    is_leader: bool = param("whether this vehicle knows the path", default=False)
-    period_s: float = param("control period (s)", default=0.1, above=0.0)
-    hold_s: float = param(
-        "longest time to hold station while waiting for a first packet from every neighbour (s)",
-        default=0.0,
-        minimum=0.0,
-    )
-    obstacles_ned_m: tuple[float, ...] = param("obstacle positions, three numbers each (m; NED)", default=())
-    obstacle_safety_distances_m: tuple[float, ...] = param(
-        "safety distance of each obstacle (m)", default=(), above=0.0
-    )
-    reference: Section | None = param("path to follow, if any", default=None, plugins=REFERENCES)
+    The software of every vehicle: either a controller that follows the velocity command of a flocking law
+    with separation and consensus, or a controller that follows a path or a region itself.
+    """
+
+    controller: Section = param("control law from velocity, path or region to command", plugins=CONTROLLERS)
     flocking: Section | None = param(
         "flocking law, for a controller that follows a velocity", default=None, plugins=FLOCKING
     )
-    separation: Section | None = param("separation law of the flock", default=None, plugins=SEPARATION)
+    separation: Section | None = param("separation law", default=None, plugins=SEPARATION)
     consensus: Section | None = param(
         "consensus filter of the flocking centre", default=None, plugins=CONSENSUS
     )
@@ -55,7 +44,30 @@ class AgentConfig:
     inputs: InputLimits = param(
         "limits beyond which inputs are ignored as too old or impossible", default=InputLimits()
     )
-    controller: Section = param("control law from velocity, path or region to command", plugins=CONTROLLERS)
+    hold_s: float = param(
+        "longest time to hold station while waiting for a first packet from every neighbour (s)",
+        default=0.0,
+        minimum=0.0,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class AgentConfig(AgentSettings):
+    """Configuration of one agent: the section of the scenario, and what belongs to one vehicle."""
+
+    vehicle_id: str = param("name of the vehicle, also its namespace")
+    address: int = param("acoustic address of this vehicle, from 1", minimum=1, maximum=254)
+    fleet_size: int = param("number of vehicles", minimum=1, maximum=254)
+    fleet_ids: tuple[str, ...] = param(
+        "names of the vehicles in the order of their addresses, for messages", default=()
+    )
+    is_leader: bool = param("whether this vehicle knows the path", default=False)
+    period_s: float = same(RunSettings, "period_s")
+    obstacles_ned_m: tuple[float, ...] = param("obstacle positions, three numbers each (m; NED)", default=())
+    obstacle_safety_distances_m: tuple[float, ...] = param(
+        "safety distance of each obstacle (m)", default=(), above=0.0
+    )
+    reference: Section | None = param("path to follow, if any", default=None, plugins=REFERENCES)
 
     def __post_init__(self) -> None:
         check_parts(self.controller, self.flocking, self.separation, self.consensus, self.reference)

@@ -9,7 +9,8 @@ from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Command, VehicleState, command_numbers
 from auv_core.models import make_model
-from auv_core.params import Section, param
+from auv_core.params import Section, param, same
+from auv_core.run_settings import RunSettings
 from auv_sim.navigation import exact, make_navigation
 
 MODELS = "auv_core.models"
@@ -26,13 +27,17 @@ class VehicleConfig:
     vehicle_id: str = param("name of the vehicle, also its namespace")
     model: Section = param("equations of motion and their numbers", plugins=MODELS)
     position_ned_m: Vec3 = param("start position (m; NED)")
-    heading_rad: float = param("start heading (rad, from north towards east)", default=0.0)
-    current_ned_mps: Vec3 = param("velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0))
-    dt_s: float = param("physics step (s)", default=0.02, above=0.0)
-    period_s: float = param("control period (s), a whole number of physics steps", default=0.1, above=0.0)
+    heading_rad: float = param(
+        "start heading (rad, from north towards east)", default=0.0, minimum=-7.0, maximum=7.0
+    )
+    current_ned_mps: Vec3 = param(
+        "velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0), minimum=-5.0, maximum=5.0
+    )
+    dt_s: float = same(RunSettings, "dt_s")
+    period_s: float = same(RunSettings, "period_s")
     address: int = param("acoustic address of this vehicle, from 1", default=1, minimum=1, maximum=254)
-    seed: int = param("seed of every random number", default=1, minimum=0, maximum=2**31 - 1)
-    navigation: Section = param("errors of its own navigation", default=EXACT, plugins=NAVIGATION)
+    seed: int = same(RunSettings, "seed")
+    navigation: Section = param("errors of the vehicle's own navigation", default=EXACT, plugins=NAVIGATION)
     command_max_age_s: float = param(
         "age of a command above which the actuators stop (s); at least two control periods",
         default=0.5,

@@ -18,23 +18,13 @@ from auv_control.controllers import controller_class
 from auv_control.references import ReferencePath, make_reference
 from auv_core.geometry import Vec3
 from auv_core.models import model_class
-from auv_core.params import Section, param, shown
+from auv_core.params import Section, extended, param, same, shown
+from auv_core.run_settings import RunSettings
 from auv_experiment.scenario.checks import check_scenario
 from auv_experiment.scenario.file import ID, ID_WORDS
-from auv_flocking.agent_config import (
-    COMPACT,
-    CONSENSUS,
-    CONTROLLERS,
-    FLOCKING,
-    REFERENCES,
-    REPORTS,
-    SEPARATION,
-)
-from auv_flocking.input_limits import InputLimits
-from auv_flocking.neighbours.table import NeighbourConfig
-from auv_sim.acoustics.medium import MAC, MODEM, OUTAGE, PROPAGATION, SONAR, MediumConfig
-from auv_sim.acoustics.sonar import none as no_sonar
-from auv_sim.vehicle import EXACT, MODELS, NAVIGATION, substeps
+from auv_flocking.agent_config import REFERENCES, AgentSettings
+from auv_sim.acoustics.medium import MediumConfig, WaterSections
+from auv_sim.vehicle import VehicleConfig, substeps
 
 MAX_M = 1e5
 
@@ -53,11 +43,9 @@ class Obstacle:
 class Environment:
     """The water and its obstacles."""
 
-    current_ned_mps: Vec3 = param(
-        "velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0), minimum=-5.0, maximum=5.0
-    )
+    current_ned_mps: Vec3 = same(VehicleConfig, "current_ned_mps")
     obstacles: tuple[Obstacle, ...] = param("points to avoid, known to every vehicle", default=())
-    navigation: Section = param("errors of the vehicles' own navigation", default=EXACT, plugins=NAVIGATION)
+    navigation: Section = same(VehicleConfig, "navigation")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,16 +53,14 @@ class VehicleEntry:
     """One vehicle of the scenario."""
 
     id: str = param("name, also the ROS namespace: a lower-case letter, then letters, digits, underscores")
-    model: Section = param("equations of motion and numbers", plugins=MODELS)
+    model: Section = same(VehicleConfig, "model")
     position_ned_m: Vec3 | None = param(
         "start (m; NED); if missing, drawn from random_starts",
         default=None,
         minimum=-MAX_M,
         maximum=MAX_M,
     )
-    heading_rad: float = param(
-        "start heading (rad, from north towards east)", default=0.0, minimum=-7.0, maximum=7.0
-    )
+    heading_rad: float = same(VehicleConfig, "heading_rad")
     reference: Section | None = param(
         "path of this vehicle; if missing, the path of the scenario", default=None, plugins=REFERENCES
     )
@@ -104,42 +90,10 @@ class RandomStarts:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Acoustics:
+class Acoustics(WaterSections):
     """The acoustic medium."""
 
     preset: str = param("file of presets/ that fills in the missing sections", default="")
-    propagation: Section = param("travel time", plugins=PROPAGATION)
-    modem: Section = param("duration and range of packets", plugins=MODEM)
-    mac: Section = param("medium access", plugins=MAC)
-    outage: Section = param("further random losses", plugins=OUTAGE)
-    sonar: Section = param(
-        "how vehicles detect each other by sonar", default=Section("none", no_sonar.Params()), plugins=SONAR
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class AgentSettings:
-    """
-    The software of every vehicle: either a controller that follows the velocity command of a flocking law
-    with separation and consensus, or a controller that follows a path or a region itself.
-    """
-
-    controller: Section = param("control law from velocity, path or region to command", plugins=CONTROLLERS)
-    flocking: Section | None = param("flocking law", default=None, plugins=FLOCKING)
-    separation: Section | None = param("separation law", default=None, plugins=SEPARATION)
-    consensus: Section | None = param(
-        "consensus filter of the flocking centre", default=None, plugins=CONSENSUS
-    )
-    report: Section = param("format of a report", default=COMPACT, plugins=REPORTS)
-    neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
-    inputs: InputLimits = param(
-        "limits beyond which inputs are ignored as too old or impossible", default=InputLimits()
-    )
-    hold_s: float = param(
-        "longest time to hold station while waiting for a first packet from every neighbour (s)",
-        default=0.0,
-        minimum=0.0,
-    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,11 +119,9 @@ class Scenario:
     readings: tuple[Reading, ...] = param("path errors to report at given instants", default=())
     environment: Environment = param("the water and its obstacles", default=Environment())
     random_starts: RandomStarts | None = param("random starts for vehicles without a start", default=None)
-    seed: int = param("seed of every random number", default=1, minimum=0, maximum=2**31 - 1)
-    dt_s: float = param("physics step (s)", default=0.02, minimum=1e-5, maximum=10.0)
-    period_s: float = param(
-        "control period (s), a whole number of physics steps", default=0.1, minimum=1e-5, maximum=10.0
-    )
+    seed: int = same(RunSettings, "seed")
+    dt_s: float = same(RunSettings, "dt_s")
+    period_s: float = same(RunSettings, "period_s")
     sampling: str = param(
         "whether commands are held over the control period (sampled) or evaluated in every integration "
         "stage (continuous)",
@@ -179,11 +131,7 @@ class Scenario:
     on_vehicle_loss: str = param(
         "what to do if a vehicle is lost", default="stop", choices=("stop", "continue")
     )
-    command_max_age_s: float = param(
-        "age of a command above which the actuators stop (s); at least two control periods",
-        default=0.5,
-        above=0.0,
-    )
+    command_max_age_s: float = same(VehicleConfig, "command_max_age_s")
     state_max_age_s: float = param(
         "age of a vehicle's state above which its modem is silent (s); at least two control periods",
         default=0.5,
@@ -233,17 +181,7 @@ class Scenario:
     @property
     def medium_config(self) -> MediumConfig:
         """Configuration of the acoustic medium."""
-        a = self.acoustics
-        return MediumConfig(
-            fleet_size=len(self.vehicles),
-            seed=self.seed,
-            period_s=self.period_s,
-            propagation=a.propagation,
-            modem=a.modem,
-            mac=a.mac,
-            outage=a.outage,
-            sonar=a.sonar,
-        )
+        return extended(MediumConfig, self.acoustics, self, fleet_size=len(self.vehicles))
 
     def reference_of(self, index: int | None = None) -> ReferencePath | None:
         """Return the path of a vehicle, or of the flock: a ``Reference`` of the plugin folder, or None."""

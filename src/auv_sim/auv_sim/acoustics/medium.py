@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 from auv_core.geometry import Vec3
 from auv_core.messages import AcousticEvent, Inbox, Outcome, Packet, Reception, VehicleState
-from auv_core.params import Section, param
+from auv_core.params import Section, param, same
+from auv_core.run_settings import RunSettings
 from auv_sim.acoustics.event_log import in_order
 from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
 from auv_sim.acoustics.mac import SensingAccess, make_mac
@@ -37,17 +38,23 @@ NO_SONAR = Section("none", none.Params())
 
 
 @dataclass(frozen=True, kw_only=True)
-class MediumConfig:
-    """Everything that the medium needs to know."""
+class WaterSections:
+    """The parts of the medium, as a scenario and a preset have them."""
 
-    fleet_size: int = param("number of modems; their addresses are 1 ... fleet_size", minimum=1, maximum=254)
-    seed: int = param("seed of every random number", default=1, minimum=0)
-    period_s: float = param("control period (s)", default=0.1, above=0.0)
-    propagation: Section = param("travel time and loss", plugins=PROPAGATION)
-    modem: Section = param("airtime, range and errors", plugins=MODEM)
+    propagation: Section = param("travel time and transmission loss", plugins=PROPAGATION)
+    modem: Section = param("duration, range and bit errors of packets", plugins=MODEM)
     mac: Section = param("medium access", plugins=MAC)
     outage: Section = param("further random losses", plugins=OUTAGE)
     sonar: Section = param("how vehicles detect each other by sonar", default=NO_SONAR, plugins=SONAR)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MediumConfig(WaterSections):
+    """Configuration of the medium: the section of the scenario, and the fleet in it."""
+
+    fleet_size: int = param("number of modems; their addresses are 1 ... fleet_size", minimum=1, maximum=254)
+    seed: int = same(RunSettings, "seed")
+    period_s: float = same(RunSettings, "period_s")
 
 
 @dataclass(slots=True)
