@@ -9,7 +9,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("[!i]*.md"))
+TUTORIALS = [
+    *sorted((ROOT / "docs/tutorials").glob("[!i]*.md")),
+    ROOT / "docs/how_to/own_metrics.md",
+]
 BLOCK = re.compile(r"^```(\w+)(?: title=\"([^\"]+)\")?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 RUN = {"bash": "{text}", "python": "python - <<'END'\n{text}END\n"}
 
@@ -57,7 +60,7 @@ def test_a_tutorial_works_as_it_is_printed(path, tmp_path, environment):
 
 
 def test_the_tutorials_are_found():
-    assert {path.stem for path in TUTORIALS} >= {"first_scenario", "own_law", "own_vehicle"}
+    assert {path.stem for path in TUTORIALS} == {"first_scenario", "own_law", "own_vehicle", "own_metrics"}
 
 
 def test_a_page_becomes_a_script():

@@ -11,6 +11,7 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
 from from_code.commands import commands
+from from_code.examples import examples
 from from_code.keys import scenario_keys, study_keys
 from from_code.messages import messages
 from from_code.metrics import metrics
@@ -24,6 +25,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "metrics": metrics,
     "topics": topics,
     "messages": lambda: messages(ROOT / "src/auv_msgs/msg"),
+    "examples": lambda: examples(ROOT / "examples"),
     "commands": lambda: commands(ROOT),
 }
 _ASKED_FOR = re.compile(r"<!-- from code: (\w+) -->")

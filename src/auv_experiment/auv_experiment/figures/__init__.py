@@ -2,7 +2,8 @@
 Figures of a run, all from its recording.
 
 A file ``figures/<name>.py`` in a folder of ``SHOAL_PLUGINS`` adds a figure of your own to the results of a
-run. It is an `OwnFigure`: it draws one figure, and says what it is. docs/own_metrics.md has an example.
+run. It is an `OwnFigure`: it draws one figure, and says what it is. docs/how_to/own_metrics.md
+has an example.
 
 Each figure is drawn in one of two styles of `auv_experiment.figures.plotting`: for a page and, where PDF or
 SVG is asked for, for one column of a paper. Make a canvas with `new_canvas`: it has the width of the style.

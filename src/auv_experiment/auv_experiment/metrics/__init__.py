@@ -3,7 +3,8 @@ Numbers that say how a run went, all from its recording.
 
 A file ``metrics/<name>.py`` in a folder of ``SHOAL_PLUGINS`` adds metrics of your own: to metrics.json, to
 the report, and to the table of a sweep. It is an `OwnMetrics`: it describes each metric and computes them
-all. `auv_experiment.metrics.own` says what happens if it fails. docs/own_metrics.md has an example.
+all. `auv_experiment.metrics.own` says what happens if it fails. docs/how_to/own_metrics.md
+has an example.
 """
 
 from __future__ import annotations
