@@ -119,7 +119,7 @@ def test_an_unfinished_bag_is_replayed_as_far_as_it_goes(recorded, tmp_path):
     assert status == 0
     assert "replayed" in out
     assert errors.count("\n") == 1
-    assert "killed before it finished; the file is mended" in errors
+    assert "killed before it finished; the file is repaired" in errors
 
 
 @pytest.mark.parametrize(

@@ -385,7 +385,7 @@ def test_a_stopped_writer_of_the_bag_is_named_and_does_not_hold_the_end(start):
     status, _, errors = run.wait()
     assert time.monotonic() - stopped_at_s < 20.0  # 38 s before
     assert status == 3
-    assert "bag_0.mcap was killed before it finished; the file is mended" in errors
+    assert "bag_0.mcap was killed before it finished; the file is repaired" in errors
     assert Bag(run.folder).complete
     assert recorded_s(run) > 0.0
 

@@ -1,1 +1,1 @@
-"""Bags: rosbag2 in MCAP, written in a process of its own, read, compared and mended. No ROS at import."""
+"""Bags: rosbag2 in MCAP. Written in a separate process, read, compared and repaired. No ROS at import."""

@@ -1,6 +1,6 @@
 """An opened bag: its topics and its messages in order of time.
 
-Works without ROS and without the build: message types come from the definitions that the bag carries.
+Works without ROS and without the build: message types come from the definitions in the bag.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from auv_bag.metadata import METADATA_FILE
 from auv_bag.rows import message_rows
 from auv_bag.writer import BagError
 
-_YAML_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, where it was built
+_YAML_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, if available
 _MOST_YAML_BYTES = 8_000_000
-"""The metadata.yaml of 250 vehicles has half of it."""
+"""The metadata.yaml of 250 vehicles has half of this size."""
 _DEEPEST_YAML = 20
 _INFORMATION = "rosbag2_bagfile_information"
 _NO_YAML = (
@@ -48,7 +48,7 @@ class RecordedMessage(NamedTuple):
 
 @dataclass(frozen=True)
 class RecordedTopic:
-    """What a bag says about one topic."""
+    """A bag's data about one topic."""
 
     name: str
     type_name: str
@@ -69,18 +69,18 @@ class Bag:
     Attributes
     ----------
     folder
-        Where the MCAP files are.
+        Folder of the MCAP files.
     topics
         Recorded topics by name, sorted.
     complete
-        False if its writer was killed before it finished the file; what it wrote is there all the same.
+        False if its writer was killed before it finished the file; the written messages can still be read.
     notes
-        What is wrong with it and does not matter, a line each.
+        Harmless defects, one line each.
 
     Raises
     ------
     BagError
-        If there is no bag, or one that cannot be read; the message is one line.
+        If there is no bag, or it cannot be read; the message is one line.
     """
 
     path: Path
@@ -105,7 +105,7 @@ class Bag:
         topics
             Names to keep; None keeps all.
         start_ns
-            Earlier messages are left out.
+            Time before which messages are left out.
         """
         for file, message in messages_in_time_order(self._files, topics, start_ns):
             channel = message.channel
@@ -113,9 +113,9 @@ class Bag:
             yield RecordedMessage(message.time_ns, channel.topic, schema.name, message.data)
 
     def columns(self, topics: Collection[str]) -> Iterator[tuple[str, Iterator[Batch], int]]:
-        """Yield messages by the column: their topic, batches of them, and their number with malformed ones.
+        """Yield messages as columns: their topic, batches of them, and their number including malformed ones.
 
-        They come in the order of the files. Each batch tells the order in which its messages were recorded.
+        They come in the order of the files. Each batch has the order in which its messages were recorded.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ class Bag:
         """Return a message as an object with the fields of its definition."""
         try:
             return self._types.deserialize_cdr(message.data, message.type_name)
-        except Exception as error:  # the library has no word of its own for bytes that are no message
+        except Exception as error:  # the library has no specific exception for malformed bytes
             reason = " ".join(str(error).split())
             raise BagError(
                 f"{self.folder}: a message of {message.topic} cannot be decoded ({reason})"
@@ -177,11 +177,13 @@ def _typestore(topics: Collection[RecordedTopic]) -> Typestore:
 
 
 class _UnlikelyYamlError(ValueError):
-    """A text that no recorder writes; the message says why, in a few words."""
+    """Raised for YAML that no recorder writes; the message is a short reason."""
 
 
 def _load_yaml(text: str) -> Any:
-    """Return what a recorder's YAML says, which is short, flat and without aliases; raise for any other."""
+    """
+    Return the content of a recorder's YAML, which is short, flat and without aliases; raise for any other.
+    """
     if len(text) > _MOST_YAML_BYTES:
         raise _UnlikelyYamlError(f"it is longer than {_MOST_YAML_BYTES} bytes")
     depth = 0
@@ -193,7 +195,7 @@ def _load_yaml(text: str) -> Any:
 
 
 def offered_qos(text: str) -> tuple[dict[str, Any], ...]:
-    """Return the QoS profiles that a channel names; none where they cannot be read."""
+    """Return the QoS profiles of a channel; none if they cannot be read."""
     try:
         profiles = _load_yaml(text)
     except _NO_YAML:
@@ -203,7 +205,7 @@ def offered_qos(text: str) -> tuple[dict[str, Any], ...]:
 
 def find_files(path: Path) -> tuple[list[Path], tuple[str, ...]]:
     """
-    Return the MCAP files of a bag in recorded order, and what is to be noted.
+    Return the MCAP files of a bag in recorded order, and notes.
 
     Raises
     ------
@@ -231,7 +233,7 @@ def find_files(path: Path) -> tuple[list[Path], tuple[str, ...]]:
 
 
 class _DamagedMetadataError(Exception):
-    """A metadata.yaml that does not say which files make up a bag; the message says why, in a few words."""
+    """Raised for a metadata.yaml that does not name the files of a bag; the message is a short reason."""
 
 
 def _files_by_metadata(metadata: Path) -> list[Path]:
@@ -253,7 +255,7 @@ def _files_by_metadata(metadata: Path) -> list[Path]:
 
 
 def _information(metadata: Path) -> dict[str, Any]:
-    """Return what metadata.yaml says about its bag."""
+    """Return the content of metadata.yaml about its bag."""
     try:
         with metadata.open(encoding="utf-8") as file:
             content = _load_yaml(file.read(_MOST_YAML_BYTES + 1))

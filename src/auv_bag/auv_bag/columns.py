@@ -1,8 +1,8 @@
 """
-Messages by the column: many messages of one type, read at once.
+Messages as columns: many messages of one type, read at once.
 
-Messages of one topic have few shapes, mostly one: where texts and sequences have equal lengths, every number
-has the same place. One message of a shape is walked through. NumPy finds the others and reads their numbers.
+Messages of one topic have few shapes, mostly one: if texts and sequences have equal lengths, every number
+has the same offset. One message of a shape is parsed; NumPy finds the others and reads their numbers.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from auv_core.cdr import COUNT, ENCAPSULATION, LITTLE_ENDIAN, MOST_END_PADDING, 
 _BIG_ENDIAN = b"\x00\x00"
 _NUMPY_NAMES = {"byte": "int8", "char": "uint8", "bool": "uint8"}
 _MOST_SHAPES = 16
-"""So many shapes of messages of one size are remembered."""
+"""Number of shapes that are kept for messages of one size."""
 _WINDOW = 4096
-"""So many messages are searched for those of one shape, since each could have a shape of its own."""
+"""Number of messages that are searched for those of one shape, since each could have its own shape."""
 
 
 class _Numbers(NamedTuple):
-    """Where in a message a number is, or a sequence of `length` numbers."""
+    """Place of a number, or of a sequence of `length` numbers, in a message."""
 
     at: int
     dtype: np.dtype[Any]
@@ -44,8 +44,8 @@ class Columns:
     """
     Messages of one shape: the fields of one message, but each number is an array with one for each message.
 
-    A sequence of messages is a list of Columns. Texts and lengths are those of all messages. A flag is a
-    number, 0 where it is not set.
+    A sequence of messages is a list of Columns. Texts and lengths are the same for all messages. A flag is a
+    number, 0 if it is not set.
     """
 
     def __init__(self, rows: Bytes, fields: dict[str, Any]) -> None:
@@ -61,7 +61,7 @@ class Columns:
         return _read(self._rows, self._fields[name])
 
     def only(self, wanted: NDArray[np.bool_]) -> Columns:
-        """Return the messages that flags choose."""
+        """Return the messages that the flags select."""
         return Columns(self._rows[wanted], self._fields)
 
 
@@ -88,12 +88,12 @@ class Batch(NamedTuple):
     order: NDArray[np.uint64]
 
     def only(self, wanted: NDArray[np.bool_]) -> Batch:
-        """Return the messages that flags choose."""
+        """Return the messages that the flags select."""
         return Batch(self.messages.only(wanted), self.order[wanted])
 
 
 class _Shape:
-    """Where everything is in messages of one size that have the same lengths and texts."""
+    """Places of all fields in messages of one size with the same lengths and texts."""
 
     def __init__(self, data: bytes, types: Typestore, type_name: str) -> None:
         walk = _Walk(data, types)
@@ -117,7 +117,7 @@ class ColumnReader:
         self._shapes: dict[int, list[_Shape]] = {}
 
     def read(self, rows: MessageRows) -> Iterator[Batch]:
-        """Yield messages by their shapes; malformed ones are left out."""
+        """Yield messages grouped by shape; malformed ones are left out."""
         data, order = rows.data, rows.order
         shapes = self._shapes.setdefault(data.shape[1], [])
         for start in range(0, len(data), _WINDOW):
@@ -135,10 +135,10 @@ class ColumnReader:
                 left = left[~is_of]
 
     def _new_shape(self, row: Bytes, shapes: list[_Shape]) -> _Shape | None:
-        """Return the shape of a message and remember it, None for one that is malformed."""
+        """Return the shape of a message and keep it; None for a malformed message."""
         try:
             shape = _Shape(row.tobytes(), self._types, self._type_name)
-        except (ValueError, LookupError, TypeError):  # bytes, or a definition, that do not fit
+        except (ValueError, LookupError, TypeError):  # bytes that do not match the definition
             return None
         shapes.insert(0, shape)
         del shapes[_MOST_SHAPES:]
@@ -147,12 +147,12 @@ class ColumnReader:
 
 class _Walk:
     """
-    The way through one message.
+    A parser for one message.
 
     Attributes
     ----------
     fixed : list of (start, stop)
-        Where lengths and texts are, and which byte order the message has.
+        Places of lengths and texts, and of the byte order.
 
     """
 
@@ -166,11 +166,11 @@ class _Walk:
         self._at = len(ENCAPSULATION)
 
     def fields(self, type_name: str) -> dict[str, Any]:
-        """Return the fields of a message that begins here: their places, or their texts."""
+        """Return the fields of a message at the current place: their places, or their texts."""
         return {name: self._field(kind) for name, kind in self._types.get_msgdef(type_name).fields}
 
     def check_end(self) -> None:
-        """Raise MalformedError where more follows than padding."""
+        """Raise MalformedError if more than padding follows."""
         if not 0 <= len(self._data) - self._at <= MOST_END_PADDING:
             raise MalformedError("too long")
 

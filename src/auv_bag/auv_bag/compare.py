@@ -1,4 +1,4 @@
-"""Say whether two bags are the same run."""
+"""Compare two bags: are they the same run?"""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ WALL_CLOCK_TOPICS = frozenset({"/rosout", "/recorder/status"})
 
 
 def compare_bags(first: Path, second: Path) -> list[str]:
-    """Say where two bags differ, one line each; an empty list means that they are the same run.
+    """Return the differences of two bags, one line each; an empty list means that they are the same run.
 
-    Every topic must hold the same message bytes in the same order. Where a topic has several publishers,
-    messages of one tick are put in order of their bytes first (each names its source), since which of them
-    reaches the recorder first is chance. Topics that tell the wall clock are left out.
+    Every topic must hold the same message bytes in the same order. If a topic has several publishers,
+    messages of one tick are sorted by their bytes first (each names its source), since they reach the
+    recorder in random order. Topics with wall-clock times are left out.
     """
     content_a, content_b = _content(Bag(first)), _content(Bag(second))
     differences = []
@@ -44,7 +44,7 @@ def _content(bag: Bag) -> dict[str, list[tuple[int, bytes]]]:
 
 
 def _describe_difference(topic: str, index: int, a: tuple[int, bytes], b: tuple[int, bytes]) -> str:
-    """Say where two messages begin to differ."""
+    """Return a line with the first difference of two messages."""
     (time_ns, data_a), (_, data_b) = a, b
     pairs = enumerate(zip(data_a, data_b, strict=False))
     byte = next((k for k, (x, y) in pairs if x != y), min(len(data_a), len(data_b)))

@@ -1,6 +1,6 @@
 """Message definitions, type hashes and stamp positions, read from the installed interface packages.
 
-Everything that a bag says about a message type comes from two files of its package's share folder:
+A bag's data about a message type come from two files of its package's share folder:
 ``msg/<Type>.msg`` (the definition) and ``msg/<Type>.json`` (the type description, with its hash). No ROS
 module is imported: the prefixes are those of ``AMENT_PREFIX_PATH``.
 """
@@ -30,12 +30,12 @@ _STAMPED_FIRST_FIELDS = frozenset({"std_msgs/Header", "Header", "builtin_interfa
 
 
 class DefinitionError(Exception):
-    """A message type whose definition or hash is not to be found."""
+    """Raised if the definition or hash of a message type is not found."""
 
 
 @dataclass(frozen=True)
 class MessageType:
-    """What a bag stores about one message type."""
+    """A bag's data about one message type."""
 
     name: str
     """Full name, ``nav_msgs/msg/Odometry``."""
@@ -59,7 +59,7 @@ def load_message_type(name: str, shares: Sequence[Path] | None = None) -> Messag
     name
         Full type name, ``package/msg/Type``.
     shares
-        Share folders to look in; those of the environment by default.
+        Share folders to search; by default those of the environment.
 
     Raises
     ------
@@ -101,10 +101,10 @@ def full_definition(name: str, read: Callable[[str], str]) -> str:
 
 
 def stamp_offset(definition: str) -> int | None:
-    """Return where the CDR bytes of a message hold its stamp, or None for a type without one.
+    """Return the offset of the stamp in the CDR bytes of a message, or None for a type without one.
 
     A type begins with a header or a time, or is a sequence of such types; then it is the first element's
-    stamp, behind the length.
+    stamp, after the length.
     """
     first, *others = definition.split(f"\n{SEPARATOR}\nMSG: ")
     blocks = {block.partition("\n")[0].strip(): block.partition("\n")[2] for block in others}

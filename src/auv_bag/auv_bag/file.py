@@ -1,9 +1,10 @@
 """
-The MCAP file of a bag that is being written: nothing is held back, and its end may be provisional.
+The MCAP file of a bag that is being written: it has no buffer, and its end may be provisional.
 
-A chunk goes to the file when it is full, and where chunks end depends on the messages alone. What is not in a
-chunk yet stands behind the last one, as a chunk that the next real one replaces. So a bag whose writer is
-killed lacks little, and one that is closed does not tell when its writer was asked to save.
+A chunk is written when it is full, and the chunk boundaries depend on the messages alone. Messages that are
+not in a chunk yet are written after the last chunk, as a provisional chunk that the next one replaces. So a
+bag whose writer is killed lacks few messages, and the content of a closed bag does not depend on when it was
+saved.
 """
 
 from __future__ import annotations
@@ -29,9 +30,9 @@ class TimedMessage(NamedTuple):
 
 class BagFile:
     """
-    A new file whose every write reaches the operating system before it returns.
+    A new file; every write reaches the operating system before it returns.
 
-    A lock (flock) tells others that it is still being written; it ends with this process, however that ends.
+    A lock (flock) shows others that it is still being written; it always ends with this process.
     """
 
     def __init__(self, path: Path) -> None:
@@ -42,23 +43,23 @@ class BagFile:
         self._has_tail = False
 
     def write(self, data: bytes) -> int:
-        """Append bytes, in the place of the tail where there is one."""
+        """Append bytes; replace the tail if there is one."""
         self._drop_tail()
         self._position += self._append(data)
         return len(data)
 
     def put_tail(self, data: bytes) -> None:
-        """Put bytes behind the end until the next write; they do not count in `tell`."""
+        """Write bytes after the end until the next write; they do not count in `tell`."""
         self._drop_tail()
         self._has_tail = True
         self._append(data)
 
     def tell(self) -> int:
-        """Return how many bytes are in the file, without the tail."""
+        """Return the size of the file without the tail (bytes)."""
         return self._position
 
     def flush(self) -> None:
-        """Do nothing: nothing is held back."""
+        """Do nothing: there is no buffer."""
 
     def close(self) -> None:
         """Close the file; a tail stays."""
@@ -79,7 +80,7 @@ class BagFile:
 
 def chunk_of(messages: Sequence[TimedMessage], register: Callable[[Writer], None]) -> bytes:
     """
-    Return messages as one chunk, with its index, that can be read by itself.
+    Return messages as one self-contained chunk with its index.
 
     Parameters
     ----------

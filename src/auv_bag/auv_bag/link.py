@@ -1,11 +1,11 @@
 """
-The recorder's end of the line to the process that writes its bag.
+The recorder's end of the connection to the process that writes its bag.
 
-That process (:mod:`auv_bag.process`) takes batches of raw messages and answers each with what the bag
-holds by then, or with the error that ended it. Nothing is waited for but room in the line: answers are read
-when the next batch goes. It is started anew, not forked, since the recorder has the middleware's threads, and
-in a session of its own, so that nothing which ends the recorder reaches it: it sees the end of the line then,
-and closes the bag.
+That process (:mod:`auv_bag.process`) takes batches of raw messages and answers each with the current content
+of the bag, or with the error that ended it. The recorder waits only for space in the connection: answers are
+read when the next batch is sent. The process is started anew, not forked, since the recorder has the
+middleware's threads. It has its own session, so that no signal to the recorder reaches it: when the recorder
+ends, the process sees the end of the connection and closes the bag.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ _LOOK_S = 0.5
 
 class Opening(NamedTuple):
     """
-    The first word to the process.
+    The first message to the process.
 
-    `bag_dir` is created and must not exist; `topics` are those to come, in the order of the bag.
+    `bag_dir` is created and must not exist; `topics` are the topics in the order of the bag.
     """
 
     bag_dir: Path
@@ -44,9 +44,9 @@ class Opening(NamedTuple):
 
 class Batch(NamedTuple):
     """
-    Messages taken at one time, by topic, in the order of the topics.
+    A batch of messages by topic, in the order of the topics.
 
-    `is_checkpoint` asks to bring the files up to date.
+    `is_checkpoint` requests an update of the files.
     """
 
     messages: dict[str, list[bytes]]
@@ -54,7 +54,7 @@ class Batch(NamedTuple):
 
 
 class Written(NamedTuple):
-    """What a bag holds: ticks of /clock, messages and bytes; and the scenario time reached (ns)."""
+    """Content of a bag: ticks of /clock, messages and bytes, and the scenario time reached (ns)."""
 
     ticks: int = 0
     now_ns: int = 0
@@ -65,12 +65,12 @@ class Written(NamedTuple):
 
 class BagLink:
     """
-    Starts the process that writes a bag, and talks to it.
+    Starts the process that writes a bag, and communicates with it.
 
     Parameters
     ----------
     opening
-        What the process is told first.
+        The first message to the process.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class BagLink:
         Raises
         ------
         BagError
-            If the folder exists already or cannot be made, or a message type is not installed.
+            If the folder already exists or cannot be made, or a message type is not installed.
         """
         self._hear()
 
@@ -111,7 +111,7 @@ class BagLink:
         Raises
         ------
         BagError
-            If a batch before could not be written, or the process has ended.
+            If an earlier batch could not be written, or the process has ended.
         """
         self._send(batch)
         while self._line.poll():
@@ -119,7 +119,7 @@ class BagLink:
 
     def close(self) -> None:
         """
-        Wait until everything is written, the bag closed and the process gone.
+        Wait until all messages are written, the bag is closed and the process has ended.
 
         Raises
         ------
@@ -132,7 +132,7 @@ class BagLink:
         self._process.wait(_ANSWER_LIMIT_S)
 
     def _end_if_stopped(self) -> None:
-        """Kill the process if a signal has stopped it: a wait for it would have no end."""
+        """Kill the process if a signal has stopped it: it would never answer."""
         looks = 0
         while self._process.poll() is None:
             time.sleep(_LOOK_S)
@@ -143,7 +143,7 @@ class BagLink:
                 return
 
     def _send(self, word: Opening | Batch | None) -> None:
-        with suppress(ConnectionError):  # it has ended: its last answer says why, or there is none
+        with suppress(ConnectionError):  # it has ended; its last answer, if any, says why
             self._line.send(word)
 
     def _hear(self) -> None:

@@ -1,7 +1,7 @@
 """Read the messages of an MCAP file in time order, finished or not, without holding it in memory.
 
-The file is walked record by record instead of through its summary, so that a file whose writer was killed (no
-summary, perhaps half a chunk at its end) reads like any other, as far as it goes.
+The file is read record by record and not through its summary, so that a file whose writer was killed (no
+summary, perhaps half a chunk at its end) can be read like any other, up to its end.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ _CHANNEL_ID = struct.Struct("<H")
 _TIME_SPAN = struct.Struct("<QQ")
 _NEVER_NS = 2**64
 _TAKEN = frozenset({Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.CHUNK, Opcode.MESSAGE})
-"""Records outside chunks that tell something; a chunk is followed by an index for each of its channels."""
+"""Records outside chunks that are used; a chunk is followed by an index for each of its channels."""
 MOST_CHUNK_BYTES = 1_000_000_000
 
 
 class ScannedMessage(NamedTuple):
-    """One message as it is in the file."""
+    """One message of the file."""
 
     time_ns: int
     channel: Channel
@@ -48,8 +48,8 @@ class ScannedMessage(NamedTuple):
 @dataclass(frozen=True)
 class _Block:
     """
-    A chunk, or one message outside any chunk: a run of messages with its span of log time; for a chunk
-    without messages that begins when all others are over.
+    A chunk, or one message outside any chunk: consecutive messages with their span of log time. For a chunk
+    without messages the span begins after all others.
     """
 
     opcode: int
@@ -68,9 +68,9 @@ class McapScan:
     complete
         The file has its footer: its writer finished.
     channels
-        Channels by id, those named so far; all of them once :meth:`find_channels` has run.
+        Channels by id that were found so far; all of them once :meth:`find_channels` has run.
     schemas
-        Schemas by id, likewise.
+        Schemas by id, found likewise.
     """
 
     path: Path
@@ -80,7 +80,7 @@ class McapScan:
     _blocks: list[_Block] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Map the file and note where its chunks are."""
+        """Map the file and note the positions of its chunks."""
         try:
             with self.path.open("rb") as file:
                 self._bytes = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
@@ -93,7 +93,9 @@ class McapScan:
         self._walk()
 
     def find_channels(self) -> None:
-        """Name every channel: a finished file repeats them at its end, an unfinished one is read through."""
+        """
+        Find every channel: a finished file repeats them at its end, an unfinished one is read completely.
+        """
         if self.complete and self.channels:
             return
         for block in self._blocks:
@@ -104,7 +106,7 @@ class McapScan:
         return self._blocks
 
     def messages_of(self, block: _Block, topics: Collection[str] | None) -> list[ScannedMessage]:
-        """Return the messages of one block in the order of the file, and learn the channels in it.
+        """Return the messages of one block in the order of the file, and note its channels.
 
         Parameters
         ----------
@@ -124,14 +126,14 @@ class McapScan:
 
     def message_places(self, block: _Block) -> tuple[bytes, array[int]]:
         """
-        Return the bytes of a block, and where in them each message begins, with its head, and ends.
+        Return the bytes of a block, and where in them each message begins, including its head, and ends.
 
-        Begin and end of one message are followed by those of the next. Channels in the block are learned.
+        Begin and end of one message are followed by those of the next. Channels in the block are noted.
 
         Raises
         ------
         BagError
-            Where the block is damaged, or has a message of a channel that the file does not name.
+            If the block is damaged, or has a message of an unknown channel.
 
         """
         with self._damage_reported(block.start):
@@ -142,7 +144,7 @@ class McapScan:
             return data, self._learn_and_place(data, records_of(data, 0, len(data)))
 
     def _walk(self) -> None:
-        """Go over the records outside chunks, to the footer or to where the file breaks off."""
+        """Read the records outside chunks, up to the footer or the end of a truncated file."""
         for opcode, start, stop in records_of(self._bytes, len(MAGIC), len(self._bytes)):
             if opcode == Opcode.FOOTER:
                 self.complete = self._bytes[stop : stop + len(MAGIC)] == MAGIC
@@ -153,7 +155,7 @@ class McapScan:
                 self._take_record(opcode, start, stop)
 
     def _take_record(self, opcode: int, start: int, stop: int) -> None:
-        """Note a block, or learn from another record outside chunks."""
+        """Note a block, or use another record outside chunks."""
         if opcode == Opcode.CHUNK:
             first_ns, last_ns = _TIME_SPAN.unpack_from(self._bytes, start)
             if last_ns == 0 and not _has_messages(self._bytes[start:stop]):
@@ -170,7 +172,7 @@ class McapScan:
             self._learn(opcode, self._bytes[start:stop])
 
     def _learn_and_place(self, buffer: bytes, records: Iterable[tuple[int, int, int]]) -> array[int]:
-        """Return where the messages among some records are, and learn from the others."""
+        """Return the places of the messages among some records, and use the other records."""
         places = array("q")
         for opcode, start, stop in records:
             if opcode != Opcode.MESSAGE:
@@ -184,7 +186,7 @@ class McapScan:
         return places
 
     def _learn(self, opcode: int, body: bytes) -> None:
-        """Remember a schema or a channel."""
+        """Keep a schema or a channel."""
         if opcode == Opcode.SCHEMA:
             schema = Schema.read(_stream(body))
             self.schemas.setdefault(schema.id, schema)
@@ -196,7 +198,7 @@ class McapScan:
 
     @contextmanager
     def _damage_reported(self, position: int) -> Iterator[None]:
-        """Turn whatever the parsers say of damaged bytes into one error; each compressor has its own."""
+        """Convert all exceptions of the parsers for damaged bytes into one; each compressor has its own."""
         try:
             yield
         except BagError:
@@ -211,8 +213,8 @@ def messages_in_time_order(
 ) -> Iterator[tuple[McapScan, ScannedMessage]]:
     """Yield the messages of several files by log time; equal times keep the order of the files.
 
-    Blocks overlap in time a little, so messages wait until no later block can begin before them: what is held
-    in memory is a few blocks.
+    Blocks overlap slightly in time, so messages wait until no later block can begin before them; only a few
+    blocks are in memory.
 
     Parameters
     ----------
@@ -221,7 +223,7 @@ def messages_in_time_order(
     topics
         Names to keep; None keeps all.
     start_ns
-        Earlier messages are left out.
+        Time before which messages are left out.
     """
     plan = [(file, block) for file in files for block in file.blocks()]
     horizons_ns = _earliest_later([block.first_ns for _, block in plan])
@@ -238,7 +240,7 @@ def messages_in_time_order(
 
 
 def _earliest_later(first_ns: Sequence[int]) -> list[int]:
-    """Return for each block the earliest time in any block after it."""
+    """Return for each block the earliest time in all later blocks."""
     earliest = _NEVER_NS
     result = []
     for each in reversed(first_ns):
@@ -248,7 +250,7 @@ def _earliest_later(first_ns: Sequence[int]) -> list[int]:
 
 
 def _has_messages(body: bytes) -> bool:
-    """Return whether there is a message in a chunk; it may hold channels only."""
+    """Return whether a chunk has a message; it may contain channels only."""
     data = _unpack(body)
     return any(opcode == Opcode.MESSAGE for opcode, _, _ in records_of(data, 0, len(data)))
 
@@ -265,23 +267,25 @@ def _unpack(body: bytes) -> bytes:
 
 
 def _check_size(chunk: Chunk) -> None:
-    """Raise ValueError for a chunk that unpacks to more than a recorder writes, by its word or by zstd's."""
+    """
+    Raise ValueError for a chunk that unpacks to more than a recorder writes, by its own or by zstd's size.
+    """
     size = chunk.uncompressed_size
     if chunk.compression == "zstd":
         stated = zstandard.get_frame_parameters(chunk.data).content_size
-        if stated != zstandard.CONTENTSIZE_UNKNOWN:  # else no more is unpacked than the chunk says
+        if stated != zstandard.CONTENTSIZE_UNKNOWN:  # otherwise no more is unpacked than the chunk states
             size = max(size, stated)
     if size > MOST_CHUNK_BYTES:
         raise ValueError(f"a chunk unpacks to {size} bytes; allowed: at most {MOST_CHUNK_BYTES}")
 
 
 def _stream(body: bytes) -> ReadDataStream:
-    """Return bytes as the mcap library reads them."""
+    """Return bytes as a stream for the mcap library."""
     return ReadDataStream(BytesIO(body))
 
 
 def records_of(buffer: bytes | mmap.mmap, start: int, stop: int) -> Iterator[tuple[int, int, int]]:
-    """Yield (opcode, start, stop of the body) of each whole record; stop where the bytes break off."""
+    """Yield (opcode, start, stop of the body) of each complete record; stop at a truncated one."""
     while start + RECORD_HEAD.size <= stop:
         opcode, length = RECORD_HEAD.unpack_from(buffer, start)
         body = start + RECORD_HEAD.size

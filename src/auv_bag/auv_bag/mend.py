@@ -1,9 +1,9 @@
 """
-Give a bag whose writer was killed or stopped the end that it lacks, in place.
+Repair a bag whose writer was killed or stopped: add the missing end, in place.
 
-Standard readers (rosbag2, rosbags, Foxglove) want an MCAP file to end with a summary. What the file holds
-stays as it is; the record that broke off is cut away, the end of a file is written after the last whole one,
-and metadata.yaml is made from what the file holds, as `ros2 bag reindex` does.
+Standard readers (rosbag2, rosbags, Foxglove) require an MCAP file to end with a summary. The content of the
+file does not change: an incomplete last record is removed, the end of a file is written after the last
+complete one, and metadata.yaml is made from the content, as `ros2 bag reindex` does.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ _FIRST_OF_THE_END = (Opcode.DATA_END, Opcode.FOOTER)
 
 def mend_bag(path: Path) -> tuple[str, ...]:
     """
-    Mend the files of a bag that have no end; return what to tell the user, a line for each thing.
+    Repair the files of a bag that have no end; return lines for the user.
 
     A file that is still being written is left alone.
 
@@ -63,7 +63,7 @@ def mend_bag(path: Path) -> tuple[str, ...]:
     Raises
     ------
     BagError
-        If there is no bag, or one that cannot be read.
+        If there is no bag, or it cannot be read.
     """
     files, notes = find_files(path)
     told = [_mend_file(file, is_alone=len(files) == 1) for file in files]
@@ -71,7 +71,9 @@ def mend_bag(path: Path) -> tuple[str, ...]:
 
 
 def _mend_file(path: Path, *, is_alone: bool) -> str:
-    """Give a file its end, and its bag metadata where it is the only file; return what to tell, or ''."""
+    """
+    Add the end of a file, and the bag's metadata if it is the only file; return a line for the user, or ''.
+    """
     scan = McapScan(path)
     if scan.complete:
         return ""
@@ -80,27 +82,29 @@ def _mend_file(path: Path, *, is_alone: bool) -> str:
             lock_file(file.fileno())
             _write_end(file.fileno(), scan, path.parent / METADATA_FILE if is_alone else None)
     except BlockingIOError:
-        return f"{path} is still being written; what is in it so far is read"
+        return f"{path} is still being written; its content so far is read"
     except OSError as error:
         reason = error.strerror or str(error)
-        return f"the writer of {path} was killed before it finished; it cannot be mended ({reason}), but read"
-    return f"the writer of {path} was killed before it finished; the file is mended: what it wrote is used"
+        return (
+            f"the writer of {path} was killed before it finished; it cannot be repaired ({reason}), but read"
+        )
+    return f"the writer of {path} was killed before it finished; the file is repaired: all it wrote is used"
 
 
 @dataclass
 class _Contents:
-    """The chunks and metadata records of a file as an index names them, and where the last record ends."""
+    """The chunks and metadata records of a file for an index, and the end of the last record."""
 
     stop: int
     index: bytes = b""
-    """The message index of the last chunk, where the file may lack a part of it: it follows `stop`."""
+    """The message index of the last chunk, which may be incomplete in the file: it follows `stop`."""
     chunks: list[ChunkIndex] = field(default_factory=list)
     metadata: list[MetadataIndex] = field(default_factory=list)
     attachments: int = 0
 
 
 def _write_end(descriptor: int, scan: McapScan, metadata: Path | None) -> None:
-    """Write the end of a file, and the metadata of its bag where they are given."""
+    """Write the end of a file, and the metadata of its bag if given."""
     with mmap.mmap(descriptor, 0, access=mmap.ACCESS_READ) as data:
         contents = _contents(data)
     times_ns, counts = _count_messages(scan)
@@ -131,7 +135,7 @@ def _write_end(descriptor: int, scan: McapScan, metadata: Path | None) -> None:
         tail = last + _summary(end + len(last), groups)
         _replace_tail(descriptor, contents.stop, contents.index + tail)
         _write_metadata(metadata, information)
-    except OSError:  # the disk is full, but has room for what was cut away; readers can do without a summary
+    except OSError:  # the disk is full, but has space for the removed part; a summary is optional
         _replace_tail(descriptor, contents.stop, _SHORTEST_END)
         with suppress(WriteError):
             _write_metadata(metadata, information)
@@ -143,7 +147,7 @@ def _write_metadata(path: Path | None, information: str) -> None:
 
 
 def _contents(data: mmap.mmap) -> _Contents:
-    """Go over the records of a file, up to where it breaks off or an earlier mending did."""
+    """Read the records of a file, up to its truncation or to the end of an earlier repair."""
     found = _Contents(stop=len(MAGIC))
     is_indexed = True
     for opcode, start, stop in records_of(data, len(MAGIC), len(data)):
@@ -169,7 +173,7 @@ def _contents(data: mmap.mmap) -> _Contents:
 
 
 def _index_last_chunk(data: mmap.mmap, found: _Contents) -> None:
-    """Make the message index of the last chunk anew: the writer may have ended within it."""
+    """Make the message index of the last chunk again: the writer may have ended within it."""
     chunk = found.chunks[-1]
     found.stop = chunk.chunk_start_offset + chunk.chunk_length
     record = data[chunk.chunk_start_offset + RECORD_HEAD.size : found.stop]
@@ -228,7 +232,7 @@ def _topics(scan: McapScan, counts: Counter[int]) -> Iterable[tuple[str, int]]:
 
 
 def _summary(start: int, groups: Iterable[tuple[int, Sequence[McapRecord]]]) -> bytes:
-    """Return what follows the data of a file: summary, offsets, footer and magic bytes."""
+    """Return the end of a file after its data: summary, offsets, footer and magic bytes."""
     summary, offsets = b"", []
     for opcode, members in groups:
         if members:
@@ -260,7 +264,7 @@ _SHORTEST_END = _bytes_of([DataEnd(0), Footer(0, 0, 0)]) + MAGIC
 
 
 def _replace_tail(descriptor: int, start: int, tail: bytes) -> None:
-    """Let a file end with `tail` from `start` on, or at `start` where there is no room for it."""
+    """Let a file end with `tail` from `start` on, or at `start` if there is no space for it."""
     os.ftruncate(descriptor, start)
     try:
         written = 0

@@ -20,9 +20,9 @@ def topic_text(name: str, type_name: str, type_hash: str, offered_qos: Sequence[
     Parameters
     ----------
     name, type_name, type_hash
-        Of the topic and its messages.
+        Name, message type and type hash of the topic.
     offered_qos
-        What its publishers offer, one mapping in rosbag2's words for each.
+        QoS that its publishers offer, one mapping in rosbag2's terms for each.
 
     """
     metadata = {
@@ -46,12 +46,12 @@ def information_text(
     file_name
         The bag's one MCAP file.
     topics
-        Of each topic its `topic_text` and its number of messages. The texts are made once, when a topic
-        comes: this function is called again and again while messages wait.
+        The `topic_text` and the number of messages of each topic. The texts are made only once, when a topic
+        is added, since this function is called repeatedly while messages wait.
     span_ns
         First and last time in the bag (ns).
     ros_distro
-        Name of the ROS distribution that the bag says it was made by.
+        Name of the ROS distribution in the bag.
 
     """
     entries = list(topics)
@@ -87,7 +87,7 @@ def metadata_text(information: str) -> str:
 
 
 class _Dumper(yaml.SafeDumper):
-    """Block style as yaml-cpp writes it: sequences indented, `~` for nothing, no anchors."""
+    """Block style like yaml-cpp: indented sequences, `~` for null, no anchors."""
 
     def increase_indent(self, flow: bool = False, indentless: bool = False) -> None:
         super().increase_indent(flow, False)

@@ -1,9 +1,9 @@
 """
-Zeros in the padding of serialised messages, and none at their end.
+Zeroes the padding of serialised messages, and removes the padding at their end.
 
-CDR aligns numbers to their size. The bytes skipped mean nothing, and the middleware leaves in them whatever
-its buffer held before, so two equal messages can differ there, and in how far their end is padded. A bag that
-must repeat to the byte needs gaps of zeros and no padding at the end.
+CDR aligns numbers to their size. The skipped bytes have no meaning, and the middleware leaves old content of
+its buffer there. So two equal messages can differ in these bytes and in the padding at their end. Bags that
+must be equal to the byte need zeros in the gaps and no padding at the end.
 
 Alignment counts from the end of the 4-byte encapsulation header; numbers of 8 bytes align to 8 (plain CDR,
 XCDR1).
@@ -56,10 +56,10 @@ _Step = _Numbers | _Text | _List
 
 class _Shape:
     """
-    Where padding is in all messages that have these lengths of strings and sequences at these places.
+    Places of padding in all messages with these lengths of strings and sequences.
 
     Messages of one topic have few shapes, mostly one: a message is compared with the last shape of its size
-    before it is walked through.
+    before it is parsed.
     """
 
     def __init__(self, data: bytes, lengths: Sequence[slice], padding: Sequence[slice], end: int) -> None:
@@ -79,7 +79,7 @@ class _Shape:
 
 
 def _reader(places: Sequence[slice], size: int) -> Callable[[bytes], tuple[bytes, ...]]:
-    """Return the function that takes the bytes at ascending places out of messages of one size."""
+    """Return the function that extracts the bytes at ascending places from messages of one size."""
     layout, position = "", 0
     for place in places:
         layout += f"{place.start - position}x{place.stop - place.start}s"
@@ -89,10 +89,10 @@ def _reader(places: Sequence[slice], size: int) -> Callable[[bytes], tuple[bytes
 
 def padding_zeroer(message_type: MessageType) -> Callable[[bytes], bytes | None]:
     """
-    Return the function that zeroes the padding of messages of one type and cuts what pads their end.
+    Return the function that zeroes the padding of messages of one type and removes the padding at their end.
 
-    A network pads messages to multiples of four bytes, delivery inside a process does not. The function never
-    changes anything else; for bytes that do not fit the definition it returns None.
+    The network pads messages to multiples of four bytes, delivery inside a process does not. The function
+    never changes other bytes; for bytes that do not match the definition it returns None.
     """
     steps = _steps(message_type)
     shapes: dict[int, _Shape] = {}
@@ -113,7 +113,7 @@ def padding_zeroer(message_type: MessageType) -> Callable[[bytes], bytes | None]
 
 
 def _shape_of(data: bytes, steps: Sequence[_Step]) -> _Shape | None:
-    """Return the shape of a message, or None for bytes that do not fit the definition."""
+    """Return the shape of a message, or None for bytes that do not match the definition."""
     if data[:2] != LITTLE_ENDIAN:
         return None
     try:
@@ -124,7 +124,7 @@ def _shape_of(data: bytes, steps: Sequence[_Step]) -> _Shape | None:
 
 
 class _Walk:
-    """The way through one message, noting its lengths and its padding."""
+    """A parser for one message that notes its lengths and its padding."""
 
     def __init__(self, data: bytes) -> None:
         self._data = data
@@ -137,7 +137,7 @@ class _Walk:
         return _Shape(self._data, self._lengths, self._padding, end)
 
     def _walk(self, position: int, steps: Sequence[_Step]) -> int:
-        """Note the padding before every step from `position` on; return the position behind the last one."""
+        """Note the padding before every step from `position` on; return the position after the last one."""
         for step in steps:
             if type(step) is _Numbers:
                 position = self._aligned(position, step.size) + step.size * step.count
@@ -220,7 +220,7 @@ def _field_steps(kind: str, array: str, name: str, texts: dict[str, str]) -> tup
 
 
 def _append(steps: list[_Step], step: _Step) -> None:
-    """Add a step, joined to the one before where both are numbers of one size."""
+    """Add a step; merge it with the one before if both are numbers of one size."""
     before = steps[-1] if steps else None
     if isinstance(step, _Numbers) and isinstance(before, _Numbers) and before.size == step.size:
         steps[-1] = _Numbers(step.size, before.count + step.count)

@@ -1,11 +1,11 @@
 """
 Process that writes the bag of one recorder: ``python -m auv_bag.process FILE_DESCRIPTOR``.
 
-The recorder starts it and talks to it over that line (:mod:`auv_bag.link`). It ends when told to
-close the bag, when the line ends, which it does with a recorder that is killed, or when the bag cannot be
-written; signals that ask for an end are left to the recorder. So all that was handed to it is in the bag,
-and the bag has its summary, unless this process itself is killed: then the chunk in progress is lost, see
-:mod:`auv_bag.writer`.
+The recorder starts it and communicates with it over this connection (:mod:`auv_bag.link`). It ends on
+request after closing the bag, when the connection ends (a killed recorder ends it), or when the bag cannot be
+written. It ignores signals that ask for an end; the recorder handles them. So all messages that it received
+are in the bag, and the bag has its summary, unless this process itself is killed: then the chunk in progress
+is lost, see :mod:`auv_bag.writer`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from auv_core.machine.whole_files import WriteError
 
 
 def serve(line: Connection) -> None:
-    """Write one bag, answering each word with what is written, or with a `BagError` as the last answer."""
+    """Write one bag; answer each message with the content so far, or with a `BagError` as the last answer."""
     opening: Opening = line.recv()
     try:
         for written in _record(line, opening):
@@ -36,7 +36,7 @@ def serve(line: Connection) -> None:
 
 
 def _record(line: Connection, opening: Opening) -> Iterator[Written]:
-    """Write the batches that come and close the bag, yielding what is written after each step."""
+    """Write the received batches and close the bag; yield the content after each step."""
     bag = _Bag(opening)
     yield bag.written()
     for batch in _batches(line):
@@ -55,10 +55,10 @@ class _Bag:
         self._sinks = {spec.name: self._recorder.sink(spec) for spec in opening.topics}
 
     def close(self) -> None:
-        """Close the bag, and say what is not in it."""
+        """Close the bag, and report messages that are not in it."""
         self._recorder.finish()
         for topic, count in sorted(self._recorder.left_out.items()):
-            sys.stderr.write(f"{topic}: {count} messages of other bytes than its type has are not recorded\n")
+            sys.stderr.write(f"{topic}: {count} messages that do not match its type are not recorded\n")
 
     def take(self, batch: Batch) -> None:
         """Write a batch."""
@@ -69,24 +69,24 @@ class _Bag:
             self._writer.checkpoint(self._recorder.held())
 
     def written(self, *, closed: bool = False) -> Written:
-        """Return what is in the bag."""
+        """Return the content of the bag."""
         recorder, writer = self._recorder, self._writer
         return Written(recorder.ticks, recorder.now_ns, writer.message_count, writer.byte_count, closed)
 
 
 def _batches(line: Connection) -> Iterator[Batch]:
-    """Yield what comes until the recorder says that it was the last, or is gone."""
+    """Yield messages until the recorder sends the last one or has ended."""
     with suppress(EOFError, OSError):
         yield from iter(line.recv, None)
 
 
 def _answer(line: Connection, answer: Written | BagError) -> None:
-    with suppress(ConnectionError):  # nobody hears it any more; the bag is written all the same
+    with suppress(ConnectionError):  # the recorder has ended; the bag is written all the same
         line.send(answer)
 
 
 def main() -> None:
-    """Write a bag as the process at the other end of the line asks."""
+    """Write a bag for the process at the other end of the connection."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     serve(Connection(int(sys.argv[1])))

@@ -1,17 +1,19 @@
-"""Give each received message its time and its place in the bag: the recorder without ROS.
+"""The recorder without ROS: it gives each received message its time and its place in the bag.
 
 The time of a message in the bag is the run's, never the wall clock's:
 
-* a message with a stamp (its header, or that of its first element) has the stamp's time, if that lies on the
-  run's time line (:mod:`auv_bag.time_line`), else the newest time of the run;
-* one without (an empty list of markers, a log line stamped by the wall clock) has the newest time of the run;
-* latched messages with stamp 0 or of a type without one, and all without a stamp that come before the run's
-  time is known, have the time of tick 0.
+* a message with a stamp (its header, or that of its first element) has the stamp's time if that is on the
+  run's time line (:mod:`auv_bag.time_line`), and otherwise the newest time of the run;
+* a message without a stamp (an empty list of markers, a log line stamped by the wall clock) has the newest
+  time of the run;
+* latched messages with stamp 0 or of a type without a stamp, and all messages without a stamp that come
+  before the run's time is known, have the time of tick 0.
 
-Messages of one time are in the order of topics, and those of topics with several publishers in that of
-their bytes. In lock-step they are held back until all of their time have surely come, so that equal runs make
-equal bags. What a latched topic says again, and the status of a run that does not run yet, is left out; for
-/flock/status they depend on the wall clock. Padding is zeroed, see :mod:`auv_bag.padding`.
+Messages of one time are in the order of topics, and those of topics with several publishers in the order of
+their bytes. In lock-step they are held back until all messages of that time have surely arrived, so that
+equal runs make equal bags. Repeated messages of a latched topic, and the status of a run that has not
+started, are left out; for /flock/status they depend on the wall clock. Padding is zeroed, see
+:mod:`auv_bag.padding`.
 """
 
 from __future__ import annotations
@@ -27,11 +29,13 @@ from auv_bag.topics import CLOCK_TOPIC, STATUS_TOPIC, TopicSpec
 from auv_bag.writer import BagWriter, Qos, Topic
 
 HELD_TICKS = 200
-"""Ticks of lock-step that are held back; nothing that is only under way is later than that."""
+"""Number of ticks of lock-step that are held back; no message in transit is later than that."""
 FIRST_HELD_TICKS = 1000
-"""The same at the start, where the middleware may have to send a first message again, 0.4 s later."""
+"""The same at the start, when the middleware may have to send a first message again 0.4 s later."""
 HELD_BYTES, LEAST_HELD_TICKS = 64_000_000, 20
-"""Beyond so many bytes only so many ticks are held back: those of large fleets, whose ticks take long."""
+"""
+Above this number of bytes only this number of ticks is held back, as for large fleets, whose ticks take long.
+"""
 _AT_BEGIN = -1
 
 
@@ -43,9 +47,9 @@ class BagRecorder:
     writer
         The bag, empty.
     lockstep
-        Whether /clock tells the time of the run, or /flock/status, as in real time.
+        Whether the time of the run comes from /clock, or from /flock/status, as in real time.
     describe
-        Returns what a bag says of a message type, by its name.
+        Returns a bag's data about a message type, by its name.
     """
 
     def __init__(
@@ -65,7 +69,7 @@ class BagRecorder:
         self.ticks = 0
         """Number of /clock messages taken."""
         self.left_out: Counter[str] = Counter()
-        """Messages that are none of their topic's type, by topic."""
+        """Number of messages that do not match their topic's type, by topic."""
 
     @property
     def now_ns(self) -> int:
@@ -75,7 +79,7 @@ class BagRecorder:
     def sink(self, spec: TopicSpec) -> Callable[[Sequence[bytes]], None]:
         """Return the function that takes messages of one topic, in the order in which they were published.
 
-        The topic enters the bag now, so that the order of topics is that of the calls of this method.
+        The topic is added to the bag now, so that the order of topics is that of the calls of this method.
 
         Raises
         ------
@@ -113,11 +117,11 @@ class BagRecorder:
         return take
 
     def flush(self) -> None:
-        """Write what is complete, in order: all in real time, and in lock-step all but the newest ticks."""
+        """Write complete ticks, in order: all in real time, and in lock-step all but the newest ones."""
         if not self._lockstep:
             self._write(None)
             return
-        # After the start two ticks are released for each that comes, so that nobody waits for the writer.
+        # After the start two ticks are released for each new one, so that no process waits for the writer.
         held_ticks = max(HELD_TICKS, 2 * FIRST_HELD_TICKS - self.ticks)
         if len(self._newest_ticks) >= held_ticks:
             self._write(self._newest_ticks[-held_ticks])
@@ -125,7 +129,7 @@ class BagRecorder:
             self._write(self._newest_ticks[-LEAST_HELD_TICKS])
 
     def held(self) -> list[TimedMessage]:
-        """Return what is not written yet, in order."""
+        """Return the messages that are not written yet, in order."""
         self._settle()
         return [
             TimedMessage(time_ns, channel, data)
@@ -134,12 +138,12 @@ class BagRecorder:
         ]
 
     def finish(self) -> None:
-        """Write all that was taken and close the bag."""
+        """Write all messages and close the bag."""
         self._write(None)
         self._writer.close()
 
     def _teller(self, topic: str) -> Callable[[int], None] | None:
-        """Return what takes the time from the messages of a topic, if that topic tells it."""
+        """Return the function that reads the run's time from a topic's messages, if the topic has it."""
         if topic == CLOCK_TOPIC and self._lockstep:
             return self._tell_tick
         return self._line.tell if topic == STATUS_TOPIC and not self._lockstep else None
@@ -158,7 +162,7 @@ class BagRecorder:
         return _AT_BEGIN if self._line.begin_ns is None else self._line.now_ns
 
     def _write(self, before_ns: int | None) -> None:
-        """Write what is before a time, or everything."""
+        """Write the messages before a time, or all of them."""
         self._settle()
         write = self._writer.write
         for time_ns in sorted(self._held):
@@ -169,7 +173,9 @@ class BagRecorder:
                 self._held_bytes -= len(data)
 
     def _settle(self) -> None:
-        """Give what stands at the begin its time, which is that of the first stamp where nobody tells it."""
+        """
+        Set the time of messages at the start: that of the first stamp, if no topic gives the run's time.
+        """
         if _AT_BEGIN in self._held:
             begin_ns = self._line.begin_ns
             if begin_ns is None:
@@ -185,9 +191,9 @@ def _place(message: tuple[int, bytes, bytes]) -> tuple[int, bytes]:
 
 def _offered_qos(spec: TopicSpec) -> Qos:
     """
-    Return what a replay of a topic must offer.
+    Return the QoS that a replay of a topic must offer.
 
-    It is what the run's nodes offer but for the liveliness, which tells the run's own writers from others.
+    It is the QoS of the run's nodes except for the liveliness, which distinguishes the run's own writers.
     """
     if spec.latched:
         return Qos(history="keep_last", depth=1, durability="transient_local")

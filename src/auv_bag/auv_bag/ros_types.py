@@ -22,8 +22,8 @@ def message_class(type_name: str) -> Any:
     """
     Return the Python class of a message type.
 
-    Only what the ament index lists as an interface is imported: a name that a file or a stranger gives is
-    never the name of a module to run.
+    Only interfaces in the ament index are imported: a name from a file or a foreign process never selects a
+    module to run.
 
     Parameters
     ----------
@@ -57,9 +57,9 @@ def is_latched(offered_qos: tuple[Mapping[str, Any], ...]) -> bool:
 def offer_like_recorded(offered_qos: tuple[Mapping[str, Any], ...]) -> QoSProfile:
     """Return the profile with which to publish a recorded topic again.
 
-    Reliability and durability are those of the first recorded publisher; the history is long, but not
-    endless: a reader that has stopped must not stop the replay. One publisher stands for all recorded ones,
-    so a latched topic keeps more than its last message.
+    Reliability and durability are those of the first recorded publisher. The history is long but finite, so
+    that a stopped reader does not stop the replay. One publisher replaces all recorded ones, so a latched
+    topic keeps more than its last message.
     """
     from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 

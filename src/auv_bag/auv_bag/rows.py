@@ -1,4 +1,4 @@
-"""Messages of a bag as rows of bytes: those of one topic and one size together, for NumPy to read at once."""
+"""Messages of a bag as rows of bytes, grouped by topic and size, which NumPy reads at once."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Bytes = NDArray[np.uint8]
 
 _BATCH_BYTES = 16_000_000
 _HEAD = np.dtype([("channel", "<u2"), ("sequence", "<u4"), ("time_ns", "<u8"), ("published_ns", "<u8")])
-"""What is before the bytes of a message in its record."""
+"""Data before the bytes of a message in its record."""
 
 
 class MessageRows(NamedTuple):
@@ -39,7 +39,7 @@ class MessageRows(NamedTuple):
 
 def message_rows(files: Sequence[McapScan], topics: Collection[str]) -> Iterator[MessageRows]:
     """
-    Yield the messages of some topics, part of the bag by part, so that little of it is in memory at a time.
+    Yield the messages of some topics in parts, so that only a small part of the bag is in memory.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def message_rows(files: Sequence[McapScan], topics: Collection[str]) -> Iterator
     Raises
     ------
     BagError
-        Where a file is damaged.
+        If a file is damaged.
 
     """
     n_before = 0
@@ -62,7 +62,9 @@ def message_rows(files: Sequence[McapScan], topics: Collection[str]) -> Iterator
 
 
 def _batches(file: McapScan) -> Iterator[tuple[bytes, NDArray[np.int64]]]:
-    """Yield the bytes of several blocks, and where in them each message begins, with its head, and ends."""
+    """
+    Yield the bytes of several blocks, and where in them each message begins, including its head, and ends.
+    """
     buffers: list[bytes] = []
     places: list[NDArray[np.int64]] = []
     n_bytes = 0

@@ -1,17 +1,17 @@
-"""The time line of a bag: the run's own time, which no stamp of a message can stretch."""
+"""The time line of a bag: the run's own time, which a wrong stamp cannot extend."""
 
 from __future__ import annotations
 
 _SLACK_NS = 10_000_000_000
-"""How far ahead of the newest own time a stamp may be; clocks of several machines differ a little."""
+"""How far a stamp may be ahead of the newest own time; clocks of several machines differ slightly."""
 _LEAD_TICKS = 250
-"""How many ticks lock-step may be ahead of what its recorder has taken."""
+"""How many ticks lock-step may be ahead of its recorder."""
 _LARGEST_STEP_NS = 3600 * 1_000_000_000
 
 
 class TimeLine:
     """
-    The time of a run, as its clock node tells it.
+    The time of a run from its clock node.
 
     Attributes
     ----------
@@ -34,14 +34,16 @@ class TimeLine:
         self.tell(stamp_ns)
 
     def tell(self, stamp_ns: int) -> None:
-        """Take a time of the clock node; one that is far from the last is not the run's."""
+        """Take a time of the clock node; a time far from the last one does not belong to the run."""
         if self.begin_ns is None:
             self.begin_ns = self.now_ns = stamp_ns
         elif self.now_ns <= stamp_ns <= self.now_ns + _LARGEST_STEP_NS:
             self.now_ns = stamp_ns
 
     def place(self, stamp_ns: int) -> int:
-        """Return the time of a message by its stamp: the newest own time for one that is off the line."""
+        """
+        Return the time of a message from its stamp: the newest own time if the stamp is off the time line.
+        """
         if self.begin_ns is None:
             return stamp_ns
         is_on_line = self.begin_ns <= stamp_ns <= self.now_ns + _SLACK_NS + _LEAD_TICKS * self._tick_ns

@@ -1,4 +1,4 @@
-"""What the recorder records: every topic of the graph, with its type and how it is published."""
+"""The recorded topics: every topic of the graph, with its type and how it is published."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 CLOCK_TOPIC = "/clock"
 STATUS_TOPIC = "/flock/status"
 LOG_TOPIC = "/rosout"
-"""Its writers are of the client library, which offers what strangers do."""
+"""Its writers belong to the client library, which offers the same QoS as foreign processes."""
 
 
 @dataclass(frozen=True)
@@ -20,21 +20,21 @@ class TopicSpec:
     name, type_name
         Full topic name and full type name.
     latched
-        Published transient local: what was published before the recorder came is recorded too.
+        Published transient local: messages from before the start of the recorder are recorded, too.
     stamped
-        The stamp in its messages is the run's time; if not, it is the wall clock's.
+        Whether the stamp in its messages is the run's time; if not, it is the wall clock's.
     shared
-        Several nodes publish it: the order of messages of one time means nothing.
+        Whether several nodes publish it; the order of messages of one time then has no meaning.
     publisher, readers
         The kind of node that publishes it, and which nodes of a run read it.
     every_ticks
-        Control periods from one message to the next; 0 where `comes` says it.
+        Control periods between messages; 0 if `comes` describes it.
     comes
-        When its messages come, in words; with `every_ticks` what is to be added.
+        Text that says when its messages come, or completes `every_ticks`.
     fields
-        Which fields matter, in words.
+        Text on the fields that matter.
     silence
-        What it means that no message comes, in words.
+        Text on the meaning of silence.
     """
 
     name: str
@@ -68,7 +68,7 @@ _VEHICLE_TOPICS = (
         publisher="vehicle_node, or a navigation",
         readers="agent_node",
         every_ticks=1,
-        fields="The estimate that the vehicle flies by. `tick` tells its age, `valid` whether there is one; "
+        fields="The estimate that the vehicle uses. `tick` gives its age, `valid` whether there is one; "
         "`position_sd_m` and `heading_sd_rad` go into reports and filters.",
         silence="Lock-step waits. In real time the agent gives the safe command and sends nothing after "
         "`agent.inputs.nav_max_age_s`.",
@@ -107,8 +107,8 @@ _VEHICLE_TOPICS = (
         publisher="agent_node",
         readers="acoustic_relay_node, or a modem driver",
         every_ticks=1,
-        comes="also with no packet in it",
-        fields="`packets`: what the agent hands to its modem in this tick; `payload` goes on the air.",
+        comes="even without a packet",
+        fields="`packets`: packets of the agent for its modem in this tick; `payload` is transmitted.",
         silence="Lock-step waits. After `answer_timeout_s` the vehicle is lost.",
     ),
     TopicSpec(
@@ -117,7 +117,7 @@ _VEHICLE_TOPICS = (
         publisher="acoustic_relay_node, or a modem driver",
         readers="agent_node",
         every_ticks=1,
-        comes="also with nothing in it",
+        comes="even without content",
         fields="`receptions`; `transmit_ready`: the modem asks for data; `contacts` of the sonar.",
         silence="Lock-step waits. In real time the agent of a fleet gives the safe command after "
         "`agent.inputs.inbox_max_age_s`.",
@@ -146,9 +146,9 @@ _VEHICLE_TOPICS = (
         "auv_msgs/msg/ControlStatus",
         publisher="agent_node",
         readers=_TOOLS,
-        comes="every tick of a law with a memory; of the others, in ticks with the safe command",
+        comes="every tick for a law with a state; for others, in ticks with the safe command",
         fields="`holding`: why the agent gives the safe command, empty while the law acts; `law_state`.",
-        silence="The law acts and has no memory.",
+        silence="The law acts and has no state.",
     ),
     TopicSpec(
         "neighbours",
@@ -157,7 +157,7 @@ _VEHICLE_TOPICS = (
         readers=_TOOLS,
         every_ticks=1,
         fields="`neighbours`: for each its `position`, `velocity`, `covariance`, `age_s` and `sonar_age_s`.",
-        silence="The agent has ended. An empty list means that it knows of no neighbour.",
+        silence="The agent has ended. An empty list means that it has no neighbour estimate.",
     ),
     TopicSpec(
         "path",
@@ -165,7 +165,7 @@ _VEHICLE_TOPICS = (
         latched=True,
         publisher="agent_node",
         readers=_TOOLS,
-        comes="once, of vehicles that know the path",
+        comes="once, from vehicles that know the path",
         fields="`poses`: points of the path (m, map_ned).",
         silence="The vehicle follows others.",
     ),
@@ -177,8 +177,8 @@ _WRENCH_TOPIC = TopicSpec(
     publisher="agent_node",
     readers="vehicle_node",
     every_ticks=1,
-    comes="of vehicles with a mass",
-    fields="`wrench.force` (N) and `wrench.torque` (N m), body FRD; the stamp tells the tick.",
+    comes="from vehicles with a mass",
+    fields="`wrench.force` (N) and `wrench.torque` (N m), body FRD; the stamp gives the tick.",
     silence=_RESTS,
 )
 _VELOCITY_TOPIC = TopicSpec(
@@ -187,8 +187,8 @@ _VELOCITY_TOPIC = TopicSpec(
     publisher="agent_node",
     readers="vehicle_node",
     every_ticks=1,
-    comes="of kinematic vehicles",
-    fields="`twist.linear` (m/s, map_ned) and `twist.angular.z` (rad/s); the stamp tells the tick.",
+    comes="from kinematic vehicles",
+    fields="`twist.linear` (m/s, map_ned) and `twist.angular.z` (rad/s); the stamp gives the tick.",
     silence=_RESTS,
 )
 _GLOBAL_TOPICS = (
@@ -207,7 +207,7 @@ _GLOBAL_TOPICS = (
         "auv_msgs/msg/AcousticEvents",
         publisher="acoustic_relay_node",
         readers=_TOOLS,
-        comes="in ticks in which something became known",
+        comes="in ticks with new events",
         fields="`events`: `outcome`, `source`, `destination`, `sequence`, `start`, `end`.",
         silence="No modem has transmitted.",
     ),
@@ -217,7 +217,7 @@ _GLOBAL_TOPICS = (
         shared=True,
         publisher="vehicle_node",
         readers=_TOOLS,
-        comes="every tick, of each vehicle",
+        comes="every tick, from each vehicle",
         fields="`map -> auv_i/odom -> auv_i/base_link`, and the truth `map -> auv_i/base_link_truth`.",
         silence="The vehicle node has ended. Without a valid navigation the estimate does not move.",
     ),
@@ -228,7 +228,7 @@ _GLOBAL_TOPICS = (
         shared=True,
         publisher="clock_node, vehicle_node",
         readers=_TOOLS,
-        comes="once, of each publisher",
+        comes="once, from each publisher",
         fields="`map -> map_ned`, `auv_i/base_link -> auv_i/base_link_frd`.",
         silence="The node has not started.",
     ),
@@ -239,7 +239,7 @@ _GLOBAL_TOPICS = (
         publisher="acoustic_relay_node, vehicle_node, agent_node",
         readers=_TOOLS,
         comes="every 5 ticks; path and obstacles every 50",
-        fields="Hulls, links of late, flocking centres, path, obstacles.",
+        fields="Hulls, recent links, flocking centres, path, obstacles.",
         silence="The nodes have ended.",
     ),
     TopicSpec(
@@ -262,7 +262,7 @@ _CLOCK = TopicSpec(
     every_ticks=1,
     comes="in lock-step",
     fields="`clock`: epoch + scenario time of the tick that begins.",
-    silence="In lock-step the run waits: `/flock/status` says for which node. In real time there is none.",
+    silence="In lock-step the run waits; `/flock/status` names the node. Real time has no such topic.",
 )
 _STATUS = TopicSpec(
     STATUS_TOPIC,
@@ -283,7 +283,7 @@ _LOG = TopicSpec(
     readers=_TOOLS,
     comes="with each log line",
     fields="`level`, `name`, `msg`. Recorded in real time only.",
-    silence="There is nothing to say.",
+    silence="There are no log lines.",
 )
 RECORDER_TOPIC = TopicSpec(
     "/recorder/status",
@@ -293,7 +293,7 @@ RECORDER_TOPIC = TopicSpec(
     readers="clock_node",
     comes="about every 20 ticks and every second; not recorded",
     fields="`ticks` written, `bytes` of the bag, `closed`.",
-    silence="There is no recorder. One that falls silent for `answer_timeout_s` ends the run.",
+    silence="There is no recorder. If a recorder is silent for `answer_timeout_s`, the run ends.",
 )
 SHARED_TOPICS = frozenset(spec.name for spec in _GLOBAL_TOPICS if spec.shared)
 VEHICLE_TOPICS = (*_VEHICLE_TOPICS, _WRENCH_TOPIC, _VELOCITY_TOPIC)
@@ -301,19 +301,19 @@ COMMON_TOPICS = (_CLOCK, _STATUS, *_GLOBAL_TOPICS, _LOG, RECORDER_TOPIC)
 
 
 def topics_of_graph(vehicle_ids: Sequence[str], *, kinematic: bool, lockstep: bool) -> list[TopicSpec]:
-    """Return the topics of a run that are recorded, what tells the time first.
+    """Return the recorded topics of a run; those with the run's time come first.
 
-    Not recorded are the recorder's own status and, in lock-step, log lines, whose stamps and order are the
-    wall clock's.
+    The recorder's own status is not recorded, and in lock-step log lines are not, since their stamps and
+    order depend on the wall clock.
 
     Parameters
     ----------
     vehicle_ids
         Names, and namespaces, of the vehicles.
     kinematic
-        The vehicles take ``cmd_vel``, not ``cmd_wrench``.
+        Whether the vehicles take ``cmd_vel`` instead of ``cmd_wrench``.
     lockstep
-        There is a ``/clock``.
+        Whether there is a ``/clock``.
     """
     per_vehicle = (*_VEHICLE_TOPICS, _VELOCITY_TOPIC if kinematic else _WRENCH_TOPIC)
     specs = [_CLOCK, _STATUS, *_GLOBAL_TOPICS] if lockstep else [_STATUS, *_GLOBAL_TOPICS, _LOG]

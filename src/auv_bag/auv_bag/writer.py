@@ -1,19 +1,19 @@
-"""Write a rosbag2 directory (MCAP) as Jazzy's own recorder writes it, so that a crash loses little.
+"""Write a rosbag2 directory (MCAP) like Jazzy's own recorder, so that a crash loses few messages.
 
 A bag ``results/x/bag`` is the folder ``bag`` with ``bag_0.mcap`` (the name that ``ros2 bag reindex`` looks
-for) and ``metadata.yaml`` (version 9). What a killed writer leaves behind can be read:
+for) and ``metadata.yaml`` (version 9). The bag of a killed writer can be read:
 
-* chunks are small (64 kB before compression) and go to the file, unbuffered, when they are full; what
-  waits for a chunk for longer goes behind the last one for the time being (:mod:`auv_bag.file`);
+* chunks are small (64 kB before compression) and are written, unbuffered, when they are full; messages that
+  wait longer for a chunk are provisionally written after the last one (:mod:`auv_bag.file`);
 * schemas and channels are in the chunks, before their first message, so that a file without a summary
   can be read from its start;
-* the ``rosbag2`` metadata record is written at the start too, so that a reindexer knows the version;
-* ``metadata.yaml`` is there from the start and is replaced, atomically, at every checkpoint.
+* the ``rosbag2`` metadata record is also written at the start, so that a reindexer knows the version;
+* ``metadata.yaml`` exists from the start and is replaced atomically at every checkpoint.
 
 Chunks are compressed with zstd: the numbers of a slowly moving flock shrink to about a quarter for some
 0.2 ms of processor time a chunk, and every MCAP reader (rosbag2's, rosbags, Foxglove) reads it.
 
-Equal messages in equal order make equal files, whenever they came.
+Equal messages in equal order make equal files, independently of their arrival times.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ INFINITE_NS = 2**63 - 1
 
 
 class BagError(Exception):
-    """A bag that cannot be written or read; the message is one line."""
+    """Raised if a bag cannot be written or read; the message is one line."""
 
 
 @dataclass(frozen=True)
 class Qos:
-    """The QoS that one publisher of a recorded topic offered, in rosbag2's words."""
+    """The QoS that one publisher of a recorded topic offered, in rosbag2's terms."""
 
     history: str = "keep_all"
     depth: int = 0
@@ -56,7 +56,7 @@ class Qos:
     avoid_ros_namespace_conventions: bool = False
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the mapping that metadata.yaml holds; a duration is split into seconds and nanoseconds."""
+        """Return the mapping in metadata.yaml; a duration is split into seconds and nanoseconds."""
         return {
             name.removesuffix("_ns"): _split_duration(value) if name.endswith("_ns") else value
             for name, value in asdict(self).items()
@@ -80,12 +80,12 @@ class BagWriter:
     bag_dir
         Folder to create; it must not exist.
     ros_distro
-        Name of the ROS distribution that the bag says it was made by.
+        Name of the ROS distribution in the bag.
 
     Raises
     ------
     BagError
-        If the folder exists already or cannot be made.
+        If the folder already exists or cannot be made.
     """
 
     def __init__(self, bag_dir: Path, *, ros_distro: str = "jazzy", chunk_bytes: int = CHUNK_BYTES) -> None:
@@ -109,12 +109,12 @@ class BagWriter:
 
     @property
     def message_count(self) -> int:
-        """Number of messages taken so far."""
+        """Number of messages so far."""
         return sum(self._counts)
 
     @property
     def byte_count(self) -> int:
-        """Size of the MCAP file so far; the chunk in progress is not in it."""
+        """Size of the MCAP file so far, without the chunk in progress."""
         return self._file.tell()
 
     def add_topic(self, topic: Topic) -> int:
@@ -150,10 +150,10 @@ class BagWriter:
 
     def checkpoint(self, held: Sequence[TimedMessage] = ()) -> None:
         """
-        Bring what waits for a chunk to the file, for the time being, and metadata.yaml up to date.
+        Write waiting messages provisionally to the file, and update metadata.yaml.
 
-        Where chunks were written since the last time, what waits is young, and stays. The metadata is
-        replaced in a thread, since a disk that is busy takes long for it, and a flight would wait.
+        If chunks were written since the last call, the waiting messages are recent and are not written. The
+        metadata is replaced in a thread, since a busy disk takes long and a flight would wait.
 
         Parameters
         ----------
@@ -181,7 +181,7 @@ class BagWriter:
         write_text(self._dir / METADATA_FILE, metadata_text(self._information()))
 
     def _note_chunk(self) -> None:
-        """Forget the messages of a chunk that has gone to the file."""
+        """Drop the messages of a chunk that was written."""
         if self._file.tell() != self._chunk_at:
             self._chunk, self._chunk_at, self._saved_count = [], self._file.tell(), 0
 
@@ -209,16 +209,16 @@ class BagWriter:
         return information_text(self._file_name, pairs, span_ns, self._ros_distro)
 
     def _add_metadata_record(self) -> None:
-        """Put what metadata.yaml says into the MCAP file too, where rosbag2 looks for it."""
+        """Write the content of metadata.yaml into the MCAP file, too, where rosbag2 looks for it."""
         self._mcap.add_metadata("rosbag2", {"serialized_metadata": self._information()})
 
     def _try_replace_metadata(self, text: str) -> None:
-        with suppress(OSError):  # who writes the next chunk finds out
+        with suppress(OSError):  # the next write of a chunk reports it
             write_text(self._dir / METADATA_FILE, text)
 
 
 def _register(writer: Writer, topic: Topic, schema_ids: dict[str, int]) -> int:
-    """Register a topic, and its type where that is new, and return its channel's number, counted from 1."""
+    """Register a topic, and its type if that is new; return its channel's number, counted from 1."""
     name = topic.type.name
     if name not in schema_ids:
         schema_ids[name] = writer.register_schema(name, "ros2msg", topic.type.definition.encode())
@@ -230,5 +230,5 @@ def _register(writer: Writer, topic: Topic, schema_ids: dict[str, int]) -> int:
 
 
 def _split_duration(duration_ns: int) -> dict[str, int]:
-    """Return a duration as rmw does; 9223372036 s and 854775807 ns is "infinite"."""
+    """Return a duration as in rmw; 9223372036 s and 854775807 ns mean "infinite"."""
     return {"sec": duration_ns // 1_000_000_000, "nsec": duration_ns % 1_000_000_000}

@@ -69,7 +69,7 @@ def test_a_file_cut_anywhere_is_readable_by_every_reader_and_loses_nothing_more(
     size = (whole / "bag_0.mcap").stat().st_size
     path = cut(whole, tmp_path / "bag", int(share * size))
     before = contents(path)
-    assert "the file is mended" in mend_bag(tmp_path)[0]
+    assert "the file is repaired" in mend_bag(tmp_path)[0]
     bag = Bag(tmp_path)
     assert bag.complete
     assert bag.notes == ()
@@ -101,12 +101,12 @@ def test_the_metadata_is_that_of_a_bag_that_was_closed(whole, tmp_path):
     assert (tmp_path / "bag" / "metadata.yaml").read_text() == (whole / "metadata.yaml").read_text()
 
 
-def test_a_killed_writer_and_nul_bytes_after_a_power_cut_are_mended(tmp_path):
+def test_a_killed_writer_and_nul_bytes_after_a_power_cut_are_repaired(tmp_path):
     write(tmp_path / "bag")._file.close()
     with (tmp_path / "bag" / "bag_0.mcap").open("ab") as file:
         file.write(bytes(5000))
     before = contents(tmp_path)
-    assert "is mended" in mend_bag(tmp_path)[0]
+    assert "is repaired" in mend_bag(tmp_path)[0]
     assert read_by_others(tmp_path / "bag") == (before, before)
 
 
@@ -123,10 +123,10 @@ def test_a_mending_that_the_disk_does_not_take_is_said_and_done_later(whole, tmp
     path = cut(whole, tmp_path / "bag", (whole / "bag_0.mcap").stat().st_size // 2)
     before = contents(path)
     with files_of_at_most(1000):
-        (line,) = [each for each in mend_bag(tmp_path) if "mended" in each]
-    assert "it cannot be mended (File too large), but read" in line
+        (line,) = [each for each in mend_bag(tmp_path) if "repaired" in each]
+    assert "it cannot be repaired (File too large), but read" in line
     assert contents(path) == before
-    assert "is mended" in mend_bag(tmp_path)[0]
+    assert "is repaired" in mend_bag(tmp_path)[0]
     assert read_by_others(tmp_path / "bag") == (before, before)
 
 
@@ -135,7 +135,7 @@ def test_on_a_full_disk_a_file_gets_an_end_without_a_summary(whole, tmp_path):
     (tmp_path / "bag" / "metadata.yaml").write_text((whole / "metadata.yaml").read_text())
     before = contents(path)
     with files_of_at_most(path.stat().st_size + 60):  # less than any file system has to spare
-        assert "is mended" in mend_bag(tmp_path)[0]
+        assert "is repaired" in mend_bag(tmp_path)[0]
     assert Bag(tmp_path).complete
     assert contents(path) == before
     with Reader(tmp_path / "bag") as reader:

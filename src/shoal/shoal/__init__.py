@@ -1,5 +1,5 @@
 """
-Shoal: groups of underwater vehicles that talk to each other only through water.
+Shoal: groups of underwater vehicles that communicate only through water.
 
 Examples
 --------
@@ -57,7 +57,7 @@ _PLACES = {
     "scenarios": "shoal.scenario",
     "sweep": "shoal.runs",
 }
-"""Where the names are defined; each is imported when it is first used, so that the command starts quickly."""
+"""Modules of the names; each is imported at first use, so that the command starts quickly."""
 
 
 def __getattr__(name: str) -> Any:

@@ -1,4 +1,4 @@
-"""A recording with names: what each array is, in which unit and frame, along which axes."""
+"""A recording with labels: meaning, unit, frame and axes of each array."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Meaning(NamedTuple):
-    """What an array holds: its axes, unit, frame, and what that is in words."""
+    """Axes, unit, frame and description of an array."""
 
     dims: tuple[str, ...]
     units: str
@@ -41,7 +41,7 @@ LABELS: dict[str, tuple[str, ...]] = {
     "event_key": ("tick", "outcome", "source", "destination", "sequence", "size_bytes"),
     "event_value": ("start_s", "end_s", "snr_db"),
 }
-"""What stands along an axis that is neither time nor vehicle nor a row."""
+"""Labels of axes other than time, vehicle and rows."""
 
 _NOW = ("time", "vehicle")
 _OTHERS = ("time", "vehicle", "neighbour")
@@ -49,14 +49,12 @@ MEANINGS: dict[str, Meaning] = {
     "position_ned_m": Meaning((*_NOW, "axis"), "m", "map_ned", "true position of the hull's centre"),
     "attitude_quat_wxyz": Meaning((*_NOW, "quaternion"), "1", "body FRD to NED", "true attitude"),
     "velocity_body": Meaning((*_NOW, "rate"), "m/s, rad/s", "body FRD", "true velocity and turn rates"),
-    "command": Meaning((*_NOW, "effort"), "N, N m", "body FRD", "wrench asked of the actuators"),
-    "reference_velocity_ned_mps": Meaning(
-        (*_NOW, "axis"), "m/s", "map_ned", "velocity that the law asks for"
-    ),
+    "command": Meaning((*_NOW, "effort"), "N, N m", "body FRD", "wrench commanded to the actuators"),
+    "reference_velocity_ned_mps": Meaning((*_NOW, "axis"), "m/s", "map_ned", "velocity commanded by the law"),
     "centre_ned_m": Meaning((*_NOW, "axis"), "m", "map_ned", "own estimate of the flocking centre"),
     "centre_velocity_ned_mps": Meaning((*_NOW, "axis"), "m/s", "map_ned", "rate of that estimate"),
-    "law_state": Meaning((*_NOW, "memory"), "of the law", "of the law", "what the law remembers"),
-    "holding": Meaning(_NOW, "1", "", "cause of the safe command, 0 where the law acted"),
+    "law_state": Meaning((*_NOW, "memory"), "of the law", "of the law", "state of the law"),
+    "holding": Meaning(_NOW, "1", "", "cause of the safe command, 0 if the law acted"),
     "neighbour_position_ned_m": Meaning((*_OTHERS, "axis"), "m", "own navigation", "estimate of a neighbour"),
     "neighbour_velocity_ned_mps": Meaning((*_OTHERS, "axis"), "m/s", "own navigation", "its velocity"),
     "neighbour_covariance": Meaning(
@@ -68,18 +66,18 @@ MEANINGS: dict[str, Meaning] = {
         (*_NOW, "axis"), "m", "map_ned", "position by the vehicle's own navigation"
     ),
     "nav_position_sd_m": Meaning(_NOW, "m", "", "its standard deviation per horizontal axis"),
-    "contacts": Meaning(("contact", "contact_key"), "1", "", "when and by whom a sonar contact was made"),
+    "contacts": Meaning(("contact", "contact_key"), "1", "", "time and observer of a sonar contact"),
     "contact_values": Meaning(("contact", "contact_value"), "m, rad, rad", "body FRD", "sonar contact"),
-    "sent": Meaning(("sent_packet", "sent_key"), "1", "", "packets handed to modems"),
+    "sent": Meaning(("sent_packet", "sent_key"), "1", "", "packets passed to modems"),
     "received": Meaning(("reception", "received_key"), "1", "", "packets that arrived"),
     "delay_s": Meaning(("reception",), "s", "", "start of transmission to end of reception"),
     "events": Meaning(("event", "event_key"), "1", "", "the acoustic log"),
     "event_values": Meaning(
         ("event", "event_value"), "s, s, dB", "", "first and last moment of the signal, SNR"
     ),
-    "lost_at_s": Meaning(("vehicle",), "s", "", "when the vehicle's computer was lost"),
+    "lost_at_s": Meaning(("vehicle",), "s", "", "time at which the vehicle's computer was lost"),
 }
-"""Every array of a recording but `vehicle_ids` and `t_s`, which are the coordinates vehicle and time."""
+"""Every array of a recording except `vehicle_ids` and `t_s`, which are the coordinates vehicle and time."""
 
 _NO_DECISION = -1
 
@@ -88,8 +86,8 @@ def to_xarray(recording: Recording, scenario: Scenario, mode: str) -> xr.Dataset
     """
     Return a recording as a Dataset.
 
-    Decisions are as long as states: their last row, for which there is no decision, is NaN (-1 in `holding`).
-    Arrays of neighbours are left out where nobody estimates anybody.
+    Commands have as many rows as states: the last row, for which there is no command, is NaN (-1 in
+    `holding`). Arrays of neighbours are left out if there are no neighbour estimates.
     """
     import xarray as xr
 
@@ -108,7 +106,7 @@ def to_xarray(recording: Recording, scenario: Scenario, mode: str) -> xr.Dataset
         words = {
             "units": "m/s, rad/s",
             "frame": "map_ned",
-            "long_name": "velocity (X, Y, Z) and yaw rate (N) asked",
+            "long_name": "commanded velocity (X, Y, Z) and yaw rate (N)",
         }
         variables["command"] = (dims, values, {**attributes, **words})
     used = {dim for dims, _, _ in variables.values() for dim in dims}
@@ -130,7 +128,7 @@ def to_xarray(recording: Recording, scenario: Scenario, mode: str) -> xr.Dataset
 
 
 def to_pandas(recording: Recording, scenario: Scenario, mode: str) -> pd.DataFrame:
-    """Return what every vehicle did: a row for each time and vehicle, a column for each number."""
+    """Return the data of every vehicle: a row for each time and vehicle, a column for each number."""
     import pandas as pd
 
     dataset = to_xarray(recording, scenario, mode)
@@ -153,7 +151,7 @@ def to_pandas(recording: Recording, scenario: Scenario, mode: str) -> pd.DataFra
 
 
 def _as_long_as_states(values: NDArray[Any], meaning: Meaning, n_states: int) -> NDArray[Any]:
-    """Return an array with a row for every state, the last one empty where it is of decisions."""
+    """Return an array with a row for every state; the last row is empty for arrays of commands."""
     if meaning.dims[0] != "time" or len(values) == n_states:
         return values
     empty = _NO_DECISION if values.dtype == np.int64 else np.nan

@@ -23,9 +23,9 @@ class _Command(NamedTuple):
 COMMANDS = {
     "run": _Command("auv_bringup.tools.run", "fly a scenario, then report the result"),
     "sweep": _Command("auv_experiment.sweeps.cli", "fly a grid or a sample of scenarios with many seeds"),
-    "reproduce": _Command("auv_thesis.cli", "redo the figures, tables and claims of the thesis"),
+    "reproduce": _Command("auv_thesis.cli", "repeat the figures, tables and claims of the thesis"),
     "replay": _Command("auv_bringup.tools.replay", "publish a recorded bag again", needs_ros=True),
-    "topic": _Command("auv_bringup.tools.topic", "look at the topics of a running flock", needs_ros=True),
+    "topic": _Command("auv_bringup.tools.topic", "inspect the topics of a running flock", needs_ros=True),
 }
 _HELP_WORDS = ("-h", "--help")
 
@@ -58,11 +58,11 @@ def _help() -> str:
         [
             "usage: shoal COMMAND [ARGUMENT...]; shoal COMMAND --help says more",
             "",
-            "Groups of underwater vehicles that talk to each other only through water.",
+            "Groups of underwater vehicles that communicate only through water.",
             "",
             *lines,
             "",
-            "  --version  say which version this is",
+            "  --version  print the version",
             "",
             "In Python: import shoal",
             "",

@@ -1,4 +1,4 @@
-"""NumPy's numbers as plain ones."""
+"""Conversion of NumPy's numbers to plain Python ones."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 def plain(value: Any) -> Any:
-    """Return a value, or a copy of a list or mapping, in which NumPy's numbers and arrays are Python's."""
+    """Return a value, or a copy of a list or mapping, with Python numbers and lists in place of NumPy's."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, Mapping):

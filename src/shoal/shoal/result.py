@@ -1,4 +1,4 @@
-"""What came of a run, whether it was flown here or is read from its folder or its bag."""
+"""The result of a run, flown here or read from its folder or its bag."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ if TYPE_CHECKING:
 
 class Result:
     """
-    A run: its scenario and what happened; metrics, figures and tables are made from them when asked for.
+    The result of a run: its scenario and recording; metrics, figures and tables are made on request.
 
     Attributes
     ----------
     scenario : Scenario
-        What was flown, resolved.
+        The resolved scenario.
     recording : Recording
-        What happened, as NumPy arrays; docs/reference/recording.md describes them.
+        The recording as NumPy arrays; docs/reference/recording.md describes them.
     mode : str
         'inprocess', 'lockstep' or 'realtime'.
 
@@ -86,7 +86,7 @@ class Result:
 
     @property
     def figures(self) -> tuple[str, ...]:
-        """Names of the figures of such a run."""
+        """Names of the figures of this kind of run."""
         return tuple(self._drawers)
 
     def figure(self, name: str) -> Figure:
@@ -101,12 +101,12 @@ class Result:
         Returns
         -------
         figure : matplotlib.figure.Figure
-            Of no window; ``savefig`` writes it.
+            A figure without a window; ``savefig`` writes it.
 
         Raises
         ------
         ConfigError
-            For another name, and for a figure whose data this run does not have; one line.
+            If the name is unknown, or this run has no data for the figure; one line.
 
         Examples
         --------
@@ -145,7 +145,7 @@ class Result:
 
     def to_pandas(self) -> pd.DataFrame:
         """
-        Return what every vehicle did as a DataFrame, a row for each time (s) and vehicle.
+        Return the data of every vehicle as a DataFrame, a row for each time (s) and vehicle.
 
         Examples
         --------
@@ -179,7 +179,7 @@ class Result:
         ConfigError
             For another format; one line.
         ResultsError
-            When the folder holds something, or cannot be made; one line.
+            If the folder is not empty, or cannot be made; one line.
 
         """
         if unknown := [name for name in formats if name not in FORMATS]:
@@ -208,19 +208,19 @@ class Result:
 
 def open_result(path: str | Path, *, scenario: Scenario | str | Path | None = None) -> Result:
     """
-    Return what came of a run that was flown before.
+    Return the result of an earlier run.
 
     Parameters
     ----------
     path : str or Path
         A results folder, its bag (a folder or an .mcap file), or its recording.npz.
     scenario : Scenario, str or Path, optional
-        What was flown; by default the scenario.yaml of the results folder.
+        The scenario of the run; by default the scenario.yaml of the results folder.
 
     Raises
     ------
     ResultsError
-        Where there is no such run, or it cannot be read; one line.
+        If there is no such run, or it cannot be read; one line.
 
     Examples
     --------
@@ -237,11 +237,12 @@ def open_result(path: str | Path, *, scenario: Scenario | str | Path | None = No
 
     place = Path(path)
     if not place.exists():
-        raise results.ResultsError(f"path: {str(place)!r} is not there; allowed: a results folder or a bag")
+        raise results.ResultsError(f"path: {str(place)!r} does not exist; allowed: a results folder or a bag")
     folder = _results_folder(place)
     if scenario is None and not (folder / results.SCENARIO_FILE).is_file():
         raise results.ResultsError(
-            f"scenario: missing, since there is no {folder / results.SCENARIO_FILE}; allowed: what was flown"
+            f"scenario: missing, since there is no {folder / results.SCENARIO_FILE}; allowed: the scenario "
+            "of the run"
         )
     resolved = resolve(folder / results.SCENARIO_FILE if scenario is None else scenario)
     try:
@@ -265,13 +266,13 @@ def open_result(path: str | Path, *, scenario: Scenario | str | Path | None = No
 
 
 def _results_folder(place: Path) -> Path:
-    """Return the results folder that a path is, or lies in."""
+    """Return the results folder of a path, which is the path itself or a folder above it."""
     candidates = (place, place.parent, place.parent.parent)
     return next((folder for folder in candidates if (folder / results.SCENARIO_FILE).is_file()), place)
 
 
 def _recording_file(place: Path) -> Path | None:
-    """Return the .npz file that a path names, None where it names a bag."""
+    """Return the .npz file of a path, None for a bag."""
     if place.suffix == ".npz":
         return place
     file = place / results.RECORDING_FILE

@@ -42,13 +42,13 @@ def run(
     Parameters
     ----------
     scenario : Scenario, str or Path
-        What to fly: of `load`, or what `load` takes.
+        What to fly: a scenario from `load`, or an argument of `load`.
     seed : int, optional
-        Seed of every random number, in place of the scenario's.
+        Seed of every random number; by default the scenario's.
     duration_s : float, optional
-        Length of the flight (s), in place of the scenario's.
+        Length of the flight (s); by default the scenario's.
     on_progress : callable, optional
-        Called now and then with the scenario time reached (s).
+        Called from time to time with the scenario time reached (s).
 
     Returns
     -------
@@ -58,9 +58,9 @@ def run(
     Raises
     ------
     ConfigError
-        Where the scenario is not allowed, or will not fit into memory; one line.
+        If the scenario is not allowed, or will not fit into memory; one line.
     DivergedError
-        Where a motion has no finite solution.
+        If a motion has no finite solution.
 
     Examples
     --------
@@ -94,13 +94,13 @@ def sweep(
     grid : mapping, optional
         Values by dotted key of the scenario; every combination is flown.
     seeds : iterable of int, optional
-        Seeds of every combination; 1 alone, if left out.
+        Seeds of every combination; by default 1 only.
     duration_s : float, optional
         Length of every flight (s).
     workers : int, optional
-        Number of processes; one for each processor, if left out.
+        Number of processes; by default one per processor.
     folder : str or Path, optional
-        Keeps finished runs and the table: the same call then goes on where it was.
+        Folder that keeps finished runs and the table, so that the same call continues an interrupted sweep.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def sweep(
     Raises
     ------
     ConfigError
-        Where a run is not allowed; nothing has then been flown.
+        If a run is not allowed; then nothing has been flown.
 
     Examples
     --------
@@ -153,7 +153,7 @@ def _study_of(
     duration_s: float | None,
     folder: Path,
 ) -> Study:
-    """Return the study that flies a scenario over a grid; the scenario's file is put into `folder`."""
+    """Return the study that flies a scenario over a grid; the scenario's file is written into `folder`."""
     scenario = what if isinstance(what, Scenario) else load(what)
     path = scenario.save(folder / "scenario.yaml")
     raw: dict[str, Any] = {

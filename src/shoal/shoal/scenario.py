@@ -17,7 +17,7 @@ from shoal.plain import plain
 
 def scenarios() -> dict[str, str]:
     """
-    Return the title of every scenario that comes with Shoal, by name.
+    Return the title of every built-in scenario, by name.
 
     Examples
     --------
@@ -41,7 +41,7 @@ def load(name_or_path: str | Path) -> Scenario:
     Raises
     ------
     ConfigError
-        With one line that names what is not allowed, its value and what is allowed.
+        With one line that has the key, its value and what is allowed.
 
     Examples
     --------
@@ -58,15 +58,15 @@ def load(name_or_path: str | Path) -> Scenario:
 
 class Scenario(MutableMapping[str, Any]):
     """
-    What is flown, as data under dotted keys. A change is checked by `check`, and when the scenario is flown.
+    A scenario as data under dotted keys. Changes are checked by `check`, and when the scenario is flown.
 
-    Reading a key that the scenario leaves out gives the value that will be used. Values in lists have
-    numbers for keys: ``vehicles.0.heading_rad``. The keys are those of a scenario's file.
+    A key that the scenario leaves out has its default value. Items of lists have numbers as keys:
+    ``vehicles.0.heading_rad``. The keys are those of a scenario's file.
 
     Parameters
     ----------
     raw : mapping
-        What a scenario's file holds.
+        Content of a scenario's file.
 
     Examples
     --------
@@ -111,23 +111,23 @@ class Scenario(MutableMapping[str, Any]):
         return f"<shoal.Scenario {self._raw.get('name')}: {self._raw.get('title')}>"
 
     def copy(self) -> Scenario:
-        """Return a scenario that can be changed without changing this one."""
+        """Return a copy; changing it does not change this one."""
         return Scenario(self._raw)
 
     def check(self) -> None:
-        """Raise ConfigError, one line, where the scenario cannot be flown."""
+        """Raise ConfigError with one line if the scenario cannot be flown."""
         self.resolved()
 
     def resolved(self, *, seed: int | None = None, duration_s: float | None = None) -> schema.Scenario:
         """
-        Return the scenario checked, with presets filled in and random starts drawn.
+        Return the checked scenario, with presets filled in and random starts drawn.
 
         Parameters
         ----------
         seed : int, optional
-            Takes the place of the key `seed`.
+            Replaces the key `seed`.
         duration_s : float, optional
-            Takes the place of the key `duration_s` (s).
+            Replaces the key `duration_s` (s).
 
         Raises
         ------
@@ -144,7 +144,7 @@ class Scenario(MutableMapping[str, Any]):
         return to_yaml(self._raw)
 
     def save(self, path: str | Path) -> Path:
-        """Write the scenario as a YAML file, whole or not at all, and return its path."""
+        """Write the scenario as a YAML file, completely or not at all, and return its path."""
         write_text(Path(path), self.to_yaml())
         return Path(path)
 
@@ -155,7 +155,7 @@ def resolve(
     seed: int | None = None,
     duration_s: float | None = None,
 ) -> schema.Scenario:
-    """Return a scenario, or the one of that name or path, as `Scenario.resolved` gives it."""
+    """Return the resolved scenario (`Scenario.resolved`) for a scenario, a name or a path."""
     if isinstance(scenario, schema.Scenario):
         if seed is not None or duration_s is not None:
             raise ConfigError("seed, duration_s: not allowed with a resolved scenario; allowed: shoal.load")

@@ -1,4 +1,4 @@
-"""A run that is flown step by step, and whose commands may come from outside."""
+"""A run that is flown step by step, with optional commands from the caller."""
 
 from __future__ import annotations
 
@@ -24,19 +24,20 @@ _LENGTHS = {True: 4, False: 6}
 
 class Simulation:
     """
-    A flock between two ticks: look at it, replace commands, step.
+    A flock between two ticks: inspect it, replace commands, step.
 
-    A scenario in continuous time is flown sampled, as nodes fly it. Flown to its end without commands from
-    outside, it gives what `run` gives, to the last bit. To look ahead, step a ``copy.deepcopy`` of it.
+    A scenario in continuous time is flown sampled, as by the nodes. A simulation that is flown to its end
+    without replaced commands equals the result of `run` to the last bit. To look ahead, step a
+    ``copy.deepcopy`` of it.
 
     Parameters
     ----------
     scenario : Scenario, str or Path
-        What to fly, as `run` takes it.
+        What to fly, as for `run`.
     seed : int, optional
-        Seed of every random number, in place of the scenario's.
+        Seed of every random number; by default the scenario's.
     duration_s : float, optional
-        Length of the flight (s), in place of the scenario's.
+        Length of the flight (s); by default the scenario's.
 
     Examples
     --------
@@ -68,12 +69,12 @@ class Simulation:
 
     def reset(self, seed: int | None = None) -> None:
         """
-        Begin anew, at time 0.
+        Restart at time 0.
 
         Parameters
         ----------
         seed : int, optional
-            Seed of the new run; the scenario's, if left out.
+            Seed of the new run; by default the scenario's.
 
         """
         resolved = resolve(self._scenario, seed=seed, duration_s=self._duration_s)
@@ -101,18 +102,18 @@ class Simulation:
 
     @property
     def estimates(self) -> dict[str, VehicleState]:
-        """What every vehicle's navigation says of its own state, by name."""
+        """State of every vehicle from its own navigation, by name."""
         return dict(zip(self.vehicle_ids, self._run.navs, strict=True))
 
     @property
     def inboxes(self) -> dict[str, Inbox]:
-        """What the modem and the sonar of every vehicle tell it at this tick, by name."""
+        """Data from modem and sonar of every vehicle at this tick, by name."""
         self._decisions()
         return dict(zip(self.vehicle_ids, self._run.inboxes, strict=True))
 
     @property
     def commands(self) -> dict[str, Command]:
-        """What every vehicle's own computer commands at this tick, by name."""
+        """Command of every vehicle's own software at this tick, by name."""
         return dict(zip(self.vehicle_ids, self._decisions(), strict=True))
 
     def step(self, commands: Mapping[str, Command | Sequence[float]] | None = None) -> None:
@@ -122,16 +123,16 @@ class Simulation:
         Parameters
         ----------
         commands : mapping, optional
-            Commands that take the place of those of the vehicles' own computers, by name: six numbers
-            [X, Y, Z, K, M, N] (N, N m; body FRD), or of a kinematic vehicle velocity and yaw rate in four
-            (m/s; NED, and rad/s). Actuators limit them as they limit any command.
+            Commands that replace those of the vehicles' own software, by name: six numbers [X, Y, Z, K, M,
+            N] (N, N m; body FRD), or for a kinematic vehicle four numbers, velocity (m/s; NED) and yaw rate
+            (rad/s). Actuator limits apply as for any command.
 
         Raises
         ------
         ConfigError
-            For a vehicle that there is not, or numbers that are no command; nothing is then flown.
+            If a vehicle does not exist, or the numbers are no command; then nothing is flown.
         DivergedError
-            Where a motion has no finite solution; only `reset` helps then.
+            If a motion has no finite solution; only `reset` is possible afterwards.
         RuntimeError
             At the end of the run.
 
@@ -154,9 +155,9 @@ class Simulation:
 
     def result(self) -> Result:
         """
-        Return the result of what has been flown so far, as of a run that was stopped here.
+        Return the result so far, as of a run that was stopped here.
 
-        Steps can follow.
+        Further steps are possible.
 
         Raises
         ------
@@ -165,21 +166,21 @@ class Simulation:
 
         """
         if self._run.tick == 0:
-            raise RuntimeError("nothing has been flown yet: step first")
+            raise RuntimeError("no step has been flown yet; call step first")
         return Result(self.scenario, self._run.recording(), mode="inprocess")
 
     def _decisions(self) -> list[Command]:
         if self._has_diverged:
-            raise RuntimeError("a motion has no finite solution; reset begins anew")
+            raise RuntimeError("a motion has no finite solution; call reset to restart")
         if self._decided is None:
             if self.is_done:
-                raise RuntimeError(f"the run has reached its end at {self.time_s:g} s; reset begins anew")
+                raise RuntimeError(f"the run has reached its end at {self.time_s:g} s; call reset to restart")
             self._decided = self._run.decide()
         return self._decided
 
 
 def _command(name: str, given: Command | Sequence[float], takes_velocity: bool) -> Command:
-    """Return what was given for a vehicle as its kind of command."""
+    """Return the numbers for a vehicle as its kind of command."""
     numbers: Any = plain(given)
     if isinstance(given, Wrench):
         numbers = given.tau

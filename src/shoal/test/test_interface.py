@@ -62,7 +62,7 @@ def test_a_saved_result_is_opened_as_it_was(tmp_path):
 
 
 def test_what_is_no_result_is_refused_in_one_line(tmp_path):
-    with pytest.raises(shoal.ResultsError, match="is not there"):
+    with pytest.raises(shoal.ResultsError, match="does not exist"):
         shoal.open(tmp_path / "none")
     with pytest.raises(shoal.ResultsError, match="scenario: missing"):
         shoal.open(tmp_path)
@@ -83,11 +83,11 @@ def test_a_simulation_left_alone_flies_what_run_flies():
     flown = shoal.run(scenario, seed=3).recording
     np.testing.assert_array_equal(simulation.result().recording.position_ned_m, flown.position_ned_m)
     np.testing.assert_array_equal(simulation.result().recording.events, flown.events)
-    with pytest.raises(RuntimeError, match="reset begins anew"):
+    with pytest.raises(RuntimeError, match="call reset to restart"):
         simulation.step()
     simulation.reset(seed=4)
     assert simulation.time_s == 0.0
-    with pytest.raises(RuntimeError, match="nothing has been flown yet"):
+    with pytest.raises(RuntimeError, match="no step has been flown yet"):
         simulation.result()
 
 
@@ -125,7 +125,7 @@ def test_a_simulation_that_has_diverged_only_begins_anew():
     simulation = shoal.Simulation("ch5_one_leader", seed=3)
     with pytest.raises(shoal.DivergedError):
         simulation.step({"auv_1": [1e308] * 4})
-    with pytest.raises(RuntimeError, match="reset begins anew"):
+    with pytest.raises(RuntimeError, match="call reset to restart"):
         simulation.step()
     simulation.reset()
     simulation.step()

@@ -1,10 +1,10 @@
 """
-Node that records every topic of the graph into a rosbag2 bag, without deserialising anything.
+Node that records every topic of the graph into a rosbag2 bag without deserialising messages.
 
-Messages wait in the middleware until the recorder takes many at once, topic by topic: at every so many ticks
-of `/clock`, and once a second.  Taken one by one, each as an event of its own, they would cost several times
-as much processor time, which in lock-step is the flight's.  They go as they are to a process of its own that
-writes the bag, and closes it even if this one is killed (:mod:`auv_bag.process`).
+Messages wait in the middleware until the recorder takes many at once, topic by topic: once every few ticks
+of `/clock`, and once a second. One event per message would take several times as much processor time, which
+in lock-step delays the flight. A separate process writes the raw messages, and closes the bag even if this
+one is killed (:mod:`auv_bag.process`).
 """
 
 from __future__ import annotations
@@ -44,13 +44,13 @@ DRAIN_LIMIT_S = 20.0
 
 @dataclass(frozen=True, kw_only=True)
 class RecorderConfig:
-    """What to record, and where to."""
+    """The topics to record, and the bag."""
 
     bag_dir: str = param("folder of the bag; it must not exist yet")
     topics_vehicles: tuple[str, ...] = param("ids of the vehicles whose topics are recorded")
     kinematic: bool = param("whether the vehicles take cmd_vel instead of cmd_wrench", default=False)
     publishers: str = param(
-        "whom it hears: own, the nodes of this project only; any, also a modem's driver or a navigation",
+        "accepted publishers: own, the nodes of this run only; any, also modem drivers or navigations",
         default="own",
         choices=("own", "any"),
     )
@@ -58,7 +58,7 @@ class RecorderConfig:
 
 
 class RecorderNode(Node):
-    """Records until it is told to stop, then takes what has already arrived and closes the bag."""
+    """Records until it must stop, then takes all messages that have arrived and closes the bag."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("recorder_node", **options)
@@ -85,12 +85,12 @@ class RecorderNode(Node):
 
     @property
     def subscriptions(self) -> Iterator[Subscription]:
-        """The subscriptions that the executor must serve: that of the clock, and what is not recorded."""
+        """The subscriptions that the executor must serve: the clock, and topics that are not recorded."""
         recorded = {id(each) for topic, each in self._by_topic.items() if topic != CLOCK_TOPIC}
         yield from (each for each in super().subscriptions if id(each) not in recorded)
 
     def waits_for(self) -> str:
-        """Return for what the node waits, in words, or nothing."""
+        """Return as text what the node waits for, or an empty text."""
         return listed(
             [
                 f"/{each}/vehicle_node"
@@ -100,40 +100,40 @@ class RecorderNode(Node):
         )
 
     def on_stop(self) -> None:
-        """Record what has arrived, close the bag, say so."""
+        """Record all messages that have arrived, close the bag, and publish the status."""
         self._drain()
         self._guarded(self._bag.close)
         if not self.done:
             self._publish_status()
 
     def _subscription(self, spec: TopicSpec) -> Subscription:
-        """Subscribe to a topic, raw; of all topics the executor serves the clock's only."""
+        """Subscribe to a topic, raw; the executor serves only that of the clock."""
         kind = message_class(spec.type_name)
         admits = self._admits_strangers or spec.name == LOG_TOPIC
         qos = own_qos(latched=spec.latched, history=HistoryPolicy.KEEP_ALL, admits_strangers=admits)
         return self.create_subscription(kind, spec.name, self._hear_clock, qos, raw=True)
 
     def _hear_clock(self, data: bytes) -> None:
-        """Keep a tick, and now and then record everything, saying how far the recorder is."""
+        """Keep a tick, and once every few ticks record all messages and publish the recorder's progress."""
         self._heard_ticks.append(data)
         if len(self._heard_ticks) >= TICKS_PER_BATCH:
             self._record()
             self._publish_status()
 
     def _checkpoint(self) -> None:
-        """Take everything and have the files brought up to date."""
+        """Take all messages and update the files."""
         self._record(is_checkpoint=True)
         self._publish_status()
 
     def _record(self, *, is_checkpoint: bool = False) -> int:
-        """Take all messages that wait and have them written; return how many."""
+        """Take all waiting messages and have them written; return their number."""
         batch = self._batch(is_checkpoint)
         if batch.messages or is_checkpoint:
             self._guarded(lambda: self._bag.write(batch))
         return sum(map(len, batch.messages.values()))
 
     def _drain(self) -> None:
-        """Take messages until none has come for a while: some may still be on their way."""
+        """Take messages until none has come for a while, since some may still be in transit."""
         limit = time.monotonic() + DRAIN_LIMIT_S
         quiet_at = time.monotonic() + QUIET_BEFORE_CLOSE_S
         while time.monotonic() < min(quiet_at, limit) and not self.done:
@@ -143,7 +143,7 @@ class RecorderNode(Node):
                 time.sleep(0.01)
 
     def _batch(self, is_checkpoint: bool) -> Batch:
-        """Take all messages that wait, topic by topic."""
+        """Take all waiting messages, topic by topic."""
         batch = Batch({}, is_checkpoint)
         for topic, subscription in self._by_topic.items():
             messages = _waiting(subscription)
@@ -158,7 +158,7 @@ class RecorderNode(Node):
         return batch
 
     def _guarded(self, write: Callable[[], None]) -> None:
-        """Write; where that cannot be, end with one error: what is in the file stays readable."""
+        """Write; if that fails, end with one error. The file stays readable."""
         if self.done:
             return
         try:
@@ -169,7 +169,7 @@ class RecorderNode(Node):
             self.done = True
 
     def _publish_status(self) -> None:
-        """Say what the bag holds: what is still on its way there does not count."""
+        """Publish the content of the bag, without messages that are still in transit."""
         written = self._bag.written
         status = RecorderStatus(
             ticks=written.ticks, messages=written.messages, bytes=written.bytes, closed=written.closed
@@ -179,7 +179,7 @@ class RecorderNode(Node):
 
 
 def _waiting(subscription: Subscription) -> list[bytes]:
-    """Take every message that waits in a subscription."""
+    """Take every waiting message of a subscription."""
     handle = subscription.handle
     with handle:
         take = partial(handle.take_message, subscription.msg_type, True)
