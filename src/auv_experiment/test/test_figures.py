@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,11 +13,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from matplotlib import rc_context
 
 from auv_control.references import circle
+from auv_core.cli.one_line_parser import OneLineParser
 from auv_experiment.figures.files import Figure, save_figures
 from auv_experiment.figures.flock import flock_drawers
-from auv_experiment.figures.plotting import round_step, thin_indices, wilson_interval
+from auv_experiment.figures.formats import add_format_option
+from auv_experiment.figures.plotting import (
+    PAGE_STYLE,
+    PAPER_STYLE,
+    legend_below,
+    new_canvas,
+    round_step,
+    thin_indices,
+    wilson_interval,
+    wrap_words,
+)
 from auv_experiment.recording import Recording
 
 ALL = [
@@ -177,3 +190,53 @@ def test_wilson_interval_as_printed_in_textbooks() -> None:
 )
 def test_round_steps(value: float, step: float) -> None:
     assert round_step(value) == pytest.approx(step)
+
+
+def test_files_for_a_paper_fit_one_column_and_have_their_letters_in_them(tmp_path: Path) -> None:
+    for folder in (tmp_path / "a", tmp_path / "b"):
+        drawers = flock_drawers(circling_flock(60.0), make_scenario(), only=["pair_distances"])
+        save_figures(drawers, make_scenario(), folder, ("png", "pdf", "svg"))
+    pdf, svg = ((tmp_path / "a" / f"pair_distances.{kind}").read_bytes() for kind in ("pdf", "svg"))
+    assert re.search(rb"/MediaBox \[ 0 0 252 \d+", pdf)  # 3.5 in
+    assert b"/FontFile2" in pdf
+    assert b"/Type3" not in pdf
+    assert re.search(rb'<svg [^>]*width="252pt"', svg)
+    assert b"<text" not in svg
+    for path in (tmp_path / "a").iterdir():
+        assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
+
+
+def test_words_longer_than_their_axes_are_broken() -> None:
+    with rc_context(PAPER_STYLE):
+        canvas = new_canvas(2.0)
+        axes = canvas.subplots()
+        axes.set_ylabel("distance between the hull centres of a pair (m)")
+        axes.set_title("short")
+        wrap_words(canvas)
+    assert axes.get_ylabel().count("\n") >= 1
+    assert axes.get_title() == "short"
+
+
+def test_a_legend_has_as_many_columns_as_fit() -> None:
+    def columns(style: dict[str, Any], names: list[str]) -> int:
+        with rc_context(style):
+            canvas = new_canvas()
+            handles = canvas.subplots().plot(np.zeros((2, len(names))))
+            legend_below(canvas, handles, names)
+        (legend,) = canvas.legends
+        return int(legend._ncols)
+
+    assert columns(PAGE_STYLE, ["auv_1", "auv_2", "auv_3", "auv_4"]) == 4
+    assert columns(PAPER_STYLE, ["a name of some length", "x", "another one like it", "y"]) == 2
+    assert columns(PAPER_STYLE, ["a name " * 8, "another " * 7]) == 1
+
+
+@pytest.mark.parametrize("text", ["tiff", "pdf,tiff", "", "pdf;svg"])
+def test_other_formats_are_refused_in_one_line(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    parser = OneLineParser()
+    add_format_option(parser)
+    assert parser.parse_args(["--format", "svg,pdf"]).formats == ("png", "svg", "pdf")
+    with pytest.raises(SystemExit, match="2"):
+        parser.parse_args([f"--format={text}"])
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"{text!r} is not allowed; allowed: png, pdf, svg, and several with commas" in line

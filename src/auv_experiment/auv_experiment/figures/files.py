@@ -13,7 +13,7 @@ from auv_core.machine.whole_files import whole_file
 from auv_experiment.figures import Drawer, Drawing
 from auv_experiment.figures.formats import PAGE_FORMAT
 from auv_experiment.figures.own import OwnFigureError
-from auv_experiment.figures.plotting import PAGE_STYLE, save_canvas, style_of
+from auv_experiment.figures.plotting import PAGE_STYLE, save_canvas, style_of, wrap_words
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -123,6 +123,8 @@ def draw_files(
             drawing = draw()
             if drawing is None:
                 return None
+            if file_format != PAGE_FORMAT:
+                wrap_words(drawing.canvas)
             with whole_file(stem.with_name(f"{stem.name}.{file_format}")) as unfinished:
                 save_canvas(drawing.canvas, unfinished, file_format, dpi=dpi)
     return drawing

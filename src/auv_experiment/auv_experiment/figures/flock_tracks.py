@@ -23,6 +23,7 @@ from auv_experiment.figures.plotting import (
     plot_plan_line,
     plot_sphere,
     round_step,
+    space_axes,
     vehicle_style,
 )
 from auv_experiment.recording import FloatArray
@@ -71,7 +72,7 @@ def _draw_space(run: FlockRun) -> Drawing | None:
     if not np.isfinite(positions).any():
         return None
     canvas = new_canvas(5.2, layout=None)
-    axes: Any = canvas.add_axes((0.0, 0.12, 0.94, 0.88), projection="3d")
+    axes = space_axes(canvas)
     north, east, down = run.path_ned_m.T
     axes.plot(east, north, down, color="0.55", linewidth=3.0, alpha=0.55)
     every = max(1, run.recording.n_ticks // (2 * MAX_COLUMNS))

@@ -8,6 +8,7 @@ up.
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
@@ -57,7 +58,7 @@ PAPER_STYLE: dict[str, Any] = {
 """For one column of a paper: PDF and SVG."""
 _WIDE_IN = 5.0
 _PAPER_HEIGHT = 0.8
-_HANDLE_EM, _LETTER_EM = 4.8, 0.55
+_HANDLE_EM, _LETTER_EM = 4.8, 0.58
 """Width of a legend's column beside its words, and of a letter (em)."""
 _METADATA: dict[str, dict[str, None]] = {
     "png": {"Software": None},
@@ -113,6 +114,23 @@ def side_by_side(canvas: Canvas, count: int, width_ratios: Sequence[float] | Non
         return list(canvas.subplots(1, count, width_ratios=width_ratios, squeeze=False)[0])
     canvas.set_figheight((0.5 + 0.4 * count) * canvas.get_figheight())
     return list(canvas.subplots(count, 1, squeeze=False)[:, 0])
+
+
+def space_axes(canvas: Canvas) -> Any:
+    """Return axes in space, with room below for a legend."""
+    place = (0.0, 0.12, 0.94, 0.88) if _is_wide(canvas) else (0.07, 0.18, 0.7, 0.8)
+    return canvas.add_axes(place, projection="3d")
+
+
+def wrap_words(canvas: Canvas) -> None:
+    """Break titles and labels of the upright axes that are longer than their axes."""
+    canvas.draw_without_rendering()  # lays the axes out
+    for axes in canvas.axes:
+        box = axes.get_window_extent()
+        for text, length in ((axes.title, box.width), (axes.yaxis.label, box.height)):
+            letters = length / (_LETTER_EM * text.get_fontsize() * canvas.dpi / 72.0)
+            if len(text.get_text()) > letters:
+                text.set_text(textwrap.fill(text.get_text(), max(int(letters), 8), break_long_words=False))
 
 
 def _is_wide(canvas: Canvas) -> bool:
@@ -275,11 +293,20 @@ def legend_below(
     if not handles:
         return
     names = labels if labels is not None else [str(handle.get_label()) for handle in handles]
-    column_in = (_HANDLE_EM + _LETTER_EM * max(map(len, names))) * rcParams["legend.fontsize"] / 72.0
-    columns = min(columns, max(1, int(canvas.get_figwidth() / column_in)))
+    width_em = 72.0 * canvas.get_figwidth() / rcParams["legend.fontsize"]
+    columns = _columns_that_fit(names, columns, width_em)
     is_free = canvas.get_layout_engine() is None
     place = "lower center" if is_free else "outside lower center"
-    canvas.legend(handles, names, loc=place, ncols=min(len(names), columns), title=title or None)
+    canvas.legend(handles, names, loc=place, ncols=columns, title=title or None)
+
+
+def _columns_that_fit(names: Sequence[str], most: int, width_em: float) -> int:
+    """Return the number of columns, `most` or fewer, in which a legend is not wider than `width_em`."""
+    for columns in range(min(most, len(names)), 1, -1):
+        longest = [max(map(len, column)) for column in np.array_split(names, columns)]
+        if sum(_HANDLE_EM + _LETTER_EM * length for length in longest) <= width_em:
+            return columns
+    return 1
 
 
 def wilson_interval(successes: NDArray[Any], trials: NDArray[Any]) -> tuple[FloatArray, FloatArray]:

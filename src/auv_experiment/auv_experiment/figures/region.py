@@ -30,6 +30,7 @@ from auv_experiment.figures.plotting import (
     plot_thinned,
     set_height,
     side_by_side,
+    space_axes,
     span_time,
     vehicle_style,
 )
@@ -137,7 +138,7 @@ def _arranged(points: FloatArray, order: Sequence[int]) -> list[FloatArray]:
 
 def _draw_space(canvas: Canvas, recording: Recording, scenario: Scenario, ring: Ring) -> tuple[str, str]:
     set_height(canvas, 5.2)
-    axes: Any = canvas.add_axes((0.0, 0.12, 0.94, 0.88), projection="3d")
+    axes = space_axes(canvas)
     plot_tracks_in_space(axes, recording, ring, EAST_NORTH_DOWN)
     equal_box(axes)
     axes.invert_zaxis()

@@ -16,7 +16,7 @@ from auv_core.cli.tally import Tally
 from auv_core.machine.failure import Failure
 from auv_core.machine.workers import Advance, Call, attempt, spread
 from auv_experiment.figures.formats import PAGE_FORMAT
-from auv_experiment.figures.plotting import new_canvas, save_canvas, style_of
+from auv_experiment.figures.plotting import new_canvas, save_canvas, style_of, wrap_words
 from auv_thesis.items import Chapter, Figure, Item, Row, Run, Table, Verdict, function_of
 
 if TYPE_CHECKING:
@@ -238,3 +238,4 @@ def _fit_to_paper(canvas: Canvas) -> None:
         canvas.set_figwidth(_TWO_COLUMNS_IN)
     elif canvas.get_figwidth() > matplotlib.rcParams["figure.figsize"][0]:
         canvas.set_size_inches(matplotlib.rcParams["figure.figsize"][0], 0.8 * canvas.get_figheight())
+    wrap_words(canvas)
