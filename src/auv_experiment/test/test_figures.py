@@ -223,7 +223,7 @@ def test_a_legend_has_as_many_columns_as_fit() -> None:
             canvas = new_canvas()
             handles = canvas.subplots().plot(np.zeros((2, len(names))))
             legend_below(canvas, handles, names)
-        (legend,) = canvas.legends
+        legend: Any = canvas.legends[0]
         return int(legend._ncols)
 
     assert columns(PAGE_STYLE, ["auv_1", "auv_2", "auv_3", "auv_4"]) == 4

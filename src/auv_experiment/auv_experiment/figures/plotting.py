@@ -128,7 +128,7 @@ def wrap_words(canvas: Canvas) -> None:
     for axes in canvas.axes:
         box = axes.get_window_extent()
         for text, length in ((axes.title, box.width), (axes.yaxis.label, box.height)):
-            letters = length / (_LETTER_EM * text.get_fontsize() * canvas.dpi / 72.0)
+            letters = length / (_LETTER_EM * float(text.get_fontsize()) * canvas.dpi / 72.0)
             if len(text.get_text()) > letters:
                 text.set_text(textwrap.fill(text.get_text(), max(int(letters), 8), break_long_words=False))
 
