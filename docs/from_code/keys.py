@@ -40,6 +40,7 @@ UNITS = {
 
 HEAD = ("key", "type", "unit", "allowed", "default", "meaning")
 _WORDS = {float: "number", int: "whole number", bool: "true or false", str: "word", Any: "any value"}
+_PLURALS = {float: "numbers", int: "whole numbers", bool: "truth values", str: "words", Any: "values"}
 
 
 class Key(NamedTuple):
@@ -63,7 +64,11 @@ def keys_of(cls: Any, prefix: str = "") -> Iterator[Key]:
 
 def scenario_keys() -> str:
     """Return all keys of a scenario, then those of the plugins by folder."""
-    parts = [table(HEAD, map(_row, keys_of(Scenario)))]
+    presets = ", ".join(map(code, _presets("auv_sim.acoustics")))
+    parts = [
+        table(HEAD, map(_row, keys_of(Scenario))),
+        f"Presets of `acoustics` (`preset: NAME`, and what differs): {presets}.\n",
+    ]
     for folder in _folders(Scenario):
         parts += _plugins(folder)
     return "\n".join(parts)
@@ -152,14 +157,13 @@ def _hint_words(hint: Any) -> str:
 
 
 def _plural(hint: Any) -> str:
-    words = _hint_words(hint)
-    return {"any value": "any values"}.get(words, words + "s" if " " not in words else words)
+    return _PLURALS.get(hint, "lists")
 
 
 def _allowed_words(key: Key) -> str:
     bounds = key.field.metadata
     signs = {"above": "> ", "minimum": "≥ ", "maximum": "≤ "}
-    is_whole = key.hint is int
+    is_whole = int in (key.hint, *typing.get_args(key.hint))
     parts = [
         f"{sign}{bounds[name] if is_whole else format(bounds[name], 'g')}"
         for name, sign in signs.items()
