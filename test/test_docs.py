@@ -11,9 +11,10 @@ import nbformat
 import pytest
 from from_code.commands import commands_of
 from from_code.hook import on_page_markdown
-from from_code.keys import Key, keys_of, scenario_keys, unit_of
+from from_code.keys import Key, keys_of, plugin_folders, scenario_keys, unit_of
 from from_code.messages import read_message
 from from_code.notebook import notebook_page
+from from_code.plugins import OWN, contracts_of
 from from_code.topics import when
 
 from auv_bag.topics import COMMON_TOPICS, VEHICLE_TOPICS
@@ -89,11 +90,14 @@ def test_the_reference_has_every_key_of_every_scenario():
 
 def test_the_reference_has_every_plugin_of_every_folder():
     page = scenario_keys()
-    folders = {key.field.metadata["plugins"] for key in keys_of(Scenario)} - {None}
-    assert len(folders) >= 12
-    for folder in folders:
+    assert len(plugin_folders()) >= 12
+    for folder in plugin_folders():
         for kind in list_plugins(folder):
             assert f"### `{kind}` {{ #{folder.rpartition('.')[2]}-{kind} }}" in page
+
+
+def test_every_plugin_folder_states_its_contracts():
+    assert [folder for folder in (*plugin_folders(), *OWN) if not contracts_of(folder)] == []
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ from from_code.keys import scenario_keys, study_keys
 from from_code.messages import messages
 from from_code.metrics import metrics
 from from_code.notebook import notebook_page
+from from_code.plugins import plugins
 from from_code.topics import topics
 
 ROOT = Path(__file__).parents[2]
@@ -23,6 +24,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "scenario_keys": scenario_keys,
     "study_keys": study_keys,
     "metrics": metrics,
+    "plugins": plugins,
     "topics": topics,
     "messages": lambda: messages(ROOT / "src/auv_msgs/msg"),
     "examples": lambda: examples(ROOT / "examples"),

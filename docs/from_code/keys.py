@@ -69,7 +69,7 @@ def scenario_keys() -> str:
         table(HEAD, map(_row, keys_of(Scenario))),
         f"Presets of `acoustics` (`preset: NAME`, and what differs): {presets}.\n",
     ]
-    for folder in _folders(Scenario):
+    for folder in plugin_folders():
         parts += _plugins(folder)
     return "\n".join(parts)
 
@@ -79,9 +79,9 @@ def study_keys() -> str:
     return table(HEAD, map(_row, keys_of(Study)))
 
 
-def _folders(cls: Any) -> list[str]:
-    """Return the plugin folders that the keys of a configuration choose from, in their order."""
-    named = [key.field.metadata.get("plugins") for key in keys_of(cls)]
+def plugin_folders() -> list[str]:
+    """Return the plugin folders that the keys of a scenario choose from, in their order."""
+    named = [key.field.metadata.get("plugins") for key in keys_of(Scenario)]
     return list(dict.fromkeys(each for each in named if each))
 
 
