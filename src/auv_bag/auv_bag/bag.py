@@ -6,6 +6,7 @@ Works without ROS and without the build: message types come from the definitions
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -122,11 +123,12 @@ class Bag:
         topics
             Names to keep.
         """
-        readers: dict[str, ColumnReader] = {}
+        readers: dict[tuple[str, str], ColumnReader] = {}
         for rows in message_rows(self._files, topics):
-            if rows.topic not in readers:
-                readers[rows.topic] = ColumnReader(self._types, rows.type_name)
-            yield rows.topic, readers[rows.topic].read(rows), len(rows.data)
+            key = rows.topic, rows.type_name
+            if key not in readers:
+                readers[key] = ColumnReader(self._types, rows.type_name)
+            yield rows.topic, readers[key].read(rows), len(rows.data)
 
     def span_ns(self) -> tuple[int, int]:
         """Return the first and the last time in the bag (ns); (0, 0) for an empty one."""
@@ -167,11 +169,12 @@ class Bag:
 
 
 def _typestore(topics: Collection[RecordedTopic]) -> Typestore:
-    """Register the definitions of all topics."""
+    """Register the definitions of all topics, without those that are none."""
     store = get_typestore(Stores.EMPTY)
     types: dict[str, Any] = {}
     for name, definition in {topic.type_name: topic.definition for topic in topics}.items():
-        types.update(get_types_from_msg(definition, name))
+        with suppress(Exception):  # each layer of the library has errors of its own
+            types.update(get_types_from_msg(definition, name))
     store.register(types)
     return store
 

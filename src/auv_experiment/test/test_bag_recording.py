@@ -9,6 +9,7 @@ import synthetic_bag as synthetic
 from numpy.testing import assert_array_equal
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from auv_bag.definitions import MessageType
 from auv_bag.writer import BagError, Topic
 from auv_experiment.metrics.safety import safe_command_metrics
 from auv_experiment.recording_from_bag import read_recording
@@ -282,6 +283,22 @@ def test_a_recording_is_no_longer_than_its_scenario(tmp_path):
     recorder.writer.close()
     scenario = dataclasses.replace(synthetic.scenario(2), ticks=12)
     assert len(read_recording(tmp_path / "bag", scenario).t_s) == 13
+
+
+@pytest.mark.parametrize("definition", ["no { definition", "foo/NotThere it", "wstring word", ""])
+def test_a_topic_of_a_type_that_cannot_be_read_hides_no_other(tmp_path, definition):
+    run = synthetic.SyntheticRun(2, 6)
+    recorder = synthetic.Recorder(tmp_path / "bag")
+    for topic in ("/elsewhere", "/auv_1/nav"):
+        channel = recorder.writer.add_topic(Topic(topic, MessageType("foo/msg/X", definition, "")))
+        recorder.writer.write(channel, b"\0\1\0\0" + bytes(40), 0)
+    run.write(recorder)
+    recorder.writer.close()
+    said: list[str] = []
+    recording = read_recording(tmp_path / "bag", synthetic.scenario(2), said.append)
+    check_states(recording, run)
+    assert_array_equal(recording.nav_position_ned_m, run.nav[:-1, :, :3])
+    assert said == ["messages left out, which are not of this run: 1 of /auv_1/nav"]
 
 
 class Haunted(synthetic.SyntheticRun):
