@@ -210,9 +210,8 @@ def test_the_study_of_the_documentation_is_allowed():
     shown, sample, _ = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
     grid = study_from_plain({**yaml.safe_load(shown), "seeds": [1]})
     assert len(plan_runs(grid)) == 9
-    drawn = study_from_plain(
-        {**yaml.safe_load(shown), **yaml.safe_load(sample), "grid": None, "x": None, "by": None, "seeds": [1]}
-    )
+    of_the_grid = dict.fromkeys(("grid", "x", "by", "labels"))
+    drawn = study_from_plain({**yaml.safe_load(shown), **yaml.safe_load(sample), **of_the_grid, "seeds": [1]})
     assert drawn.n_runs == 200
 
 
