@@ -236,7 +236,7 @@ def test_silence_from_the_start_ends_the_wait(stage, monkeypatch):
     monkeypatch.setattr(supervision, "NO_STATUS_S", 2.0)
     flight = stage.fly(relay="idle")
     assert flight.exit_status == 3
-    assert "no word from /clock_node" in flight.reason
+    assert "no status from /clock_node" in flight.reason
 
 
 def test_processes_of_a_lost_run_are_told_soon_to_wait_for_nobody(stage, monkeypatch):

@@ -275,7 +275,7 @@ def test_a_flight_goes_on_without_a_killed_vehicle(start, layout):
     metrics = json.loads((run.folder / "metrics.json").read_text())
     assert status == (4 if metrics["collision"] else 0), errors  # the other may run into what drifts
     assert "auv_2 is lost" in errors
-    assert "lost on the way: auv_2" in output
+    assert "lost vehicles: auv_2" in output
     assert metrics["lost_vehicles"] == ["auv_2"]
     assert metrics["duration_s"] == pytest.approx(250.0)
 

@@ -102,7 +102,7 @@ def test_info_counts_and_names_the_endpoints(graph):
 
 @pytest.mark.parametrize(
     ("name", "said"),
-    [("/auv_1/acoustic/tx", f"did you mean {NAME}"), ("/zzz", "`./scripts/topic list` shows those")],
+    [("/auv_1/acoustic/tx", f"did you mean {NAME}"), ("/zzz", "`./scripts/topic list` shows all topics")],
 )
 def test_an_unknown_topic_gives_a_hint(graph, name, said):
     with process(TOPIC, "--wait", 1, "echo", name) as command:

@@ -1,1 +1,1 @@
-"""Commands and launcher: from a scenario to ROS 2 processes, and from a bag back to topics."""
+"""Commands and launcher: they fly scenarios as ROS 2 processes and publish bags again."""

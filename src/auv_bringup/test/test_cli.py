@@ -173,7 +173,7 @@ def test_nothing_is_overwritten_and_the_user_is_told(tmp_path, capsys):
         run(tmp_path, "--mode", "inprocess", "--duration", "1", "--no-figures")
     first, second = folders(tmp_path)
     assert second == f"{first}-2"
-    assert f"{first} exists and is left alone" in capsys.readouterr().out
+    assert f"{first} exists and is not changed" in capsys.readouterr().out
 
 
 def test_without_a_recording_there_are_metrics_all_the_same(tmp_path):

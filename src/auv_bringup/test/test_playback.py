@@ -14,4 +14,4 @@ def test_a_silence_that_no_run_has_is_left_out(capsys):
     assert pace.due_s(1_790_000_000_000_000_000) == pytest.approx(began_s + 0.2)
     pace.leave_out_gap(1_790_000_001_000_000_000)
     assert pace.due_s(1_790_000_001_000_000_000) == pytest.approx(began_s + 0.3)
-    assert capsys.readouterr().err.count("the bag has nothing for 1789999998.0 s") == 1
+    assert capsys.readouterr().err.count("the bag has no messages for 1789999998.0 s") == 1

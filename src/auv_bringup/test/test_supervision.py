@@ -502,6 +502,6 @@ def test_a_length_that_is_not_the_asked_one_is_no_good_flight(mode, flown_s, is_
     scenario = load_scenario("flock_acoustic", duration_s=30.0)
     flight = of_asked_length(Flight(0, "", (), flown_s, 1.0, 1.0), scenario, mode)
     assert flight.exit_status == (0 if is_good else 3)
-    assert ("not at the 30 s asked for" in flight.reason) != is_good
+    assert ("not at the requested 30 s" in flight.reason) != is_good
     lost = Flight(3, "auv_1 is lost", (), 2.0, 1.0, 1.0)
     assert of_asked_length(lost, scenario, mode) == lost

@@ -1,1 +1,1 @@
-"""Processes of nodes: which, how they are started, watched and ended."""
+"""Node processes: their layout, start, supervision and end."""

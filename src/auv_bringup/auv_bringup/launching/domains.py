@@ -1,11 +1,10 @@
 """
-ROS 2 domains: a run of its own domain, so that two runs on one machine do not hear each other.
+ROS 2 domains: each run has its own domain, so that two runs on one machine do not hear each other.
 
-A run uses $ROS_DOMAIN_ID (0 if unset), where the user's own tools look. When another run holds that domain,
-whichever user owns it, the next free one is taken. A domain is held by the name of a Unix socket in Linux's
-abstract namespace. Such a name is no file: nobody can put a link or a FIFO in its place, it is the same for
-all users of a network namespace, as UDP ports are, and the kernel drops it when its process ends, however it
-ends.
+A run uses $ROS_DOMAIN_ID (0 if unset), where the user's own tools look. If another run of any user holds
+that domain, the next free one is taken. The name of a Unix socket in Linux's abstract namespace locks a
+domain. Such a name is no file, so it cannot be replaced by a link or a FIFO. It is the same for all users of
+a network namespace, as UDP ports are, and the kernel always drops it when its process ends.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ _SAFE_WORDS = "a whole number from 0 to 101 or from 215 to 232"
 
 
 class DomainError(ValueError):
-    """No domain can be used as asked; the message is one line for the user."""
+    """Raised if no domain can be used; the message is one line for the user."""
 
 
 @dataclass
@@ -32,7 +31,7 @@ class DomainClaim:
     """
     A domain held by this process until `release`, or until the process ends.
 
-    `domain_id` is the domain held, `asked_id` the one that was asked for.
+    `domain_id` is the held domain, `asked_id` the requested one.
     """
 
     domain_id: int
@@ -41,11 +40,11 @@ class DomainClaim:
 
     @property
     def is_moved(self) -> bool:
-        """Whether the domain asked for was taken by another run."""
+        """Whether another run holds the requested domain."""
         return self.domain_id != self.asked_id
 
     def release(self) -> None:
-        """Give the domain back; a second call does nothing."""
+        """Release the domain; a second call has no effect."""
         if self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1
@@ -68,12 +67,12 @@ def claim_domain(environ: Mapping[str, str], name: str = _NAME) -> DomainClaim:
     environ : mapping
         Environment variables.
     name : str
-        What the names of all domains begin with.
+        Prefix of the names of all domains.
 
     Raises
     ------
     DomainError
-        When the variable holds no domain, or no domain is free.
+        If the variable has no valid domain, or no domain is free.
 
     """
     asked_id = asked_domain(environ)
@@ -92,7 +91,7 @@ def try_to_hold(domain_id: int, name: str = _NAME) -> int | None:
     Raises
     ------
     DomainError
-        When the machine has no such sockets.
+        If the machine has no such sockets.
 
     """
     held = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
@@ -107,7 +106,7 @@ def try_to_hold(domain_id: int, name: str = _NAME) -> int | None:
 
 
 def asked_domain(environ: Mapping[str, str]) -> int:
-    """Return the domain that $ROS_DOMAIN_ID asks for; 0 when it is unset or empty."""
+    """Return the domain in $ROS_DOMAIN_ID; 0 if it is unset or empty."""
     text = environ.get("ROS_DOMAIN_ID", "").strip() or "0"
     if not (text.isascii() and text.isdecimal()) or int(text) not in SAFE_DOMAIN_IDS:
         raise DomainError(f"ROS_DOMAIN_ID: {text!r} is not allowed; allowed: {_SAFE_WORDS}")

@@ -1,4 +1,4 @@
-"""What the launcher knows of a flight from its clock."""
+"""The state of a flight according to its clock."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from auv_ros.run_config import LOCKSTEP_EPOCH_S
 from auv_ros.run_identity import UNKNOWN_EPOCH_S, RunPoint
 
 LOST_STATUS = 3
-"""Exit status of a flight, or of the process of its clock, that a loss has ended."""
+"""Exit status of a flight, or of its clock's process, after a loss."""
 
 
 @dataclass(frozen=True)
 class Status:
-    """What the clock says about the run: the fields of auv_msgs/FlockStatus."""
+    """The clock's status of the run: the fields of auv_msgs/FlockStatus."""
 
     state: str
     time_s: float = 0.0
@@ -27,12 +27,12 @@ class Status:
 
     @property
     def point(self) -> RunPoint:
-        """Which run it tells of, and where that is."""
+        """The run of this status, and its scenario time."""
         return RunPoint(self.state, self.time_s, self.duration_s, self.epoch_s)
 
 
 def start_of_run(processes: Sequence[ProcessSpec]) -> RunPoint:
-    """Return what is known of a run before its clock speaks: its length, in lock-step its epoch."""
+    """Return the known state of a run before the first status: its length, and in lock-step its epoch."""
     (relay,) = (node for process in processes for node in process.nodes if node.role == "relay")
     duration_s = relay.params["duration_ticks"] * relay.params["period_s"]
     epoch_s = LOCKSTEP_EPOCH_S if relay.params["mode"] == "lockstep" else UNKNOWN_EPOCH_S

@@ -1,14 +1,14 @@
 """
-Flying a scenario as ROS 2 nodes: start them, watch them, end them.
+Fly a scenario as ROS 2 nodes: start, watch and end them.
 
-Which nodes share a process is the layout's word. The launcher starts all processes at once, listens to
-``/flock/status`` through a small process, asks the `Supervisor` what to make of what it sees, and ends
-the processes in order: vehicles, agents and relay first, which hand over their last messages, then the
-recorder, which writes what it has received and closes the bag. No wait in here is without an end.
+The layout groups nodes into processes. The launcher starts all processes at once, listens to
+``/flock/status`` through a small process, and lets the `Supervisor` judge the flight. It ends the processes
+step by step: first vehicles, agents and relay, which deliver their last messages, then the recorder, which
+writes all received messages and closes the bag. Every wait has a limit.
 
-The processes are forked from this one after it has imported what they need, once for all of them, and before
-it has threads: that is most of their start-up and half of their memory. Where this process
-has threads, which a fork would lose, they are started anew from their command lines.
+The processes are forked from this one after it has imported their modules, once for all of them, and before
+it has threads. This saves most of their start-up time and half of their memory. If this process has threads,
+which a fork would lose, they are started from their command lines instead.
 """
 
 from __future__ import annotations
@@ -54,10 +54,10 @@ INTERRUPTED_STATUS = 130
 RECORDER_GRACE_S = 30.0
 """The recorder drains for at most 20 s before it closes the bag."""
 LOST_HAND_OVER_S = 1.5
-"""So long the processes of a lost run wait for acknowledgements: those of a dead one never come."""
+"""Time for which processes of a lost run wait for acknowledgements: those of a dead process never come."""
 _STOPPED_LOOK_S = 0.5
 _MOST_AWAKE_S = 0.5
-"""Longer pauses mean that the launcher itself was suspended; the nodes are not to blame for them."""
+"""Longer pauses mean that the launcher itself was suspended; they do not count against the nodes."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,8 @@ class Flight:
     How a flight ended.
 
     `exit_status` is 0, 3 (vehicle or node lost, flight stopped) or 130 (interrupted); `reason` says why it
-    was stopped; `real_time_factor` counts the flight only and is NaN when it was too short to tell;
-    `strangers` says who else published on topics of the run, a line each.
+    was stopped. `real_time_factor` is that of the flight without its start, NaN if it was too short.
+    `strangers` lists foreign publishers on topics of the run, one line each.
     """
 
     exit_status: int
@@ -81,10 +81,10 @@ class Flight:
 
 def compile_for_nodes(scenario: Scenario, tell: Callable[[str], None]) -> None:
     """
-    Compile what the nodes call, where they will be forks of this process.
+    Compile the functions of the nodes, if these will be forks of this process.
 
-    It can take a minute, and is not part of `fly` so that Ctrl-C ends it at once; `tell` gets a line for the
-    user then.
+    This can take a minute; `tell` then gets a line for the user. It is not part of `fly`, so that Ctrl-C
+    ends it at once.
     """
     if threads_allow_fork():
         compile_ahead(scenario, tell)
@@ -112,7 +112,7 @@ def fly(
     mode : str
         'lockstep' or 'realtime'.
     layout : str
-        Which nodes share a process, one of `layout.LAYOUTS`.
+        Grouping of nodes into processes, one of `layout.LAYOUTS`.
     results_dir : Path
         The run's folder, which gets `bag/` and `logs/`.
     with_bag : bool
@@ -120,9 +120,9 @@ def fly(
     domain_id, discovery
         ROS domain held for this run, and 'localhost' or 'subnet'.
     interrupts : Interrupts
-        Entered; its count asks for the end.
+        An entered context; its count requests the end.
     progress : Progress
-        Where to show how far it is, and messages.
+        Shows progress and messages.
 
     """
     bag_dir = results_dir / BAG if with_bag else None
@@ -130,7 +130,7 @@ def fly(
     environ = node_environment(os.environ, domain_id=domain_id, discovery=discovery)
     if mode == "lockstep":
         schedule_as_batch()
-    clear_shared_memory()  # of runs that were killed
+    clear_shared_memory()  # left by killed runs
     try:
         flight = fly_nodes(
             process_specs(nodes, layout),
@@ -146,19 +146,21 @@ def fly(
 
 
 def of_asked_length(flight: Flight, scenario: Scenario, mode: str) -> Flight:
-    """Return a flight that is good only if it is as long as asked; in real time ticks may be left out."""
+    """
+    Return the flight, marked as failed if it is shorter than requested; in real time ticks may be missing.
+    """
     more_s = 0.5 * scenario.period_s if mode == "lockstep" else scenario.answer_timeout_s
     over_s = flight.simulated_s - scenario.duration_s
     if flight.exit_status or -0.5 * scenario.period_s <= over_s <= more_s:
         return flight
-    reason = f"the flight ended at {flight.simulated_s:.1f} s, not at the {scenario.duration_s:g} s asked for"
+    reason = f"the flight ended at {flight.simulated_s:.1f} s, not at the requested {scenario.duration_s:g} s"
     return replace(flight, exit_status=LOST_STATUS, reason=reason)
 
 
 def start_process(
     children: ChildProcesses, process: ProcessSpec, parts: Sequence[Part], log: Path, environ: dict[str, str]
 ) -> None:
-    """Start a process of nodes, by a fork where that can be."""
+    """Start a node process, by a fork if possible."""
     if threads_allow_fork():
         children.fork(process.name, partial(_run_nodes, process.name, parts, environ), log=log)
     else:
@@ -177,7 +179,7 @@ def fly_nodes(
         [ChildProcesses, ProcessSpec, Sequence[Part], Path, dict[str, str]], None
     ] = start_process,
 ) -> Flight:
-    """Start processes of nodes, watch them until the flight is over, end them; `start` starts one."""
+    """Start node processes, watch them until the flight is over, end them; `start` starts one."""
     params_dir = logs_dir / "params"
     params_dir.mkdir(parents=True, exist_ok=True)
     start_s = time.monotonic()
@@ -200,7 +202,7 @@ def fly_nodes(
 
 
 def _launched(process: ProcessSpec) -> ProcessSpec:
-    """Let the relay wait for the launcher's ear: a short flight would be over before it is there."""
+    """Let the relay wait for the launcher's listener: a short flight could be over before it has started."""
     nodes = [
         replace(node, params={**node.params, "launched": True}) if node.role == "relay" else node
         for node in process.nodes
@@ -209,7 +211,7 @@ def _launched(process: ProcessSpec) -> ProcessSpec:
 
 
 def _import_nodes(processes: Sequence[ProcessSpec]) -> None:
-    """Import once what the processes to be forked need; their memory is then shared, too."""
+    """Import the modules of the forked processes once; this also shares their memory."""
     for module in sorted({node.module for process in processes for node in process.nodes}):
         import_module(module)
     for module in (CONTAINER_MODULE, EAR_MODULE):
@@ -219,10 +221,10 @@ def _import_nodes(processes: Sequence[ProcessSpec]) -> None:
 
 
 def _run_nodes(name: str, parts: Sequence[Part], environ: dict[str, str]) -> int:
-    """Be a process of nodes."""
+    """Run as a node process."""
     from auv_bringup.nodes.node_container import run
 
-    setproctitle(" ".join(command_line(parts)))  # finds its place by the environment: before that changes
+    setproctitle(" ".join(command_line(parts)))  # needs the original environment
     setthreadtitle(log_name(name))
     adopt(environ)
     return run(parts)
@@ -236,7 +238,7 @@ def _watch(
     progress: Progress,
     start_s: float,
 ) -> float:
-    """Watch until the flight is over or interrupted; return how long the start took (s, NaN: no start)."""
+    """Watch until the flight is over or interrupted; return the duration of the start (s; NaN: no start)."""
     start_up_s = math.nan
     last_s = looked_s = time.monotonic()
     wall = WallWatch(time.monotonic, time.time)

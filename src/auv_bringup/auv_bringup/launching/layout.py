@@ -1,5 +1,5 @@
 """
-Layouts: which nodes share a process. The nodes, their topics and their numbers are the same in all of them.
+Layouts: the grouping of nodes into processes. Nodes, topics and numbers are the same in all of them.
 
 * `node`: every node in a process of its own (the relay's holds the clock too).
 * `vehicle`: vehicle and agent of one AUV in one process.
@@ -20,9 +20,12 @@ if TYPE_CHECKING:
 LAYOUTS = ("node", "vehicle", "single")
 DEFAULT_LAYOUT = "node"
 MOST_PROCESSES = 32
-"""With ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST, Fast DDS asks the ports of so many participants, not more."""
+"""Number of participants whose ports Fast DDS queries with ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST."""
 MOST_IN_ONE_PROCESS = 128
-"""The middleware's work for nodes of one process grows with the square of their number: 254 take minutes."""
+"""
+The middleware's work for nodes of one process grows with the square of their number: 254 vehicles take
+minutes.
+"""
 CONTAINER = "/node_container"
 """Name of the process that holds all nodes."""
 
@@ -32,16 +35,16 @@ _PATIENCE_PER_PAIR_S = 0.002
 
 def patience_s(vehicles: int) -> float:
     """
-    Return what the longest waits for an answer of nodes grow by with the fleet (s, wall).
+    Return how much the longest waits for an answer grow with the fleet (s, wall).
 
-    Vehicles that all hear each other do work in proportion to their pairs in every tick, and in one process
-    nobody answers before all have done theirs. The figure is some forty times what a quiet machine takes.
+    If all vehicles hear each other, the work per tick grows with the number of pairs, and in one process no
+    node answers before all are done. The value is about forty times the time on a quiet machine.
     """
     return _PATIENCE_PER_PAIR_S * vehicles * vehicles
 
 
 def start_patience_s(vehicles: int) -> float:
-    """Return the same for their start and their end, which are the middleware's work (s, wall)."""
+    """Return the same for start and end of the nodes, which are work of the middleware (s, wall)."""
     return 5.0 * patience_s(vehicles)
 
 
@@ -50,8 +53,8 @@ class ProcessSpec:
     """
     One process to start, with its nodes.
 
-    `role` is that of its first node: relay, vehicle, agent or recorder. `vehicle_id` is empty where it has
-    the nodes of no single vehicle.
+    `role` is that of its first node: relay, vehicle, agent or recorder. `vehicle_id` is empty unless all of
+    its nodes belong to one vehicle.
     """
 
     name: str
@@ -61,7 +64,7 @@ class ProcessSpec:
 
     @property
     def records(self) -> bool:
-        """Whether it holds a recorder, which must be left the time to close its bag."""
+        """Whether it has a recorder, which needs time to close its bag."""
         return any(node.role == "recorder" for node in self.nodes)
 
 
@@ -92,7 +95,7 @@ def check_layout(
     Raises
     ------
     ConfigError
-        For a layout that the run, or that many vehicles with this discovery, cannot have.
+        If the layout is not possible for the run, or for this number of vehicles with this discovery.
 
     """
     if mode == "inprocess":
@@ -132,6 +135,6 @@ def _no_layout(layout: str | None) -> str:
 
 
 def _processes(layout: str, vehicles: int) -> int:
-    """Return how many processes of a run take part in discovery: its own and the launcher."""
+    """Return how many processes of a run take part in discovery, including the launcher's."""
     others = 3  # relay with clock, recorder, launcher
     return {"node": 2 * vehicles + others, "vehicle": vehicles + others}.get(layout, 2)

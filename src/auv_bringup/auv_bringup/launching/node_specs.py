@@ -1,4 +1,4 @@
-"""From a scenario to the nodes of its run: modules, names and parameters."""
+"""The nodes of a scenario's run: modules, names and parameters."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def node_specs(scenario: Scenario, *, mode: str, bag_dir: Path | None) -> list[N
     mode : str
         ``lockstep`` or ``realtime``.
     bag_dir : Path, optional
-        Where the recorder writes; without it there is no recorder.
+        Folder of the bag; without it there is no recorder.
 
     """
     run = {"mode": mode, "recorded": bag_dir is not None}
@@ -117,7 +117,7 @@ def _recorder_spec(scenario: Scenario, mode: str, bag_dir: Path) -> NodeSpec:
 
 def _plain(config: object) -> dict[str, Any]:
     """
-    Return a configuration as nested ROS parameters: nothing empty, since an empty list has no type in ROS.
+    Return a configuration as nested ROS parameters without empty lists, which have no type in ROS.
     """
     plain: dict[str, Any] = _without_empty(dump(config))
     return plain

@@ -1,8 +1,8 @@
 """
-How a process of nodes is started: its command line, its parameters files, its environment.
+The start of a node process: command line, parameters files, environment.
 
-The launcher and the launch file both use this, so that a node gets the same from either. No ROS is imported
-here.
+The launcher and the launch file both use this, so that a node gets the same settings from either. This
+module does not import ROS.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from auv_bringup.launching.layout import ProcessSpec
     from auv_bringup.launching.node_specs import NodeSpec
 
-# One vehicle's matrices are small: threads of the linear algebra would only fight over the cores.
+# One vehicle's matrices are small: threads of the linear algebra would only compete for the cores.
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 CONTAINER_MODULE = "auv_bringup.nodes.node_container"
 PROFILES, LOCAL_PROFILES = "fastdds.xml", "fastdds_localhost.xml"
@@ -38,7 +38,7 @@ class Part:
 
 
 def parts_of(process: ProcessSpec, params_dir: Path) -> list[Part]:
-    """Write the parameters of the nodes of a process; return what its container is told."""
+    """Write the parameters of the nodes of a process; return the arguments of its container."""
     return [
         Part(node.module, node.namespace, str(write_params_file(node, params_dir))) for node in process.nodes
     ]
@@ -50,7 +50,7 @@ def container_arguments(parts: Sequence[Part]) -> list[str]:
 
 
 def command_line(parts: Sequence[Part]) -> list[str]:
-    """Return the command that starts a process with the Python that runs this."""
+    """Return the command that starts a process with the current Python."""
     return [sys.executable, "-P", "-m", CONTAINER_MODULE, *container_arguments(parts)]
 
 
@@ -60,7 +60,7 @@ def log_name(name: str) -> str:
 
 
 def adopt(environ: Mapping[str, str], own: MutableMapping[str, str] = os.environ) -> None:
-    """Give this process another environment; DDS reads it when the first participant is made."""
+    """Replace the environment of this process; DDS reads it when the first participant is made."""
     for name in set(own) - set(environ):
         del own[name]
     own.update(environ)
@@ -68,10 +68,10 @@ def adopt(environ: Mapping[str, str], own: MutableMapping[str, str] = os.environ
 
 def write_params_file(spec: NodeSpec, folder: Path) -> Path:
     """Write the parameters of a node as ROS 2 reads them, and return the file."""
-    # The relay's process holds two nodes, relay and clock: what it is given is for both.
+    # The relay's process has two nodes, relay and clock: its parameters are for both.
     key = "/**" if spec.role == "relay" else spec.name
     path = folder / f"{log_name(spec.name)}.yaml"
-    # JSON is YAML with every word in quotes: without them ROS reads a vehicle called `y` as true.
+    # JSON is YAML with all texts in quotes: without them ROS reads a vehicle called `y` as true.
     write_text(path, json.dumps({key: {"ros__parameters": spec.params}}, indent=2) + "\n")
     return path
 
@@ -87,12 +87,12 @@ def node_environment(environ: Mapping[str, str], *, domain_id: int, discovery: s
     domain_id : int
         ROS domain.
     discovery : str
-        'localhost' keeps ROS traffic on this machine, whatever the user's environment says but for a
-        profiles file of Fast DDS: that is the user's word on transports too; 'subnet' lets it out.
+        'localhost' keeps ROS traffic on this machine. It overrides the user's environment, except for a
+        profiles file of Fast DDS, which also sets the transports. 'subnet' allows traffic on the network.
 
     """
     result = dict(environ)
-    result.pop("ROS_LOCALHOST_ONLY", None)  # the old word for it; it would override the new one
+    result.pop("ROS_LOCALHOST_ONLY", None)  # the old variable; it would override the new one
     if discovery == "localhost":
         result.pop("ROS_STATIC_PEERS", None)
         result.pop("ROS_DISCOVERY_SERVER", None)
@@ -108,26 +108,26 @@ def node_environment(environ: Mapping[str, str], *, domain_id: int, discovery: s
         is_closed = discovery == "localhost" and "fastrtps" in environ.get("RMW_IMPLEMENTATION", "fastrtps")
         profiles = LOCAL_PROFILES if is_closed else PROFILES
         result["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(config_file(profiles))
-        if is_closed:  # the file says it all, and closes what LOCALHOST leaves open
+        if is_closed:  # the file sets everything, and closes what LOCALHOST leaves open
             result["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SYSTEM_DEFAULT"
     return result
 
 
 def own_profiles(environ: Mapping[str, str]) -> str | None:
-    """Return the profiles file of Fast DDS that the user has set, None without one."""
+    """Return the user's profiles file of Fast DDS, None without one."""
     ours = {str(config_file(name)) for name in (PROFILES, LOCAL_PROFILES)}
     names = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
     return next((environ[name] for name in names if name in environ and environ[name] not in ours), None)
 
 
 def reach_notes(environ: Mapping[str, str], discovery: str) -> list[str]:
-    """Return what the user should know about who can reach a run, a line each."""
+    """Return notes for the user on which machines can reach a run, one line each."""
     if discovery == "subnet":
         return ["discovery subnet: every machine on this network sees the run and can send it ROS messages"]
     profiles = own_profiles(environ)
     if profiles is None:
         return []
-    return [f"note: Fast DDS follows {profiles}: whether traffic stays on this machine is its word"]
+    return [f"note: Fast DDS uses {profiles}; this file decides whether traffic stays on this machine"]
 
 
 def export_line(domain_id: int, discovery: str) -> str:

@@ -1,7 +1,7 @@
 """
-What is to be run: a scenario and how to fly it, validated before anything is started or written.
+The plan of a run: a scenario and how to fly it, validated before anything is started or written.
 
-The run command and the launch file both begin here.
+The run command and the launch file both start with it.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ class Plan:
     """
     A validated run.
 
-    `layout` says which nodes share a process; it is no part of the scenario, since no number depends on it.
-    `overrides` and `duration_s` are what the user asked for on top of the scenario's file; `is_switched`
-    tells that a continuous scenario is flown sampled, since nodes can only sample.
+    `layout` groups nodes into processes; it is not part of the scenario, since no number depends on it.
+    `overrides` and `duration_s` are the user's changes to the scenario's file; `is_switched` tells that a
+    continuous scenario is flown sampled, since nodes can only sample.
     """
 
     scenario: Scenario
@@ -66,13 +66,13 @@ def make_plan(
     Parameters
     ----------
     name_or_path : str
-        Scenario, as `load_scenario` takes it.
+        Scenario, as for `load_scenario`.
     mode : str, optional
         One of `MODES`; by default lockstep, and inprocess for a continuous scenario.
     layout : str, optional
         One of `layout.LAYOUTS`, for a mode with nodes.
     seed, overrides, duration_s
-        As `load_scenario` takes them.
+        As for `load_scenario`.
     discovery : str
         'localhost' or 'subnet'; on one machine few processes find each other.
 
@@ -82,7 +82,7 @@ def make_plan(
         With one line for the user.
 
     """
-    from auv_experiment.run_memory import check_memory  # late: they bring everything that flies
+    from auv_experiment.run_memory import check_memory  # late: this imports all code for flights
     from auv_experiment.scenario.loading import load_scenario
 
     if duration_s is not None and not math.isfinite(duration_s):
@@ -111,9 +111,9 @@ def start_results(plan: Plan, parent: Path) -> Path:
     Raises
     ------
     ResultsError
-        When the folder cannot be made.
+        If the folder cannot be made.
     WriteError
-        When the files in it cannot be written, as on a full disk; the folder is removed again.
+        If the files in it cannot be written, as on a full disk; the folder is removed again.
 
     """
     from auv_experiment.scenario.loading import scenario_to_yaml
@@ -130,6 +130,6 @@ def start_results(plan: Plan, parent: Path) -> Path:
         write_text(folder / results.SCENARIO_FILE, text)
         results.write_beginning(folder, record, has_ending=plan.mode in ROS_MODES)
     except OSError:
-        shutil.rmtree(folder, ignore_errors=True)  # nothing of a run that did not start
+        shutil.rmtree(folder, ignore_errors=True)  # leave nothing of a run that did not start
         raise
     return folder

@@ -1,4 +1,4 @@
-"""What the user's environment asks of ROS 2 and cannot be had here: said before anything is started."""
+"""Checks of the user's ROS 2 environment, before anything is started."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from pathlib import Path
 from auv_core.params import ConfigError, shown
 
 _NO_MIDDLEWARE = "rmw_implementation"
-"""The package that loads a middleware is listed among them."""
+"""The package that loads a middleware is in the same list."""
 
 
 def check_ros_environment(environ: Mapping[str, str]) -> None:
     """
-    Raise ConfigError, one line, for a variable of ROS 2 with which no node of this machine can start.
+    Raise ConfigError, one line, for a variable of ROS 2 with which no node can start on this machine.
 
-    Looks into the ament index, so ROS 2 must be there.
+    It reads the ament index, so ROS 2 must be installed.
     """
     from ament_index_python import get_resources
 
@@ -36,12 +36,14 @@ def check_ros_environment(environ: Mapping[str, str]) -> None:
     for name, folder in (("ROS_LOG_DIR", ""), ("ROS_HOME", "log")):
         if environ.get(name) and not _can_be_written(Path(environ[name]).expanduser() / folder):
             raise ConfigError(
-                f"{name}: {shown(environ[name])} cannot be written; allowed: a folder that can, or nothing"
+                f"{name}: {shown(environ[name])} cannot be written; allowed: a writable folder, or unset"
             )
 
 
 def log_folder(environ: Mapping[str, str]) -> dict[str, str]:
-    """Return the variable that sends the logs of ROS 2 to a temporary folder; {} where they have a place."""
+    """
+    Return the variable that sends the logs of ROS 2 to a temporary folder; {} if their folder is writable.
+    """
     if environ.get("ROS_LOG_DIR") or environ.get("ROS_HOME"):
         return {}
     home = environ.get("HOME", "")
@@ -59,7 +61,7 @@ def private_folder() -> Path:
         if stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077:
             return folder
     except OSError:
-        pass  # another user's, or no folder
+        pass  # it belongs to another user, or is no folder
     return Path(tempfile.mkdtemp(prefix="shoal-"))
 
 

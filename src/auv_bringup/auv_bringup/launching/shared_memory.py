@@ -1,12 +1,12 @@
 """
-What killed processes leave of Fast DDS in shared memory, and how it goes.
+Removal of shared memory of Fast DDS that killed processes have left.
 
-Fast DDS keeps files in /dev/shm: of each participant a segment ``fastrtps_<hex>``, of each port that somebody
-listens at ``fastrtps_port<N>`` and a semaphore. Whoever owns a segment or listens at a port holds a lock
-(flock) on a file beside it, ``..._el`` or ``..._sl``, and the kernel drops that lock when the process ends,
-however it ends. So a lock that can be had is one whose owner is dead; `fastdds shm clean` goes by the same
-rule. A port without a lock file is one that somebody has opened to send to; it is dead if no other process
-than this one has it in its memory (Fast DDS keeps such ports mapped after the last participant is gone).
+Fast DDS keeps files in /dev/shm: a segment ``fastrtps_<hex>`` for each participant, and ``fastrtps_port<N>``
+and a semaphore for each port with a listener. The owner of a segment or the listener at a port holds a lock
+(flock) on a file beside it, ``..._el`` or ``..._sl``, and the kernel always drops that lock when the process
+ends. So if the lock is free, the owner is dead; `fastdds shm clean` uses the same rule. A port without a lock
+file was opened for sending; it is dead if no process other than this one has mapped it (Fast DDS keeps such
+ports mapped after the last participant has ended).
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from collections.abc import Iterable
 from contextlib import ExitStack, suppress
 from pathlib import Path
 
-SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Linux keeps it
+SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - the folder of Linux
 _FILE = re.compile(r"(?:sem\.)?(?P<owner>fast(?:rtps|dds)_(?:port)?[0-9a-f]+)(?:_(?P<kind>el|sl|mutex))?")
 _MAPPED = re.compile(r"^\S+ \S+ \S+ ([0-9a-f]+):([0-9a-f]+) (\d+) .*fast(?:rtps|dds)_", re.MULTILINE)
 _OPENING_S = 0.1
-"""Longest time (s) until a process that has made a port has it in its memory."""
+"""Longest time (s) until a process that has made a port has mapped it."""
 
 
 def clear_shared_memory(folder: Path = SHARED_MEMORY) -> int:
     """
-    Remove what dead processes of this user have left; return how many files that were.
+    Remove files that dead processes of this user have left; return their number.
 
-    What belongs to a living process, or to another user, stays.
+    Files of a running process, or of another user, stay.
     """
     files: dict[str, dict[str, Path]] = defaultdict(dict)
     for path in _own_files(folder):
@@ -50,7 +50,7 @@ def clear_shared_memory(folder: Path = SHARED_MEMORY) -> int:
 
 
 def _own_files(folder: Path) -> list[Path]:
-    """Return this user's files; [] where there is no such folder."""
+    """Return this user's files; [] if there is no such folder."""
     try:
         with os.scandir(folder) as entries:
             return [
@@ -64,7 +64,7 @@ def _own_files(folder: Path) -> list[Path]:
 
 
 def _remove_if_unlocked(parts: dict[str, Path]) -> int:
-    """Remove the files of an owner if all its locks can be had, the locks themselves last."""
+    """Remove the files of an owner if all its locks are free, the lock files last."""
     locks = [parts[kind] for kind in ("el", "sl") if kind in parts]
     with ExitStack() as stack:
         for path in locks:
@@ -74,7 +74,9 @@ def _remove_if_unlocked(parts: dict[str, Path]) -> int:
 
 
 def _lock(path: Path, stack: ExitStack) -> bool:
-    """Hold a lock until the stack ends; return False if somebody else holds it, or the file is another."""
+    """
+    Hold a lock until the stack ends; return False if another process holds it, or the file was replaced.
+    """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
         stack.callback(os.close, descriptor)
@@ -94,7 +96,7 @@ def _remove(paths: Iterable[Path]) -> int:
 
 
 def _identity(path: Path) -> tuple[int, int] | None:
-    """Return device and inode of a file, None if it is gone."""
+    """Return device and inode of a file, None if it does not exist."""
     try:
         found = path.stat()
     except OSError:
@@ -103,7 +105,7 @@ def _identity(path: Path) -> tuple[int, int] | None:
 
 
 def _mapped_files() -> frozenset[tuple[int, int]]:
-    """Return device and inode of the files that another process has in its memory."""
+    """Return device and inode of the files that another process has mapped."""
     found: set[tuple[int, int]] = set()
     for maps in Path("/proc").glob("[0-9]*/maps"):
         with suppress(OSError):

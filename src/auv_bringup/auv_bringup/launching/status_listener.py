@@ -1,9 +1,9 @@
 """
-How the launcher hears a run: through a process of its own, the ear.
+The launcher's view of a run: a separate process, the ear, listens for it.
 
-A call of the middleware can last forever: after a step of the system clock, or where it shares memory with a
-process that was killed. The launcher calls none of it. An ear that is held says nothing, and is killed at the
-end.
+A call of the middleware can block forever: after a step of the system clock, or if it shares memory with a
+killed process. So the launcher makes no such call. An ear that is blocked reports nothing, and is killed at
+the end.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ from auv_core.machine.processes import ChildProcesses
 from auv_ros.run_config import LAUNCHER_NODE
 
 CLOCK_NODE = "/clock_node"
-"""It lives in the process of the relay."""
+"""It runs in the process of the relay."""
 EAR = ProcessSpec(LAUNCHER_NODE, (), "launcher", "")
 EAR_MODULE = "auv_bringup.nodes.launcher_ear"
 LOOK = "look"
-"""Asks the ear for strangers; it answers with the next `News` that is an answer."""
+"""Asks the ear for foreign publishers; it answers with the next `News` that is an answer."""
 _WAKE_S = 0.1
 _ANSWER_S = 1.0
 _LEAVE_S = 1.0
 
 
 class Opening(NamedTuple):
-    """The first word to the ear: the environment of the nodes, and whose the topics of the run are."""
+    """The first message to the ear: the environment of the nodes, and the nodes of the run."""
 
     environ: dict[str, str]
     own_nodes: frozenset[str]
@@ -46,7 +46,7 @@ class Opening(NamedTuple):
 
 
 class News(NamedTuple):
-    """What the ear has heard since its last word; of writers that were refused, all so far."""
+    """What the ear has received since its last message; refused writers are counted from the start."""
 
     statuses: tuple[Status, ...] = ()
     strangers: tuple[str, ...] = ()
@@ -56,7 +56,7 @@ class News(NamedTuple):
 
 class StatusListener:
     """
-    Starts the ear and takes its news; on leaving, ends it.
+    Starts the ear and takes its news; ends it on exit.
 
     Parameters
     ----------
@@ -65,16 +65,16 @@ class StatusListener:
     environ : dict
         Environment of the nodes.
     processes : sequence of ProcessSpec
-        Those of the run.
+        Processes of the run.
     log : Path
         Log of the ear.
 
     Attributes
     ----------
     strangers : list of str
-        Who else published on topics of the run so far, a line each.
+        Foreign publishers on topics of the run so far, one line each.
     refused_writers : tuple of str
-        How many writers were refused, also unnamed ones, a line for each topic that is heard here.
+        Number of refused writers, including unnamed ones, one line for each subscribed topic.
 
     """
 
@@ -114,7 +114,7 @@ class StatusListener:
         return self
 
     def listen(self) -> list[Status]:
-        """Wait for a status, at most `_WAKE_S`; return those that came, oldest first."""
+        """Wait for a status, at most `_WAKE_S`; return the received ones, oldest first."""
         if self._is_gone:
             time.sleep(_WAKE_S)
         else:
@@ -124,9 +124,9 @@ class StatusListener:
 
     def new_strangers(self, *, at_once: bool = False) -> list[str]:
         """
-        Return a line for each new publisher on topics of the run that is not of the run.
+        Return a line for each new foreign publisher on topics of the run.
 
-        The graph is asked once a second, or `at_once`.
+        The graph is queried once a second, or `at_once`.
         """
         if at_once:
             self._look()
@@ -153,7 +153,7 @@ class StatusListener:
             self._is_gone = True
 
     def _take(self, patience_s: float) -> bool:
-        """Take the news that come within a time (s), and what is there then; return whether one answers."""
+        """Take the news that come within a time (s); return whether one of them is an answer."""
         has_answer = False
         try:
             while self._line.poll(patience_s):
@@ -169,7 +169,7 @@ class StatusListener:
 
 
 def _be_the_ear(near_end: Connection, line: Connection) -> int:
-    """Be the ear, as a fork of the launcher."""
+    """Run as the ear, as a fork of the launcher."""
     near_end.close()
     setproctitle(f"{sys.executable} -P -m {EAR_MODULE} {line.fileno()}")
     return int(import_module(EAR_MODULE).serve(line))

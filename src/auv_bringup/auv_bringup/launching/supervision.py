@@ -1,8 +1,8 @@
 """
-Judging a flight while it lasts: who was lost, whether to go on, when it is over.
+Supervision of a flight: which vehicles are lost, whether to continue, when it is over.
 
-Fed with what the launcher sees (processes that ended, status messages of the clock, time that passed), it
-decides and keeps what to tell the user. It starts nothing, ends nothing and knows no ROS, so every case is
+Its inputs are the launcher's observations (ended processes, status messages of the clock, elapsed time). It
+decides, and keeps messages for the user. It starts and ends no process and does not use ROS, so every case is
 tested without a process.
 
 The rules: losing a vehicle (a process of its vehicle_node or agent_node) stops the flight or takes that
@@ -23,29 +23,29 @@ from auv_core.machine.child_end import Exit
 from auv_ros.run_identity import follows, is_of_run
 
 NO_STATUS_S = 60.0
-"""Longest wait for the first word of the clock."""
+"""Longest wait for the first status of the clock."""
 SILENCE_S = 4.0
 """The clock sends about five statuses a second; without one for this long it has stopped answering."""
 STALL_S = 4.5
-"""Longest stall to be waited out; the clock, which notices it, acts well before."""
+"""Longest stall that is tolerated; the clock notices it and acts much earlier."""
 RELAY_EXIT_GRACE_S = 1.0
-"""The last status of a relay that ended may arrive after its end was seen."""
+"""The last status of a relay may arrive after its end was noticed."""
 STOPPED_S = 2.0
-"""A process that a signal (SIGSTOP) has stopped for this long is lost, also while the flight starts."""
+"""A process that a signal (SIGSTOP) has stopped for this long is lost, even during the start."""
 SLOW_START_S = 15.0
 """After this time the user is told which nodes the start waits for."""
 
 CLAIM_S = 1.5
-"""So long the clock must stand by a loss, or by a stall that ends the flight, before either is believed."""
+"""Time for which the clock must repeat a loss, or a stall that ends the flight, before it counts."""
 LEAVE_S = 10.0
-"""The process of the clock hands over what it has said and leaves within this time after the run."""
+"""Within this time after the run the process of the clock delivers its messages and ends."""
 LEAVE_RECORDING_S = 30.0
 """The same for a process that has a bag to close, too."""
 
 
 class Supervisor:
     """
-    The judge of one flight.
+    Supervises one flight.
 
     Attributes
     ----------
@@ -130,9 +130,9 @@ class Supervisor:
         """
         Take a status of the clock, received at `wall_s` on any steady clock (s).
 
-        One of another run, or that goes back in time, is of another clock, and is not believed. An end is
-        believed once the process of the clock has left with it, a lost vehicle once the clock has said so for
-        `CLAIM_S`.
+        A status of another run, or one that goes back in time, comes from another clock and is ignored. An
+        end counts once the process of the clock has ended accordingly, a lost vehicle once the clock has
+        repeated it for `CLAIM_S`.
         """
         if not self._is_next(status):
             self._doubt(status)
@@ -153,14 +153,14 @@ class Supervisor:
         self._stall(status.waiting_for if status.state == "stalled" else (), status.time_s)
 
     def _is_next(self, status: Status) -> bool:
-        """Return whether the clock of this run can say so now."""
+        """Return whether the status is plausible for the clock of this run."""
         if status.state == "waiting":
             return self._run.state == "waiting" and status.duration_s == self._run.duration_s
         return follows(self._run, status.point)
 
     def _doubt(self, status: Status) -> None:
         if is_of_run(self._run, status.point):
-            self._silent_s = 0.0  # it may be the clock, and what is believed somebody else's word
+            self._silent_s = 0.0  # it may be the clock, and the known state a foreign one
         if not self._doubts:
             self._doubts = True
             self._messages.append(
@@ -170,13 +170,13 @@ class Supervisor:
             )
 
     def _contradict_end(self) -> None:
-        """Say once that an end was claimed after which the run goes on."""
+        """Report once that an end was claimed although the run goes on."""
         if self._ends.are_open:
             end = self._ends.contradict()
             self._disbelieve("end", f"{end.state} at {end.time_s:g} s, but the run's own process goes on")
 
     def _losses_in(self, status: Status) -> list[str]:
-        """Return the vehicles that a status gives up; a clock gives up none where a loss ends the flight."""
+        """Return the vehicles that a status gives up; a clock gives up none if a loss ends the flight."""
         return [name for name in status.lost_vehicles if self._goes_on and name in self._vehicle_ids]
 
     def _claim_losses(self, status: Status) -> None:
@@ -192,7 +192,7 @@ class Supervisor:
             self._messages.append(f"/flock/status says {words}: a foreign process publishes it; ignored")
 
     def _confirm_end(self, exit_: Exit) -> bool:
-        """Believe the end with which the process of the clock has left, if one was claimed."""
+        """Accept the claimed end that fits the end of the clock's process, if there is one."""
         end = self._ends.confirmed_by(exit_.returncode)
         if end is None:
             return False
@@ -230,9 +230,10 @@ class Supervisor:
 
     def processes_stopped(self, stopped: Mapping[str, str], awake_s: float) -> None:
         """
-        Take the processes that are stopped by a signal, or have started what is, for another `awake_s` (s).
+        Note the processes that are stopped by a signal, or have started a stopped one, for another `awake_s`
+        (s).
 
-        By their names `stopped` has what they have started and is stopped, '' for themselves.
+        `stopped` has, by name, the stopped process that they have started, '' for themselves.
         """
         before_s = self._stopped_for_s
         self._stopped_for_s = {name: before_s.get(name, 0.0) + awake_s for name in stopped}
@@ -246,7 +247,7 @@ class Supervisor:
                 self._lose(process, f"{who} is stopped by a signal")
 
     def time_passed(self, awake_s: float) -> None:
-        """Let `awake_s` of wall time pass in which a status could have been seen (s)."""
+        """Let `awake_s` of wall time pass in which a status could have been received (s)."""
         if self.is_over:
             return
         self._silent_s += awake_s
@@ -267,7 +268,7 @@ class Supervisor:
             limit_s = NO_STATUS_S + self._start_patience_s
             if self._silent_s > limit_s:
                 self._stop(
-                    f"no word from /clock_node within {limit_s:g} s: "
+                    f"no status from /clock_node within {limit_s:g} s: "
                     "the nodes do not find each other, or do not start "
                     "(their logs say more)"
                 )
@@ -322,7 +323,7 @@ class Supervisor:
 
 
 class _Stopwatch:
-    """Scenario time against wall time, from the last lap before progress to the last that brought some."""
+    """Scenario time against wall time, from the last lap before progress to the last lap with progress."""
 
     def __init__(self) -> None:
         self._first: tuple[float, float] | None = None
@@ -346,4 +347,4 @@ def _why_lost(vehicle_id: str, status: Status) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names) or "the connections of nodes that are all there"
+    return ", ".join(names) or "connections between nodes that have all started"

@@ -1,4 +1,4 @@
-"""What the recording of a flight that ended by itself says of it: the last word on its exit status."""
+"""The verdict on a completed flight from its recording: it decides the exit status."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
 LOST, COLLISION = 3, 4
-"""Exit statuses of a run, beside those of all commands."""
+"""Exit statuses of a run, in addition to those of all commands."""
 
 
 def verdict(metrics: Mapping[str, Any], scenario: Scenario, mode: str) -> tuple[int, str]:
     """
-    Return the exit status of a flight that came to its planned end, and why it is not 0, in one line.
+    Return the exit status of a flight that reached its planned end, and one line why it is not 0.
 
     Parameters
     ----------
     metrics : mapping
         Metrics of the recording, as computed or as read from metrics.json.
     scenario : Scenario
-        What was flown.
+        The scenario of the flight.
     mode : str
-        'lockstep', 'realtime' or 'inprocess'; in real time ticks may be left out at the end.
+        'lockstep', 'realtime' or 'inprocess'; in real time ticks may be missing at the end.
 
     """
     recorded_s = metrics.get("duration_s")

@@ -1,8 +1,8 @@
 """
-Process that hears a run for its launcher: ``python -m auv_bringup.nodes.launcher_ear FILE_DESCRIPTOR``.
+Process that listens to a run for its launcher: ``python -m auv_bringup.nodes.launcher_ear FILE_DESCRIPTOR``.
 
-Its node is hidden from `ros2 node list` by its name. It ends when the launcher closes the line; signals for
-an end are left to the launcher.
+Its node's name hides it from `ros2 node list`. It ends when the launcher closes the connection; it ignores
+signals that ask for an end.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ _LOOK_S = 1.0
 
 
 class LauncherEar:
-    """Hears /flock/status, and looks for strangers on topics of the run."""
+    """Receives /flock/status, and finds foreign publishers on topics of the run."""
 
     def __init__(self, opening: Opening) -> None:
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         self._node = rclpy.create_node(
             LAUNCHER_NODE.strip("/"), enable_rosout=False, start_parameter_services=False
         )
-        # The client library's own line about a stranger: `look` says it in plain words.
+        # The client library's own line about a foreign publisher: `look` reports it more clearly.
         self._node.get_logger().set_level(LoggingSeverity.ERROR)
         self._statuses: list[Status] = []
         self._hearing = Hearing(self._node)
@@ -55,13 +55,13 @@ class LauncherEar:
         self._waker = SteadyTimer(self._node, _WAKE_S, lambda: None)
 
     def listen(self) -> News:
-        """Wait for a status, at most `_WAKE_S`; return what is new."""
+        """Wait for a status, at most `_WAKE_S`; return the news."""
         self._executor.spin_once(timeout_sec=NEVER_S)
         is_time = time.monotonic() - self._looked_at_s > _LOOK_S
         return self.look() if is_time else self._news()
 
     def look(self, *, is_answer: bool = False) -> News:
-        """Look for strangers; return what is new."""
+        """Look for foreign publishers; return the news."""
         self._looked_at_s = time.monotonic()
         strangers = tuple(stranger.words for stranger in self._watch.look())
         return self._news()._replace(strangers=strangers, is_answer=is_answer)
@@ -93,7 +93,7 @@ class LauncherEar:
 
 
 def serve(line: Connection) -> int:
-    """Hear a run until the line ends; return the exit status."""
+    """Listen to a run until the connection ends; return the exit status."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     opening: Opening = line.recv()
     adopt(opening.environ)
@@ -113,7 +113,7 @@ def serve(line: Connection) -> int:
 
 
 def main() -> None:
-    """Hear a run for the launcher at the other end of the line."""
+    """Listen to a run for the launcher at the other end of the connection."""
     raise SystemExit(serve(Connection(int(sys.argv[1]))))
 
 

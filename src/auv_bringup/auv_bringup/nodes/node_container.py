@@ -1,5 +1,5 @@
 """
-Process of several nodes, as ROS 2's component container is one, but with all of them from the start.
+Process of several nodes, like ROS 2's component container, but with all nodes from the start.
 
     ros2 run auv_bringup node_container --node MODULE NAMESPACE PARAMS_FILE [--node ...]
 """
@@ -18,9 +18,9 @@ from auv_core.cli.one_line_parser import OneLineParser
 from auv_ros.lifecycle import main_loop
 
 _GLOBAL_ARGUMENTS = ("--ros-args", "--disable-external-lib-logs")
-"""The log of a process is what it prints; ROS keeps a second one elsewhere unless told not to."""
+"""The log of a process is its output; ROS keeps a second log elsewhere unless disabled."""
 MOST_WITH_SERVICES = 64
-"""A process of more nodes has no services for parameters and types: they are most of its start-up."""
+"""A process with more nodes has no services for parameters and types: they take most of the start-up time."""
 
 
 def run(parts: Sequence[Part]) -> int:
@@ -43,7 +43,7 @@ def _make(part: Part, *, with_services: bool) -> Sequence[Node]:
 
 
 def main() -> None:
-    """Run the nodes that the command line names."""
+    """Run the nodes in the command line."""
     parser = OneLineParser(prog="node_container", description=__doc__.splitlines()[1])
     parser.add_argument(
         "--node",
@@ -51,7 +51,7 @@ def main() -> None:
         nargs=3,
         required=True,
         metavar=("MODULE", "NAMESPACE", "PARAMS_FILE"),
-        help="a module with make_nodes, and what its nodes get; may be repeated",
+        help="a module with make_nodes, and namespace and parameters of its nodes; repeatable",
     )
     options = parser.parse_args(remove_ros_args(sys.argv)[1:])
     raise SystemExit(run([Part(*words) for words in options.node]))

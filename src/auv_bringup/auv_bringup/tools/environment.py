@@ -1,4 +1,4 @@
-"""The environment of a command that joins a run: its domain, its reach, its quick discovery."""
+"""The environment of a command that joins a run: domain, discovery range, quick discovery."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from auv_core.params import ConfigError
 
 
 def prepare_environment(discovery: str) -> None:
-    """Give this process the environment of the nodes of a run: its reach, its quick discovery.
+    """Give this process the environment of a run's nodes: discovery range and quick discovery.
 
-    To be called before ROS starts.
+    Call it before ROS starts.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def prepare_environment(discovery: str) -> None:
     Raises
     ------
     BagError
-        If $ROS_DOMAIN_ID holds no domain, or another variable asks for what is not there.
+        If $ROS_DOMAIN_ID has no valid domain, or another variable cannot be satisfied.
     """
     from auv_bringup.launching.node_start import node_environment
 

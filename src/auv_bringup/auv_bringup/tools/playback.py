@@ -1,4 +1,4 @@
-"""A bag published to ROS 2 again, each message when it is due."""
+"""Publish a bag to ROS 2 again, each message when it is due."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 CONNECTION_LIMIT_S = 3.0
 ACKNOWLEDGE_LIMIT_S = 2.0
 _LONGEST_GAP_S = 60.0
-"""A silence that no run has: a bag with a stamp that is not of its run, as older ones in real time."""
+"""A gap that no run has: a stamp in the bag does not belong to its run, as in older bags of real time."""
 _SHOW_S = 0.2
 _LATEST_NS = (2**31 - 1) * 1_000_000_000
-"""The latest time that a message can state."""
+"""The latest time that fits into a message."""
 
 
 @dataclass(frozen=True)
 class _Plan:
-    """What to publish, and from when."""
+    """The topics to publish, and the start time."""
 
     publishers: dict[str, Any]
     latched: frozenset[str]
@@ -76,7 +76,7 @@ def _wanted_topics(bag: Bag, names: Sequence[str], *, own_clock: bool) -> list[s
         raise BagError(f"the bag has no topic {', '.join(unknown)}; it has: {', '.join(bag.topics)}")
     topics = [name for name in names or bag.topics if not (own_clock and name == CLOCK_TOPIC)]
     if not topics:
-        raise BagError(f"{bag.folder} holds nothing to publish")
+        raise BagError(f"{bag.folder} has no messages to publish")
     return topics
 
 
@@ -97,15 +97,15 @@ def _make_publishers(node: Node, bag: Bag, topics: Sequence[str]) -> dict[str, A
 
 
 def _class_as_recorded(topic: RecordedTopic) -> Any:
-    """Return the class of a topic's messages; raise BagError where its definition is not that of the bag."""
+    """Return the class of a topic's messages; raise BagError if its definition differs from the bag's."""
     kind = message_class(topic.type_name)
     if topic.type_hash and topic.type_hash != load_message_type(topic.type_name).type_hash:
-        raise BagError(f"{topic.type_name} is defined otherwise here than in the bag")
+        raise BagError(f"{topic.type_name} is defined differently here than in the bag")
     return kind
 
 
 def _wait_for_readers(node: Node, publishers: Sequence[Publisher], delay_s: float) -> None:
-    """Wait a while for readers to be found, and a little longer for those that were to be connected."""
+    """Wait for discovery of readers, and a little longer for their connection."""
     _pause(delay_s)
     limit_s = time.monotonic() + CONNECTION_LIMIT_S
     while time.monotonic() < limit_s:
@@ -119,7 +119,7 @@ def _wait_for_readers(node: Node, publishers: Sequence[Publisher], delay_s: floa
 
 
 class Pace:
-    """When a moment of the bag is due, by the steady clock."""
+    """Maps times of the bag to the steady clock."""
 
     def __init__(self, first_ns: int, rate: float) -> None:
         self._first_ns, self._rate = first_ns, rate
@@ -127,10 +127,10 @@ class Pace:
         self._began_s = time.monotonic()
 
     def leave_out_gap(self, time_ns: int) -> None:
-        """Go on at once where the next message, of this time, comes after a long silence."""
+        """Skip a long gap before the next message, which has this time."""
         gap_ns = time_ns - self._reached_ns
         if gap_ns > _LONGEST_GAP_S * 1e9:
-            tell(f"note: the bag has nothing for {gap_ns * 1e-9:.1f} s; the replay goes on at once")
+            tell(f"note: the bag has no messages for {gap_ns * 1e-9:.1f} s; the replay skips this time")
             self._first_ns += gap_ns
         self._reached_ns = max(self._reached_ns, time_ns)
 
@@ -167,7 +167,7 @@ class _ClockSource:
 
 
 def _publish(bag: Bag, plan: _Plan, pace: Pace, clock: _ClockSource | None) -> int:
-    """Publish every message when it is due; return how many there were."""
+    """Publish every message when it is due; return their number."""
     count = 0
     with Progress((plan.last_ns - plan.first_ns) * 1e-9, verb="replayed") as progress:
         shown_s = -math.inf
@@ -191,7 +191,7 @@ def _publish(bag: Bag, plan: _Plan, pace: Pace, clock: _ClockSource | None) -> i
 
 
 def _messages(bag: Bag, plan: _Plan) -> Iterator[RecordedMessage]:
-    """Yield what to publish: first what was latched before the start, then everything from there on."""
+    """Yield the messages to publish: first latched ones from before the start, then all from there on."""
     for message in bag.messages(plan.latched & plan.publishers.keys()):
         if message.time_ns >= plan.first_ns:
             break
@@ -200,7 +200,7 @@ def _messages(bag: Bag, plan: _Plan) -> Iterator[RecordedMessage]:
 
 
 def _finish(publishers: Sequence[Publisher]) -> None:
-    """Wait, within a limit, until every reliable reader has everything."""
+    """Wait, within a limit, until every reliable reader has received all messages."""
     from rclpy.duration import Duration
 
     limit_s = time.monotonic() + ACKNOWLEDGE_LIMIT_S
@@ -215,5 +215,5 @@ def _pause(duration_s: float) -> None:
 
 
 def tell(line: str) -> None:
-    """Print a line for the user, beside the progress bar."""
+    """Print a line for the user without breaking the progress bar."""
     print(line, file=sys.stderr)

@@ -53,7 +53,7 @@ def _re_estimate(bag: Bag) -> int:
 
     scenario_file = bag.folder.parent / "scenario.yaml"
     if not scenario_file.is_file():
-        raise BagError(f"{scenario_file} is missing; --re-estimate takes the filter settings from it")
+        raise BagError(f"{scenario_file} is missing; --re-estimate reads the filter settings from it")
     scenario = load_scenario(str(scenario_file))
     vehicle_ids = [vehicle.id for vehicle in scenario.vehicles]
     settings = scenario.agent
@@ -73,7 +73,7 @@ def _report_comparison(result: Comparison, n_vehicles: int) -> None:
     print(f"  velocity     max difference {result.velocity_mps:.3g} m/s")
     print(f"  covariance   max difference {result.covariance:.3g}")
     if result.unmatched:
-        print(f"  {result.unmatched} estimates are on one side only")
+        print(f"  {result.unmatched} estimates exist on one side only")
     if result.unused_ticks:
         print(f"  {result.unused_ticks} vehicle ticks left out: the bag lacks packets before them")
     print(
@@ -84,7 +84,7 @@ def _report_comparison(result: Comparison, n_vehicles: int) -> None:
 
 
 def _replay(bag: Bag, options: argparse.Namespace) -> int:
-    """Publish the bag in a domain of its own, as a run flies in one."""
+    """Publish the bag in its own domain, as a run does."""
     try:
         claim = claim_domain(os.environ)
     except DomainError as error:
@@ -93,7 +93,7 @@ def _replay(bag: Bag, options: argparse.Namespace) -> int:
         if claim.is_moved:
             tell(
                 f"ROS domain {claim.asked_id} is in use by another run; this replay takes domain "
-                f"{claim.domain_id}; to look in:  {export_line(claim.domain_id, options.discovery)}"
+                f"{claim.domain_id}; to inspect it:  {export_line(claim.domain_id, options.discovery)}"
             )
         os.environ["ROS_DOMAIN_ID"] = str(claim.domain_id)
         prepare_environment(options.discovery)

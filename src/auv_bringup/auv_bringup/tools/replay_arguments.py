@@ -12,11 +12,11 @@ DEFAULT_CLOCK_HZ = 40.0
 DEFAULT_DELAY_S = 1.0
 
 _EPILOG = """\
-A recorded /clock is published as it was, unless --clock makes a new one.
+A recorded /clock is published unchanged, unless --clock makes a new one.
 
 exit status:
   0    done
-  1    --re-estimate gives other estimates than the recorded ones
+  1    --re-estimate gives estimates that differ from the recorded ones
   2    bad input
   3    internal error
   130  Ctrl-C
@@ -47,7 +47,7 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
         type=_number_of(0.0, 1e9),
         default=0.0,
         metavar="S",
-        help="seconds into the bag to start at",
+        help="start this many seconds into the bag",
     )
     parser.add_argument(
         "--clock",
@@ -55,21 +55,21 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
         nargs="?",
         const=DEFAULT_CLOCK_HZ,
         metavar="HZ",
-        help=f"make a /clock from the time of the bag, so often per wall second ({DEFAULT_CLOCK_HZ:g})",
+        help=f"make a /clock from the time of the bag, at this rate (Hz, wall time; {DEFAULT_CLOCK_HZ:g})",
     )
     parser.add_argument(
         "--delay",
         type=_number_of(0.0, 3600.0),
         default=DEFAULT_DELAY_S,
         metavar="S",
-        help=f"wall seconds before the first message, for readers to be found ({DEFAULT_DELAY_S:g})",
+        help=f"wall seconds before the first message, for discovery of readers ({DEFAULT_DELAY_S:g})",
     )
     parser.add_argument("--topics", nargs="+", default=[], metavar="T", help="publish these topics only")
     parser.add_argument(
         "--discovery",
         choices=("localhost", "subnet"),
         default="localhost",
-        help="who may hear it: this machine (default), or the whole subnet",
+        help="which machines can receive it: this one (default), or the whole subnet",
     )
     parser.add_argument(
         "--re-estimate",

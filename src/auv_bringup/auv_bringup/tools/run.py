@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status."""
     for name, value in ONE_THREAD.items():
-        os.environ.setdefault(name, value)  # before numpy is imported; nodes are forks of this process
+        os.environ.setdefault(name, value)  # before numpy is imported, since nodes are forks of this process
     place = _TracebackPlace()
     return answered(
         lambda: _run(parse(arguments), place),
@@ -89,7 +89,7 @@ def _check_own_files() -> None:
 
 
 def _missing_of_ros() -> str:
-    """Return in words which packages of ROS nodes lack, '' for none."""
+    """Return as text which packages of ROS nodes are missing, '' for none."""
     return " and ".join(name for name in ("rclpy", "auv_msgs") if importlib.util.find_spec(name) is None)
 
 
@@ -114,7 +114,7 @@ def _introduce(plan: Plan, folder: Path) -> None:
     if plan.is_switched:
         print(f"nodes sample, so the laws are held over {scenario.period_s:g} s (sampling: sampled)")
     if folder.name != plan.name:
-        print(f"{folder.with_name(plan.name)} exists and is left alone")
+        print(f"{folder.with_name(plan.name)} exists and is not changed")
     print(f"results go to {folder}", flush=True)
 
 
@@ -130,7 +130,7 @@ def _fly_in_process(plan: Plan, folder: Path, options: argparse.Namespace) -> in
         try:
             recording = run_in_process(plan.scenario, on_progress=progress.update)
         except DivergedError as error:
-            return fail(LOST, f"{error}; nothing is recorded")
+            return fail(LOST, f"{error}; nothing was recorded")
         wall_s = time.monotonic() - start_s
     if not options.no_bag:
         print("recording ...", file=sys.stderr, flush=True)
@@ -151,7 +151,7 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
     domain_id = claim.domain_id
     if claim.is_moved:
         print(f"ROS domain {claim.asked_id} is in use by another run; this one takes domain {domain_id}")
-    print(f"to look in from another shell:  {export_line(domain_id, options.discovery)}", flush=True)
+    print(f"to inspect it from another shell:  {export_line(domain_id, options.discovery)}", flush=True)
     for line in reach_notes(os.environ, options.discovery):
         print(line, flush=True)
     if not options.no_bag and (line := memory_warning(plan.scenario)):
@@ -179,16 +179,16 @@ def _fly_with_nodes(plan: Plan, folder: Path, options: argparse.Namespace, claim
     if status != flight.exit_status:
         results.write_ending(folder, exit_status=status)
     if flight.lost_vehicles:
-        print(f"lost on the way: {', '.join(flight.lost_vehicles)}")
+        print(f"lost vehicles: {', '.join(flight.lost_vehicles)}")
     if flight.reason:
         fail(flight.exit_status, f"{flight.reason}{remark}; logs are in {folder / results.LOGS}")
     return status
 
 
 def _interrupted(folder: Path) -> int:
-    """Say what an interrupted run leaves; where no node was started and nothing recorded, nothing at all."""
+    """Report what an interrupted run leaves; if no node was started and nothing recorded, leave nothing."""
     if (folder / results.BAG).exists() or (folder / results.RECORDING_FILE).exists():
-        return fail(INTERRUPTED, f"interrupted; what was recorded: ./scripts/run --report {folder}")
+        return fail(INTERRUPTED, f"interrupted; to report on the recording: ./scripts/run --report {folder}")
     if any((folder / results.LOGS).iterdir()):
         return fail(INTERRUPTED, f"interrupted; logs are in {folder / results.LOGS}")
     shutil.rmtree(folder)  # made by this run, and empty
@@ -210,17 +210,17 @@ def _remember_flight(folder: Path, flight: Flight, domain_id: int) -> None:
 
 
 def _mend(folder: Path) -> None:
-    """Give the bag of a results folder the end that its writer could not give it, and say so."""
+    """Repair the bag of a results folder if its writer was killed, and report that."""
     from auv_bag.mend import mend_bag
     from auv_bag.writer import BagError
 
-    with suppress(BagError):  # there is none, or it cannot be read: what reads it says so
+    with suppress(BagError):  # it does not exist or cannot be read; its reader reports that
         for note in mend_bag(folder / results.BAG):
             print(f"note: {note}", file=sys.stderr, flush=True)
 
 
 def _report_flight(plan: Plan, folder: Path, options: argparse.Namespace, flight: Flight) -> tuple[int, str]:
-    """Report on what the nodes recorded; return the status of the run, and why a lost one has no report."""
+    """Report on the nodes' recording; return the status of the run, and why a lost run has no report."""
     status = flight.exit_status
     if options.no_bag:
         print("nothing was recorded (--no-bag), so there are no metrics and no figures")
@@ -231,7 +231,7 @@ def _report_flight(plan: Plan, folder: Path, options: argparse.Namespace, flight
     except results.ResultsError as error:
         if status == DONE:
             raise RuntimeError(str(error)) from None
-        return status, f"; {error}"  # a flight that was stopped early may have recorded nothing yet
+        return status, f"; {error}"  # a flight that was stopped early may have no recording yet
     metrics = _show_results(folder, plan.scenario, recording, plan.mode, flight.real_time_factor, options)
     if status != DONE:
         return status, ""
@@ -273,7 +273,7 @@ def _show_results(
     real_time_factor: float,
     options: argparse.Namespace,
 ) -> dict[str, Any]:
-    """Write metrics, figures and report; print the metrics and where the report is; return the metrics."""
+    """Write metrics, figures and report; print the metrics and the path of the report; return the metrics."""
     from auv_experiment.metrics.surface import surface_warning
     from auv_experiment.metrics.wording import metrics_table
 
@@ -306,7 +306,7 @@ def _list() -> int:
 
 @dataclass
 class _TracebackPlace:
-    """The run's logs, once there are any: where an internal error's traceback goes."""
+    """The folder of the run's logs, once it exists; the traceback of an internal error goes there."""
 
     folder: Path | None = None
 

@@ -1,4 +1,4 @@
-"""The command line of `./scripts/run`, and what its --help says."""
+"""The command line of `./scripts/run` and its --help."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ _HELP = """\
 Fly a flock of autonomous underwater vehicles, and report the result in numbers and
 figures.
 
-SCENARIO is a name of --list or the path of a YAML file; without one, flock_acoustic is
-flown: four vehicles that share what they know only through an acoustic channel that
-delays and loses packets.
+SCENARIO is a name from --list or the path of a YAML file; the default is flock_acoustic:
+four vehicles that exchange information only through an acoustic channel that delays and
+loses packets.
 """
 _EPILOG = """\
 three ways to fly the same scenario:
@@ -31,47 +31,47 @@ three ways to fly the same scenario:
   otherwise; in lockstep or realtime its laws are held over the control period
   (sampling: sampled).
 
-three layouts of the nodes of lockstep and realtime, with the same names, topics and
+three layouts of the nodes in lockstep and realtime, with the same names, topics and
 numbers; only the processes differ:
-  node        a process per node: what you would see on vehicles, and the slowest
+  node        a process per node: as on real vehicles, and the slowest
   vehicle     a process per vehicle, with its simulator and its agent; one more for
               relay and clock, one for the recorder
-  single      one process for all nodes: the fastest, and for many vehicles; a node
+  single      one process for all nodes: the fastest, for many vehicles; a node
               that fails ends the run, so not with on_vehicle_loss: continue; up to
               128 vehicles, and above 31 their nodes have no services of parameters
 
 results:
   DIR/<scenario>-<seed>-<mode>, with -<hash of the overrides> when --set or --duration
-  is given, and with -2, -3, ... when that exists: nothing is ever overwritten. In it:
+  is given, and with -2, -3, ... if that exists: nothing is ever overwritten. It has:
   scenario.yaml (resolved), provenance.json, bag/ (or recording.npz), logs/,
-  metrics.json, figures/ and report.html; --report makes the last three again from what
-  was recorded.
+  metrics.json, figures/ and report.html; --report makes the last three again from the
+  recording.
 
 ROS 2:
-  The run uses $ROS_DOMAIN_ID (0 if unset), or the next domain that no other run holds,
-  and says which. Traffic stays on this machine; --discovery subnet lets it out, and
-  only then are ROS_STATIC_PEERS and ROS_DISCOVERY_SERVER used. Look in from another
-  shell with `ros2 topic list`, `ros2 topic echo /auv_1/odom`, ... or, where there is no
-  ros2 command, `./scripts/topic list`.
+  The run uses $ROS_DOMAIN_ID (0 if unset), or the next domain that no other run uses,
+  and prints it. Traffic stays on this machine; --discovery subnet opens it to the
+  network, and only then are ROS_STATIC_PEERS and ROS_DISCOVERY_SERVER used. Inspect the
+  run from another shell with `ros2 topic list`, `ros2 topic echo /auv_1/odom`, ... or,
+  without the ros2 command, with `./scripts/topic list`.
 
-Ctrl-C once ends every node in order and closes the bag; twice hurries it. What was flown
-until then is in the bag: --report shows it.
+Ctrl-C once ends every node cleanly and closes the bag; twice hurries it. The flight up to
+then is in the bag: --report shows it.
 
 exit status:
-  0    done (also where the scenario lets a flight go on without a lost vehicle)
+  0    done (also if the scenario lets a flight go on without a lost vehicle)
   1    internal error; the traceback is in the logs
   2    bad input; nothing was started, nothing was written
   3    a vehicle or node was lost, and the flight was stopped; or the results cannot be
        written (full disk, folder moved)
   4    two hulls touched; the flight was completed
   130  Ctrl-C
-  A touch of hulls is found in the recording. With --no-bag a run with nodes has none:
-  the touch is not noticed, and the status is not 4. provenance.json keeps the status of
-  a run with nodes.
+  Contact of hulls is detected in the recording. With --no-bag a run with nodes has no
+  recording, so contact is not detected and the status is not 4. provenance.json keeps the
+  status of a run with nodes.
 
 examples:
   ./scripts/run                                  the main job: 650 s, four vehicles
-  ./scripts/run --list                           what else there is
+  ./scripts/run --list                           list all scenarios
   ./scripts/run --seed 7 --set acoustics.outage.params.loss_prob=0.5
   ./scripts/run --set 'environment.current_ned_mps=[0.2, 0, 0]' --duration 60
   ./scripts/run ch5_one_leader                   a table of the thesis, in one process
@@ -104,7 +104,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--layout",
         choices=LAYOUTS,
-        help="which nodes share a process, in lockstep and realtime (default: node)",
+        help="how nodes are grouped into processes, in lockstep and realtime (default: node)",
     )
     parser.add_argument(
         "--seed", type=int, metavar="N", help="seed of every random number (default: the scenario's)"
@@ -115,7 +115,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         default=[],
         metavar="PATH=VALUE",
         dest="overrides",
-        help="override a key of the scenario, with its dotted path; the value is YAML; may be repeated",
+        help="override a key of the scenario, with its dotted path; the value is YAML; repeatable",
     )
     parser.add_argument(
         "--duration", type=float, metavar="S", help="length of the flight (s), instead of duration_s"
@@ -126,15 +126,15 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--no-bag",
         action="store_true",
-        help="store no recording; a run with nodes then has no metrics or figures: they are made from it",
+        help="store no recording; a run with nodes then has no metrics or figures, which need it",
     )
     add_format_option(parser)
-    parser.add_argument("--no-figures", action="store_true", help="metrics and a report of them, no figures")
+    parser.add_argument("--no-figures", action="store_true", help="make metrics and a report without figures")
     parser.add_argument(
         "--discovery",
         choices=("localhost", "subnet"),
         default="localhost",
-        help="who may see the nodes: this machine only (default), or the network it is in",
+        help="which machines can see the nodes: this one (default), or its network",
     )
     group = parser.add_mutually_exclusive_group()
     group.add_argument("--list", action="store_true", help="list the scenarios, one line each, and stop")

@@ -1,4 +1,4 @@
-"""How long a topic has been silent: to be said now and then, and not endless."""
+"""Duration of a topic's silence: reported from time to time, and limited."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ SAY_S = 5.0
 
 class Silence:
     """
-    A silence that begins now, and anew with each message.
+    A silence that starts now, and again with each message.
 
     Parameters
     ----------
@@ -27,13 +27,13 @@ class Silence:
         self.end()
 
     def end(self) -> None:
-        """Take note of a message."""
+        """Note a message."""
         self._began_s = self._clock_s()
         self._said_at_s = 0.0
 
     @property
     def lasts_s(self) -> float:
-        """How long it lasts (s)."""
+        """Its duration so far (s)."""
         return self._clock_s() - self._began_s
 
     @property
@@ -42,7 +42,7 @@ class Silence:
         return self.lasts_s >= self._limit_s
 
     def is_to_be_said(self) -> bool:
-        """Return whether there is something to say: each `SAY_S`, and at the limit."""
+        """Return whether a report is due: every `SAY_S`, and at the limit."""
         lasts_s = self.lasts_s
         is_due = lasts_s >= self._said_at_s + SAY_S
         if is_due:

@@ -33,7 +33,7 @@ UNNAMED = "_NODE_NAME_UNKNOWN_"
 _LOOK_S = 0.1
 
 _EPILOG = """\
-`./scripts/topic echo --help` says more about one of them, and so for the others.
+`./scripts/topic echo --help` describes one of them; likewise for the others.
 
 examples:
   ./scripts/topic list --show-types
@@ -58,7 +58,7 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Read the command line."""
     parser = OneLineParser(
         prog="./scripts/topic",
-        description="Look at the topics of $ROS_DOMAIN_ID.",
+        description="Inspect the topics of $ROS_DOMAIN_ID.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -110,7 +110,7 @@ def _count(text: str) -> int:
 
 @contextmanager
 def _node() -> Iterator[Node]:
-    """Give a node that nobody else sees much of."""
+    """Yield a node that is hidden from others as far as possible."""
     import rclpy
     from rclpy.signals import SignalHandlerOptions
 
@@ -124,14 +124,14 @@ def _node() -> Iterator[Node]:
 
 
 def _list(node: Node, options: argparse.Namespace) -> int:
-    """Print the topics that there are, once no new ones appear."""
+    """Print all topics, once no new ones appear."""
     for name, types in sorted(_settled_topics(node, options.wait).items()):
         print(printable(f"{name} [{', '.join(types)}]" if options.show_types else name))
     return DONE
 
 
 def _info(node: Node, options: argparse.Namespace) -> int:
-    """Print what the graph knows about a topic."""
+    """Print the graph's data about a topic."""
     type_name = _find_type(node, options.topic, options.wait)
     publishers, subscribers = _named_endpoints(node, options.topic, options.wait)
     gap = "\n" if options.verbose else ""
@@ -179,7 +179,7 @@ def _hz(node: Node, options: argparse.Namespace) -> int:
 def _receive(
     node: Node, options: argparse.Namespace, take: Callable[[Any], bool], *, raw: bool = False
 ) -> None:
-    """Give each message of a topic to a function until that returns True; refuse to wait too long for one."""
+    """Pass each message of a topic to a function until it returns True; give up after a long silence."""
     from rclpy.executors import SingleThreadedExecutor
 
     kind = message_class(_find_type(node, options.topic, options.wait))
@@ -203,7 +203,7 @@ def _receive(
 
 
 def _say_silence(node: Node, topic: str, silence: Silence) -> None:
-    """Say for what the command waits, or give up."""
+    """Print what the command waits for, or give up."""
     count = node.count_publishers(topic)
     words = f"no message of {topic} for {silence.lasts_s:.0f} s ({count} publisher{'s' * (count != 1)})"
     if silence.is_too_long:
@@ -212,7 +212,7 @@ def _say_silence(node: Node, topic: str, silence: Silence) -> None:
 
 
 def _find_type(node: Node, topic: str, wait_s: float) -> str:
-    """Return a topic's type, once the topic is there."""
+    """Return a topic's type, once the topic exists."""
     limit_s = time.monotonic() + wait_s
     while time.monotonic() < limit_s:
         types = _topics(node).get(topic)
@@ -223,7 +223,7 @@ def _find_type(node: Node, topic: str, wait_s: float) -> str:
 
 
 def _named_endpoints(node: Node, topic: str, wait_s: float) -> tuple[list[Any], list[Any]]:
-    """Return publishers and subscribers, once the names of their nodes, which come later, are known."""
+    """Return publishers and subscribers, once the names of their nodes are known, which come later."""
     limit_s = time.monotonic() + wait_s
     while True:
         publishers = node.get_publishers_info_by_topic(topic)
@@ -235,7 +235,7 @@ def _named_endpoints(node: Node, topic: str, wait_s: float) -> tuple[list[Any], 
 
 
 def _unknown_topic(topic: str, known: Sequence[str], wait_s: float) -> str:
-    """Return what to say about a topic that is not there."""
+    """Return the message about a topic that does not exist."""
     domain = os.environ.get("ROS_DOMAIN_ID") or "0"
     said = f"no topic {topic} in ROS domain {domain} after {wait_s:g} s"
     near = (
@@ -245,12 +245,12 @@ def _unknown_topic(topic: str, known: Sequence[str], wait_s: float) -> str:
     if near:
         return f"{said}; did you mean {', '.join(near)}?"
     if set(known) - {"/rosout", "/parameter_events"}:
-        return f"{said}; `./scripts/topic list` shows those that there are"
+        return f"{said}; `./scripts/topic list` shows all topics"
     return f"{said}, nor any other; is a run under way, and in this domain (`export ROS_DOMAIN_ID=...`)?"
 
 
 def _settled_topics(node: Node, wait_s: float) -> dict[str, list[str]]:
-    """Return all topics, once there are some of others and none has been added for a while."""
+    """Return all topics, once other nodes have some and none has been added for a while."""
     limit_s = time.monotonic() + wait_s
     own = topics = _topics(node)
     changed_s = time.monotonic()
@@ -265,12 +265,12 @@ def _settled_topics(node: Node, wait_s: float) -> dict[str, list[str]]:
 
 
 def _topics(node: Node) -> dict[str, list[str]]:
-    """Return types by topic, as far as they are known yet."""
+    """Return types by topic, as far as they are known."""
     return dict(node.get_topic_names_and_types())
 
 
 def _spin(node: Node) -> None:
-    """Let discovery go on for a moment."""
+    """Wait a moment for discovery."""
     import rclpy
 
     with held_interrupts():
@@ -278,7 +278,10 @@ def _spin(node: Node) -> None:
 
 
 def _matching_qos(node: Node, topic: str) -> QoSProfile:
-    """Return a profile that hears every publisher of a topic, latched messages too where all latch."""
+    """
+    Return a profile that matches every publisher of a topic; it gets latched messages if all publishers
+    latch.
+    """
     from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
     offers = [info.qos_profile for info in node.get_publishers_info_by_topic(topic)]

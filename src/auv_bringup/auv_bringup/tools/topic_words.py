@@ -1,4 +1,4 @@
-"""Messages and their rate as text, as the ros2 command line words them."""
+"""Messages and their rate as text, in the format of the ros2 command line."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ MAX_ELEMENTS = 128
 
 
 def describe_rate(arrivals_s: Sequence[float]) -> str:
-    """Return the average rate of arrivals and the spread of the intervals, as `ros2 topic hz` words it.
+    """Return the average rate of arrivals and the spread of the intervals, in the format of `ros2 topic hz`.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def describe_rate(arrivals_s: Sequence[float]) -> str:
 
 
 def message_to_yaml(message: Any) -> str:
-    """Return a message as block-style YAML; long arrays are cut with '...'."""
+    """Return a message as block-style YAML; long arrays are truncated with '...'."""
     return yaml.safe_dump(
         _plain(message), sort_keys=False, allow_unicode=True, default_flow_style=False, width=1000
     )

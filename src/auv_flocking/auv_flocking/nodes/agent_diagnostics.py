@@ -1,4 +1,4 @@
-"""What an agent's node says of itself on `/diagnostics`."""
+"""Diagnostics of an agent's node on `/diagnostics`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _OLD_S = 10.0
 
 
 def agent_statuses(agent: Agent, config: AgentConfig, mail: Mail, malformed: int, t_s: float) -> list[Status]:
-    """Return how neighbours, inputs and control law of an agent are at the scenario time `t_s` (s)."""
+    """Return the status of neighbours, inputs and control law of an agent at the scenario time `t_s` (s)."""
     name = config.vehicle_id
     return [
         _neighbours(agent, config, t_s),
@@ -60,7 +60,7 @@ def _neighbours(agent: Agent, config: AgentConfig, t_s: float) -> Status:
 
 
 def _not_heard(agent: Agent, config: AgentConfig) -> str:
-    """Return how many are not heard, and who: the first few of them."""
+    """Return the number of neighbours that are not heard, and the names of the first few."""
     heard = {config.address, *agent.neighbours.addresses}
     silent = [address for address in range(1, config.fleet_size + 1) if address not in heard]
     names = [vehicle_name(address, config.fleet_ids) for address in silent]
@@ -68,7 +68,7 @@ def _not_heard(agent: Agent, config: AgentConfig) -> str:
 
 
 def _inputs(agent: Agent, config: AgentConfig, mail: Mail, malformed: int) -> Status:
-    """Say what of its inputs the agent did not use."""
+    """Return text about inputs that the agent did not use."""
     name = config.vehicle_id
     left_out = {
         "navigations_dropped": mail.navs.dropped,

@@ -1,5 +1,5 @@
 """
-ROS node of one agent: takes its navigation and its modem's inbox, publishes a command and what it hands to
+ROS node of one agent: it takes its navigation and its modem's inbox, and publishes a command and packets for
 the modem.
 """
 
@@ -77,11 +77,11 @@ class AgentNode(Node):
         return topics
 
     def on_run_end(self) -> None:
-        """Give no more commands."""
+        """Stop giving commands."""
         self._pace.stop()
 
     def waits_for(self) -> str:
-        """Return for what the node waits, in words, or nothing."""
+        """Return as text what the node waits for, or an empty text."""
         owed = [topic for topic, it in (("nav", self._nav), ("acoustic/rx", self._inbox)) if it is None]
         words = f"{' and '.join(owed)} of tick {self._tick}" if self._ticks.lockstep else ""
         return self._pace.waits_for(self._tick, words)

@@ -1,4 +1,4 @@
-"""What people and tools see of an agent: what it believes and wants, and its path."""
+"""An agent's topics for people and tools: its estimates, its reference and its path."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _PATH_SPAN_S = 600.0
 
 class AgentView:
     """
-    The topics of an agent node that no node of the run reads.
+    The topics of an agent node that no other node of the run reads.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class AgentView:
     config : AgentConfig
         The agent's; its frames and markers begin with its name.
     agent : Agent
-        Who is shown.
+        The agent to show.
 
     """
 
@@ -62,7 +62,7 @@ class AgentView:
         self._path.publish(Path(header=header, poses=poses))
 
     def publish(self, tick: int, t_s: float) -> None:
-        """Publish what is seen at a tick, with its stamp (s)."""
+        """Publish the topics of a tick, with its stamp (s)."""
         agent = self._agent
         self._reference.publish(t_s, *agent.reference.velocity, 0.0, 0.0, 0.0)
         if agent.flocks:

@@ -1,9 +1,9 @@
 """
 ROS node of the acoustic medium, in one process with the clock node: together they are the barrier.
 
-In lock-step a tick is done when every agent has handed over its packets and every vehicle has published its
-next state; in real time the medium is asked at every control period of the steady clock.  A vehicle that the
-run goes on without drifts on here.
+In lock-step a tick is done when every agent has published its packets and every vehicle its next state. In
+real time the medium is called at every control period of the steady clock. The hulls of lost vehicles drift
+on in this node.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class FleetConfig:
 
     vehicle_ids: tuple[str, ...] = param("names of the vehicles in the order of their acoustic addresses")
     state_max_age_s: float = param(
-        "age of a vehicle's state after which its modem is silent (s); never less than two control periods",
+        "age of a vehicle's state above which its modem is silent (s); at least two control periods",
         default=0.5,
         above=0.0,
     )
@@ -134,7 +134,7 @@ class AcousticRelayNode(Node):
         return topics
 
     def _hulls(self, watch: WatchConfig) -> dict[int, VehicleConfig]:
-        """Return those that the run may go on without, by index."""
+        """Return the vehicles that the run may lose, by index."""
         if watch.on_vehicle_loss == "stop":
             return {}
         return {i: declare_config(self, VehicleConfig, f"hulls.{name}.") for i, name in enumerate(self._ids)}
@@ -159,7 +159,7 @@ class AcousticRelayNode(Node):
             self._strangers.begin(self._report_stamp_s)  # in lock-step the launcher does: bags are equal
 
     def waits_for(self) -> str:
-        """Return for what the node waits, in words, or nothing."""
+        """Return as text what the node waits for, or an empty text."""
         owed = self._watch.explained(listed(self._awaited())) if self._pace.ready else ""
         return self._pace.waits_for(self._barrier.tick, owed)
 
@@ -174,14 +174,14 @@ class AcousticRelayNode(Node):
             self._try_advance()
 
     def _take_outbox(self, index: int, data: bytes) -> None:
-        """Take an answer in lock-step; what is in it waits until the tick is complete."""
+        """Take an answer in lock-step; its packets wait until the tick is complete."""
         tick, packets = read_outbox(data)
         if self._barrier.outbox(index, tick):
             self._outboxes[index] = packets
             self._try_advance()
 
     def _try_advance(self) -> None:
-        """Begin the next tick of lock-step where nothing is in its way."""
+        """Begin the next tick of lock-step if all have answered."""
         if not self._barrier.complete or not self._pace.ready:
             return
         if not self.clock.has_room or self.clock.done:
@@ -227,7 +227,7 @@ class AcousticRelayNode(Node):
             self._watch_states(tick)
 
     def _watch_states(self, tick: int) -> None:
-        """Say whose modem is silent in real time, since nobody knows where it is."""
+        """Report modems that are silent in real time because their positions are unknown."""
         present = [index for index in range(len(self._ids)) if index not in self._adrift.lost]
         stale = {index: words for index in present if (words := self._watch.why_stale(index, tick))}
         words = listed(list(stale.values()))
@@ -244,7 +244,7 @@ class AcousticRelayNode(Node):
         return [self._newest[index] for index in range(len(self._ids))]
 
     def _begin_tick(self, last: int, tick: int) -> None:
-        """Begin a tick, and tell what became known in the last one."""
+        """Begin a tick, and publish the events of the last one."""
         events = self._medium.take_events()
         t_s = self._ticks.stamp_s(tick)
         self.clock.begin_tick(tick)
@@ -289,7 +289,7 @@ class AcousticRelayNode(Node):
         return self._silences.silent(time.monotonic(), without=self._adrift.lost)
 
     def _drop(self) -> list[str]:
-        """Go on without the vehicles that owe an answer; return their ids."""
+        """Continue without the vehicles that have not answered; return their ids."""
         owed = self._barrier.owed() if self._ticks.lockstep else self._silent()
         vehicles = sorted({index for _, index in owed})
         for index in vehicles:

@@ -1,4 +1,4 @@
-"""The hulls of lost vehicles: the run goes on without their nodes, and they drift on."""
+"""The hulls of lost vehicles: they drift on while the run continues without their nodes."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from auv_sim.vehicle import Vehicle, VehicleConfig
 
 class Adrift:
     """
-    Moves and publishes hulls without a command, on behalf of the relay.
+    Moves and publishes hulls without a command, for the relay.
 
     Parameters
     ----------
     topics : Topics
         Of the relay; it gets the states of these hulls.
     hulls : mapping of int to VehicleConfig
-        Those that may be lost, by index of their vehicle.
+        The hulls of vehicles that may be lost, by index of the vehicle.
     ticks : TickClock
         The time of the run.
 
     Attributes
     ----------
     lost : dict of int to Vehicle
-        Those that are.
+        The lost vehicles.
 
     """
 

@@ -1,7 +1,7 @@
 """
-ROS node of the run's time: `/clock` in lock-step, the run's status, and who has fallen silent.
+ROS node of the run's time: `/clock` in lock-step, the run's status, and the detection of silent nodes.
 
-It lives in the process of the relay, which tells it by a call, without a message, when a tick is done.
+It runs in the process of the relay, which calls it directly, without a message, when a tick is done.
 """
 
 from __future__ import annotations
@@ -40,15 +40,15 @@ class ClockNode(Node):
     ticks : TickClock
         Stamps of ticks.
     fleet_size : int
-        Number of vehicles; without any the run ends.
+        Number of vehicles; the run ends when none is left.
     followers : sequence of str
-        Full names of the nodes that learn of the begin of a run by its status.
+        Full names of the nodes that start when the status tells that the run begins.
     recorded : bool
-        Whether to stay near a recorder.
+        Whether to wait for a slow recorder.
     awaited : callable
-        Full names of the nodes that owe an answer.
+        Returns the full names of the nodes that have not answered.
     drop : callable
-        Told to go on without what is awaited; returns the ids of the vehicles lost by it.
+        Continues without the awaited nodes; returns the ids of the vehicles that are lost.
     options
         Those of `rclpy.node.Node`.
 
@@ -78,7 +78,7 @@ class ClockNode(Node):
         )
         self._wall = WallWatch(time.monotonic, time.time)
         self.topics: list[Topic] = []
-        """What must be heard before the run begins."""
+        """Topics that must be matched before the run begins."""
         if ticks.lockstep:
             self._clock = Topic(self, Clock, "/clock", convert.clock_stencil().filled, heard_by=recorder)
             self.topics.append(self._clock)
@@ -98,7 +98,7 @@ class ClockNode(Node):
 
     @property
     def done(self) -> bool:
-        """Whether the run has come to its end, good or bad, which is that of its process, too."""
+        """Whether the run has ended, in success or failure; the process then ends, too."""
         return self._run.done
 
     @property
@@ -112,7 +112,7 @@ class ClockNode(Node):
         return self._run.has_room
 
     def announce(self) -> None:
-        """Say that the run begins: everybody then knows the stamp of tick 0."""
+        """Publish that the run begins: all nodes then know the stamp of tick 0."""
         self._run.state = RUNNING
         self._publish()
 
@@ -129,7 +129,10 @@ class ClockNode(Node):
             self.on_room()
 
     def _look(self) -> None:
-        """Watch and speak. In lock-step only ticks and events bring news, so that equal runs say the same."""
+        """
+        Watch the nodes and publish the status. In lock-step only ticks and events change it, so that equal
+        runs publish equal messages.
+        """
         if not self.done:
             self._watch_silence()
         if warning := self._wall.warning():

@@ -1,4 +1,4 @@
-"""What the relay tells observers: counters of the acoustic links, their diagnostics and markers."""
+"""The relay's topics for observers: counters of the acoustic links, diagnostics and markers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _NAMESPACE, _NUMBER = "acoustic links", 0
 
 
 class LinkReports:
-    """Publishes what became of packets; `topics` are those of the relay, and get these."""
+    """Publishes the outcomes of packets; `topics` are those of the relay, to which these are added."""
 
     def __init__(self, topics: Topics) -> None:
         self._stats = topics.add(AcousticStats, "/acoustic/stats", stats_bytes)
@@ -32,7 +32,7 @@ class LinkReports:
         self._links: list[tuple[int, int, int]] = []
 
     def count(self, counters: Mapping[tuple[int, int], LinkCounters], t_s: float) -> None:
-        """Publish the counters of all links, and what they come to, at the time `t_s` (s)."""
+        """Publish the counters of all links, and their summary, at the time `t_s` (s)."""
         links = sorted(counters.items())
         numbers = [((*ends, *link.numbers()), link.delay_counts) for ends, link in links]
         self._stats.publish(DELAY_EDGES_S, numbers, t_s)
@@ -48,7 +48,7 @@ class LinkReports:
         self._diagnostics.publish([status], t_s)
 
     def tell_states(self, stale: str, watch: StateWatch, t_s: float) -> None:
-        """Publish whose states are too old to place a modem, at the time `t_s` (s)."""
+        """Publish which vehicles' states are too old to locate the modem, at the time `t_s` (s)."""
         status = Status(
             level=DiagnosticStatus.ERROR if stale else DiagnosticStatus.OK,
             name="acoustic_relay_node: states",
@@ -66,15 +66,15 @@ class LinkReports:
         self, strangers: Collection[Stranger], refused: Mapping[str, int], t_s: float, *, are_admitted: bool
     ) -> None:
         """
-        Publish who else publishes on topics of the run, at the time `t_s` (s).
+        Publish the foreign publishers on topics of the run, at the time `t_s` (s).
 
-        `refused` counts the writers, by topic that the relay hears, that the middleware did not connect.
+        `refused` counts, by subscribed topic, the writers that the middleware did not connect.
         """
         is_odd = refused or (strangers and not are_admitted)
         level = DiagnosticStatus.WARN if is_odd else DiagnosticStatus.OK
         if not are_admitted and any(stranger.is_heard for stranger in strangers):
             level = DiagnosticStatus.ERROR
-        unnamed = "writers came and went, and were refused" if refused else "nobody else publishes"
+        unnamed = "writers came and went, and were refused" if refused else "no foreign publishers"
         status = Status(
             level=level,
             name="acoustic_relay_node: strangers",
@@ -88,12 +88,12 @@ class LinkReports:
         self._diagnostics.publish([status], t_s)
 
     def note(self, index: int, inbox: Inbox) -> None:
-        """Note which vehicles were heard by the one at an index."""
+        """Note which vehicles the one at an index has heard."""
         for reception in inbox.receptions:
             self._links.append((inbox.tick, reception.packet.source - 1, index))
 
     def draw(self, tick: int, t_s: float, states: Sequence[VehicleState], others: Sequence[Marker]) -> None:
-        """Publish the links of late between vehicles in these states, and other markers with them."""
+        """Publish the recent links between vehicles in these states, and other markers."""
         self._links = [link for link in self._links if link[0] > tick - 2 * MARKER_TICKS]
         ends: list[Vec3] = []
         for _, source, destination in self._links:

@@ -1,4 +1,4 @@
-"""Other programs that publish on topics of a run in real time: named in the log, reported once a second."""
+"""Foreign programs that publish on topics of a run in real time: named in the log, reported once a second."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _COMMON_NODES = frozenset({"/acoustic_relay_node", "/clock_node", RECORDER})
 
 class StrangerReport:
     """
-    Looks for strangers on behalf of the relay, once a second from `begin` on.
+    Finds foreign publishers for the relay, once a second after `begin`.
 
     Parameters
     ----------
     node : Node
         The relay.
     reports : LinkReports
-        Publishes what is found.
+        Publishes the findings.
     refused : mapping
         Writers that the middleware did not connect so far, by topic.
     own_nodes : iterable of str
@@ -32,7 +32,7 @@ class StrangerReport:
     vehicle_ids : sequence of str
         Names of the vehicles.
     are_admitted : bool
-        Whether strangers are heard.
+        Whether foreign publishers are accepted.
 
     """
 
@@ -54,7 +54,7 @@ class StrangerReport:
         self._watch = StrangerWatch(node, own, vehicle_ids, admits_strangers=are_admitted)
 
     def begin(self, stamp_s: Callable[[], float | None]) -> None:
-        """Look from now on; `stamp_s` gives the stamp of a report (s), nothing once there is none to make."""
+        """Start to look; `stamp_s` returns the stamp of a report (s), None if no report is due."""
         SteadyTimer(self._node, _PERIOD_S, lambda: self._look(stamp_s()))
 
     def _look(self, t_s: float | None) -> None:

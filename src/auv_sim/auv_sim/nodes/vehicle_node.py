@@ -1,6 +1,6 @@
 """
-ROS node of one simulated vehicle: takes a command, publishes the true state, its navigation, and what people
-and tools see of it.
+ROS node of one simulated vehicle: it takes a command, and publishes the true state, the navigation, and
+topics for people and tools.
 """
 
 from __future__ import annotations
@@ -64,11 +64,11 @@ class VehicleNode(Node):
         )
 
     def on_run_end(self) -> None:
-        """Move no more."""
+        """Stop moving the vehicle."""
         self._pace.stop()
 
     def waits_for(self) -> str:
-        """Return for what the node waits, in words, or nothing."""
+        """Return as text what the node waits for, or an empty text."""
         tick = self._vehicle.state.tick
         return self._pace.waits_for(tick, f"a command for tick {tick}" if self._ticks.lockstep else "")
 
@@ -111,7 +111,7 @@ class VehicleNode(Node):
         self._publish()
 
     def _step(self, now_tick: int) -> bool:
-        """Advance the vehicle; where its motion has no finite solution, end the node with one line."""
+        """Advance the vehicle; if its motion has no finite solution, end the node with one line."""
         try:
             self._vehicle.step(self._watch.command(now_tick))
         except DivergedError as error:

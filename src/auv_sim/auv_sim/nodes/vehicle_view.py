@@ -1,4 +1,4 @@
-"""What people and tools see of a vehicle: odometry, the truth beside it, frames, its hull."""
+"""A vehicle's topics for people and tools: odometry, ground truth, frames, hull."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ _EXACT = (0.0,) * 6
 
 class VehicleView:
     """
-    The topics of a vehicle node that no node of the run reads.
+    The topics of a vehicle node that no other node of the run reads.
 
-    `odom` is the vehicle's own estimate in the frame `odom`, `ground_truth/odom` the truth in `map`; both are
-    in the axes of REP-103. `/tf` has both, `robot_description` the hull.
+    `odom` is the vehicle's own estimate in the frame `odom`, `ground_truth/odom` is the truth in `map`; both
+    use the axes of REP-103. `/tf` has both, `robot_description` the hull.
 
     Parameters
     ----------
@@ -60,11 +60,11 @@ class VehicleView:
 
     def publish(self, t_s: float, vehicle: Vehicle) -> None:
         """
-        Publish what is seen at the time `t_s` (s).
+        Publish the topics at the time `t_s` (s).
 
-        Without a valid navigation there is no `odom`, and on `/tf` the body stays where it was believed last.
-        `ground_truth/odom` comes with the marker, not at every tick: that would cost a tenth of a tick, and
-        `/tf` has the same pose.
+        Without a valid navigation there is no `odom`, and on `/tf` the body stays at its last estimated
+        pose. `ground_truth/odom` is published with the marker, not at every tick: that would take a tenth of
+        a tick, and `/tf` has the same pose.
         """
         state, nav, navigation = vehicle.state, vehicle.nav, vehicle.navigation
         pose = true_pose = convert.enu_pose(state.position, state.attitude)

@@ -210,14 +210,14 @@ TABLES = (
         f"The thesis's law with blind followers in the same runs: {_FOUR}",
         _ALL_THESIS,
         _rows_of(THESIS, BARS),
-        "asked for",
+        "limits",
     ),
     Table(
         "A.43",
         f"Navigations that drift by 1 cm/s: {_FOUR}",
         (*_ALL_SONAR, *_ALL_FIXES, *_all(list(OTHERWISE_NAVIGATED.values()))),
         _navigation_rows,
-        "asked for",
+        "limits",
     ),
     Table(
         "A.44",
