@@ -7,7 +7,7 @@ import pytest
 from auv_core.cli.failures import DONE
 from auv_thesis import cli
 from auv_thesis.items import chapters
-from auv_thesis.runs.store import plan_run
+from auv_thesis.runs.store import resolve_run
 
 CHAPTERS = {chapter.key: chapter for chapter in chapters()}
 FIGURES = {
@@ -59,7 +59,7 @@ def test_every_item_says_what_it_is():
 def test_runs_can_be_resolved(scenario):
     for spec in SPECS:
         if spec.scenario == scenario:
-            assert plan_run(spec).scenario.name == scenario
+            assert resolve_run(spec).scenario.name == scenario
 
 
 @pytest.mark.slow

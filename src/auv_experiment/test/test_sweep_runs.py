@@ -66,7 +66,7 @@ KILLS = SINKING.format(deed="__import__('os').kill(__import__('os').getpid(), 9)
 def in_threads(runs, on_result, on_message):
     """Fly runs on a cluster of threads in this process, which tests can reach into."""
     with threads() as client:
-        cluster.fly_all(client, runs, on_result, on_message)
+        cluster.fly_with(client, runs, on_result, on_message)
 
 
 in_processes = functools.partial(local.fly_here, n_workers=2)
@@ -466,7 +466,7 @@ def test_a_scheduler_that_is_stopped_is_told_in_one_line(tmp_path, monkeypatch):
 
         def it_stops(*arguments):
             scheduler.send_signal(signal.SIGSTOP)
-            cluster.fly_all(*arguments)
+            cluster.fly_with(*arguments)
 
         with (
             cluster.remote_client(str(file)) as client,

@@ -20,7 +20,7 @@ from auv_thesis.items import (
     NO_NUMBER,
     Run,
 )
-from auv_thesis.runs.store import plan_run
+from auv_thesis.runs.store import resolve_run
 
 
 def _run(spec, ever_m=1.5, formed_m=1.6, late_m=3.0, path_m=0.05):
@@ -116,9 +116,9 @@ def test_claims_count_cells_and_contacts():
 
 def test_every_run_of_the_study_resolves():
     chapter_runs = [spec for table in acoustics_safety.TABLES for spec in table.runs if spec.nth == 0]
-    planned = [plan_run(spec) for spec in chapter_runs]
-    assert {len(run.scenario.vehicles) for run in planned} == {4, 8, 16}
-    assert {run.scenario.seed for run in planned} == {study.FIRST_SEED, study.FIRST_DRIFTING_SEED}
+    resolved = [resolve_run(spec) for spec in chapter_runs]
+    assert {len(run.scenario.vehicles) for run in resolved} == {4, 8, 16}
+    assert {run.scenario.seed for run in resolved} == {study.FIRST_SEED, study.FIRST_DRIFTING_SEED}
     assert not any(spec.keep_recording for spec in chapter_runs)
 
 

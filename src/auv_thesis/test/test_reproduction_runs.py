@@ -21,7 +21,7 @@ from auv_experiment.inprocess import sampled as experiment
 from auv_experiment.recording import RecordingError
 from auv_thesis.items import RunSpec
 from auv_thesis.runs import runner
-from auv_thesis.runs.store import Store, plan_run
+from auv_thesis.runs.store import Store, resolve_run
 
 FOUR = RunSpec("ch5_four_leaders", ("dt_s=0.1",), 1.0)
 ONE = RunSpec("ch5_one_leader", ("dt_s=0.1",), 1.0)
@@ -57,7 +57,7 @@ def test_a_run_that_is_asked_for_twice_is_flown_once(tmp_path, flights):
     same = RunSpec("ch5_four_leaders", ("dt_s=1.0e-1", "duration_s=1"))
     flown, _ = fly([FOUR, ONE, FOUR, same], tmp_path)
     assert flights() == ["ch5_four_leaders 1", "ch5_one_leader 1"]
-    assert flown.planned[FOUR].key == flown.planned[same].key != flown.planned[ONE].key
+    assert flown.resolved[FOUR].key == flown.resolved[same].key != flown.resolved[ONE].key
     assert not flown.failed
 
 
@@ -72,9 +72,9 @@ def test_a_second_call_flies_what_is_new_only(tmp_path, flights):
     first, _ = fly([FOUR], tmp_path)
     second, words = fly([FOUR, ONE], tmp_path)
     assert flights() == ["ch5_four_leaders 1", "ch5_one_leader 1"]
-    assert (first.kept, second.kept) == (set(), {first.planned[FOUR].key})
+    assert (first.kept, second.kept) == (set(), {first.resolved[FOUR].key})
     assert "runs: 1, and 1 kept" in words
-    assert all(time_s > 0.0 for time_s in second.times_s[first.planned[FOUR].key])
+    assert all(time_s > 0.0 for time_s in second.times_s[first.resolved[FOUR].key])
 
 
 def changed_digit(folder):
@@ -105,13 +105,13 @@ def no_folder(folder):
 @pytest.mark.parametrize("change", [changed_digit, flipped_recording, lost_recording, wrong_types, no_folder])
 def test_a_kept_run_that_was_changed_is_flown_again_with_one_warning(tmp_path, flights, change):
     flown, _ = fly([FOUR], tmp_path)
-    change(tmp_path / flown.planned[FOUR].key)
+    change(tmp_path / flown.resolved[FOUR].key)
     again, words = fly([FOUR], tmp_path)
     assert flights() == ["ch5_four_leaders 1"] * 2
     assert again.kept == set()
     assert not again.failed
     assert words.count("warning: kept runs were changed or damaged and are flown again") == 1
-    assert Store(tmp_path).has(flown.planned[FOUR])
+    assert Store(tmp_path).has(flown.resolved[FOUR])
 
 
 def test_a_full_disk_ends_the_flying_in_one_line_and_leaves_nothing(tmp_path, monkeypatch):
@@ -185,9 +185,9 @@ def test_plugins_from_elsewhere_belong_to_the_source(tmp_path, monkeypatch):
 
 def test_what_is_kept_is_what_was_flown(tmp_path):
     flown, _ = fly([FOUR], tmp_path)
-    key = flown.planned[FOUR].key
+    key = flown.resolved[FOUR].key
     recording = Store(tmp_path).recording(key)
-    expected = experiment.run_in_process(plan_run(FOUR).scenario)
+    expected = experiment.run_in_process(resolve_run(FOUR).scenario)
     assert (recording.position_ned_m == expected.position_ned_m).all()
     assert Store(tmp_path).metrics(key)["scenario"] == "ch5_four_leaders"
 
@@ -207,7 +207,7 @@ def test_a_run_that_cannot_be_resolved_fails_alone(tmp_path):
     assert list(flown.failed) == [WRONG]
     assert "unknown key 'nonsense'" in flown.failed[WRONG].line
     assert f"error: {WRONG}: " in words
-    assert Store(tmp_path).has(flown.planned[FOUR])
+    assert Store(tmp_path).has(flown.resolved[FOUR])
 
 
 def test_a_run_that_raises_fails_alone(tmp_path, monkeypatch):
@@ -224,8 +224,8 @@ def test_a_run_that_raises_fails_alone(tmp_path, monkeypatch):
     assert flown.failed[ONE].line == "ArithmeticError: it sank"
     assert "in sink" in flown.failed[ONE].traceback
     assert "error: ch5_one_leader" in words
-    assert Store(tmp_path).has(flown.planned[FOUR])
-    assert not Store(tmp_path).has(flown.planned[ONE])
+    assert Store(tmp_path).has(flown.resolved[FOUR])
+    assert not Store(tmp_path).has(flown.resolved[ONE])
 
 
 FLIES_FOR_LONG = """

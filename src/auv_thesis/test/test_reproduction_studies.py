@@ -39,7 +39,7 @@ def test_a_study_flies_as_many_seeds_as_were_asked_for():
 
 def test_metrics_alone_are_kept_where_no_recording_is_wanted(tmp_path):
     store, flown = Store(tmp_path), fly([FIRST], tmp_path)
-    key = flown.planned[FIRST].key
+    key = flown.resolved[FIRST].key
     assert store.metrics(key)["duration_s"] == pytest.approx(1.0)
     with pytest.raises(RecordingError):
         store.recording(key)
@@ -48,7 +48,7 @@ def test_metrics_alone_are_kept_where_no_recording_is_wanted(tmp_path):
 
 def test_who_wants_the_recording_gets_it_though_another_does_not(tmp_path):
     store = Store(tmp_path)
-    key = fly([FIRST], tmp_path).planned[FIRST].key
+    key = fly([FIRST], tmp_path).resolved[FIRST].key
     flown = fly([ONE, FIRST], tmp_path)
     assert not flown.kept
     assert store.recording(key).n_vehicles == 4

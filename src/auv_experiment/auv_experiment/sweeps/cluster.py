@@ -51,7 +51,7 @@ def fly_there(
     runs: Sequence[PlannedRun], on_result: OnResult, on_message: OnMessage, *, scheduler: str
 ) -> None:
     """
-    Fly runs on the Dask cluster of a scheduler; see `remote_client` and `fly_all`.
+    Fly runs on the Dask cluster of a scheduler; see `remote_client` and `fly_with`.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def fly_there(
 
     """
     with remote_client(scheduler) as client:
-        fly_all(client, runs, on_result, on_message)
+        fly_with(client, runs, on_result, on_message)
 
 
 @contextmanager
@@ -86,7 +86,7 @@ def remote_client(scheduler: str) -> Iterator[Client]:
         yield client
 
 
-def fly_all(client: Client, runs: Sequence[PlannedRun], on_result: OnResult, on_message: OnMessage) -> None:
+def fly_with(client: Client, runs: Sequence[PlannedRun], on_result: OnResult, on_message: OnMessage) -> None:
     """
     Fly runs on a cluster, in their order as workers become free.
 

@@ -22,7 +22,7 @@ from auv_thesis.items import Chapter, Figure, Item, Row, Run, Table, Verdict, fu
 if TYPE_CHECKING:
     from auv_experiment.recording import Recording
     from auv_thesis.runs.runner import Flown
-    from auv_thesis.runs.store import PlannedRun, Store
+    from auv_thesis.runs.store import ResolvedRun, Store
 
 HEIGHT_IN = 4.0
 DPI = 130
@@ -105,7 +105,7 @@ def evaluate(
 
     def call_of(index: int) -> Call:
         item = items[index]
-        runs = tuple(flown.planned[spec] for spec in item.runs)
+        runs = tuple(flown.resolved[spec] for spec in item.runs)
         return partial(evaluate_item, item, runs, store, formats=formats)
 
     def note(place: int, made: list[Content | Failure] | Failure) -> None:
@@ -167,7 +167,7 @@ def name_of(item: Item) -> str:
 
 def evaluate_item(
     item: Item,
-    planned: Sequence[PlannedRun],
+    resolved: Sequence[ResolvedRun],
     store: Store,
     advance: Advance = lambda amount: None,
     *,
@@ -175,7 +175,7 @@ def evaluate_item(
 ) -> Content:
     """Make one item from its finished runs."""
     del advance
-    runs: list[Run] = [_KeptRun(run, store) for run in planned]
+    runs: list[Run] = [_KeptRun(run, store) for run in resolved]
     if isinstance(item, Figure):
         return {file_format: _image(item, runs, file_format) for file_format in formats}
     if isinstance(item, Table):
@@ -192,12 +192,12 @@ def evaluate_item(
 class _KeptRun(Run):
     """A run from the store; its recording is read at first use, since many tables need metrics only."""
 
-    def __init__(self, planned: PlannedRun, store: Store) -> None:
+    def __init__(self, resolved: ResolvedRun, store: Store) -> None:
         for name, value in (
-            ("spec", planned.spec),
-            ("scenario", planned.scenario),
-            ("metrics", store.metrics(planned.key)),
-            ("_read", partial(_recording, store, planned.key)),
+            ("spec", resolved.spec),
+            ("scenario", resolved.scenario),
+            ("metrics", store.metrics(resolved.key)),
+            ("_read", partial(_recording, store, resolved.key)),
         ):
             object.__setattr__(self, name, value)
 

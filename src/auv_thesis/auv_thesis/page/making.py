@@ -52,7 +52,7 @@ def making_of(command: str, flown: Flown, *, n_workers: int, wall_s: float) -> M
 
     """
     processes = f"{n_workers} process{'es' if n_workers != 1 else ''}"
-    keys = {run.key for run in flown.planned.values()}
+    keys = {run.key for run in flown.resolved.values()}
     cpu_s = sum(flown.times_s[key][1] for key in keys if key in flown.times_s)
     facts = (
         f"{len(keys)} runs, {cpu_s:.0f} s of processor time; this page took {wall_s:.0f} s in {processes}, "
@@ -63,16 +63,16 @@ def making_of(command: str, flown: Flown, *, n_workers: int, wall_s: float) -> M
 
 def _runs(flown: Flown) -> list[MadeRun]:
     runs: dict[str, MadeRun] = {}
-    for spec, planned in flown.planned.items():
-        remark = "kept from an earlier call" if planned.key in flown.kept else ""
+    for spec, resolved in flown.resolved.items():
+        remark = "kept from an earlier call" if resolved.key in flown.kept else ""
         if spec in flown.failed:
             remark = f"failed: {flown.failed[spec].line}"
-        wall_s, cpu_s = flown.times_s.get(planned.key, (None, None))
-        runs.setdefault(planned.key, MadeRun(str(spec), wall_s, cpu_s, remark))
+        wall_s, cpu_s = flown.times_s.get(resolved.key, (None, None))
+        runs.setdefault(resolved.key, MadeRun(str(spec), wall_s, cpu_s, remark))
     unresolved = [
         MadeRun(str(spec), None, None, f"failed: {failure.line}")
         for spec, failure in flown.failed.items()
-        if spec not in flown.planned
+        if spec not in flown.resolved
     ]
     return sorted([*runs.values(), *unresolved], key=lambda run: run.name)
 

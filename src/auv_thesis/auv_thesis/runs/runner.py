@@ -14,7 +14,7 @@ from auv_core.machine.workers import Advance, spread
 from auv_core.params import ConfigError
 from auv_experiment.inprocess.evaluated_run import load_source, run_evaluated
 from auv_thesis.items import RunSpec
-from auv_thesis.runs.store import PlannedRun, Store, plan_run
+from auv_thesis.runs.store import ResolvedRun, Store, resolve_run
 
 
 @dataclass
@@ -24,7 +24,7 @@ class Flown:
 
     Attributes
     ----------
-    planned : dict
+    resolved : dict
         Every run that could be resolved, by spec. Specs that resolve to the same scenario share a key.
     failed : dict
         The failure of every run that could not be resolved or flown, by spec.
@@ -35,7 +35,7 @@ class Flown:
 
     """
 
-    planned: dict[RunSpec, PlannedRun] = field(default_factory=dict)
+    resolved: dict[RunSpec, ResolvedRun] = field(default_factory=dict)
     failed: dict[RunSpec, Failure] = field(default_factory=dict)
     times_s: dict[str, tuple[float, float]] = field(default_factory=dict)
     kept: set[str] = field(default_factory=set)
@@ -81,7 +81,7 @@ def fly_all(
     def note(index: int, result: Failure | str) -> None:
         run = missing[index]
         if isinstance(result, Failure):
-            failed = [spec for spec, planned in flown.planned.items() if planned.key == run.key]
+            failed = [spec for spec, resolved in flown.resolved.items() if resolved.key == run.key]
             flown.failed.update(dict.fromkeys(failed, result))
             tally.failed(str(run.spec), result)
         elif result:
@@ -102,16 +102,16 @@ def fly_all(
     return flown
 
 
-def _by_key(flown: Flown) -> dict[str, PlannedRun]:
+def _by_key(flown: Flown) -> dict[str, ResolvedRun]:
     """Return each run once; of two specs for one run, return the one that keeps its recording."""
-    by_key: dict[str, PlannedRun] = {}
-    for run in flown.planned.values():
+    by_key: dict[str, ResolvedRun] = {}
+    for run in flown.resolved.values():
         if run.key not in by_key or run.spec.keep_recording:
             by_key[run.key] = run
     return by_key
 
 
-def _kept(store: Store, runs: Iterable[PlannedRun], tally: Tally) -> set[str]:
+def _kept(store: Store, runs: Iterable[ResolvedRun], tally: Tally) -> set[str]:
     """Return the keys of the runs that are kept; report in one line each run that is damaged."""
     kept: set[str] = set()
     broken: list[str] = []
@@ -129,17 +129,17 @@ def _kept(store: Store, runs: Iterable[PlannedRun], tally: Tally) -> set[str]:
 def _plan(specs: Iterable[RunSpec], flown: Flown, tally: Tally) -> None:
     for spec in specs:
         try:
-            flown.planned[spec] = plan_run(spec)
+            flown.resolved[spec] = resolve_run(spec)
         except ConfigError as error:
             flown.failed[spec] = Failure(str(error), "")
             tally.failed(str(spec), flown.failed[spec])
 
 
-def _longest_first(run: PlannedRun) -> float:
+def _longest_first(run: ResolvedRun) -> float:
     return -run.cost
 
 
-def _fly(run: PlannedRun, store: Store, advance: Advance) -> str:
+def _fly(run: ResolvedRun, store: Store, advance: Advance) -> str:
     """Fly a run and keep it; called in a worker. Return why it cannot be kept, '' if it is kept."""
     from auv_experiment.metrics.run import metrics_to_json
 

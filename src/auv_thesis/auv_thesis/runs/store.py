@@ -32,7 +32,7 @@ _SUFFIX = ".unfinished"
 
 
 @dataclass(frozen=True, eq=False)
-class PlannedRun:
+class ResolvedRun:
     """A resolved run: its spec, its scenario, and the name of its folder."""
 
     spec: RunSpec
@@ -45,10 +45,10 @@ class PlannedRun:
         return effort(self.scenario)
 
 
-def plan_run(spec: RunSpec) -> PlannedRun:
+def resolve_run(spec: RunSpec) -> ResolvedRun:
     """Resolve a run; raise ConfigError with one line if the scenario or an override is not allowed."""
     scenario = load_scenario(spec.scenario, overrides=spec.overrides, duration_s=spec.duration_s)
-    return PlannedRun(spec, scenario, run_key.run_key(scenario))
+    return ResolvedRun(spec, scenario, run_key.run_key(scenario))
 
 
 class Store:
@@ -57,7 +57,7 @@ class Store:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
-    def has(self, run: PlannedRun) -> bool:
+    def has(self, run: ResolvedRun) -> bool:
         """
         Return whether the run is kept completely, with its recording if that is needed.
 
@@ -79,7 +79,7 @@ class Store:
         return not run.spec.keep_recording or results.RECORDING_FILE in checksums
 
     def put(
-        self, run: PlannedRun, recording: Recording, metrics_json: str, *, wall_s: float, cpu_s: float
+        self, run: ResolvedRun, recording: Recording, metrics_json: str, *, wall_s: float, cpu_s: float
     ) -> None:
         """
         Keep a finished run and its wall and processor time, completely or not at all.
