@@ -26,6 +26,8 @@ from auv_experiment.scenario.schema import Scenario
 ROOT = Path(__file__).parents[1]
 TOPICS = (*VEHICLE_TOPICS, *COMMON_TOPICS)
 MESSAGES = sorted((ROOT / "src/auv_msgs/msg").glob("*.msg"))
+MISREAD = re.compile(r"<p>(?:(?!</p>).)*?\n(?:\* |- |\d+\. |\|)", re.DOTALL)
+"""A list or a table without an empty line before it."""
 LOADED = re.compile(r"<(?:script|link|img|iframe)\b[^>]*?(?:src|href)=[\"']?(https?:)?//[^\"'> ]+")
 
 
@@ -57,6 +59,7 @@ def test_the_site_is_built_strictly_and_needs_no_network(tmp_path):
     }
     assert {path.name: LOADED.findall(text) for path, text in pages.items() if LOADED.search(text)} == {}
     assert not [path.name for path, text in pages.items() if "from code:" in text]
+    assert {path.name: MISREAD.findall(text) for path, text in pages.items() if MISREAD.search(text)} == {}
     styles = [path.read_text(encoding="utf-8") for path in tmp_path.rglob("*.css")]
     assert not [text for text in styles if re.search(r"url\([\"']?(https?:)?//", text)]
 

@@ -11,15 +11,19 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
+_OTHERS = {
+    "shoal": [sys.executable, "-P", "-m", "shoal.commands"],
+    "python -m benchmarks": [sys.executable, "-m", "benchmarks"],
+}
 _RUNS_PYTHON = re.compile(r"^exec python3? -P (-m \S+|\"\$\(dirname.*?/(\w+\.py)\")", re.MULTILINE)
 
 
 def commands(root: Path) -> str:
-    """Return all commands of the folder `scripts`, each with its help."""
-    files = commands_of(root)
+    """Return all commands of the folder `scripts` and the others of a checkout, each with its help."""
+    words = {f"./scripts/{path.name}": _words(path) for path in commands_of(root)} | _OTHERS
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        helps = list(pool.map(partial(help_of, root), files))
-    parts = [f"## {path.name}\n\n```text\n{text}```\n" for path, text in zip(files, helps, strict=True)]
+        helps = list(pool.map(partial(help_of, root), words.values()))
+    parts = [f"## `{name}`\n\n```text\n{text}```\n" for name, text in zip(words, helps, strict=True)]
     return "\n".join(parts)
 
 
@@ -29,10 +33,11 @@ def commands_of(root: Path) -> list[Path]:
     return [path for path in files if path.is_file() and os.access(path, os.X_OK)]
 
 
-def help_of(root: Path, path: Path) -> str:
-    """Return what a command prints for --help, without setting the checkout up."""
+def help_of(root: Path, words: Sequence[str]) -> str:
+    """Return what a command of these words prints for --help."""
     done = subprocess.run(
-        [*_words(path), "--help"],
+        [*words, "--help"],
+        cwd=root,
         env={**os.environ, "COLUMNS": "100", "PYTHONPATH": _packages(root)},
         stdin=subprocess.DEVNULL,
         capture_output=True,
