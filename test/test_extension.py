@@ -9,10 +9,27 @@ from pathlib import Path
 
 import pytest
 
+import auv_flocking.separation
+from auv_core.params import ConfigError
+from auv_experiment.scenario.loading import load_scenario
+
 PLUGINS = Path(__file__).parent / "plugins"
 PACKAGES = [
     str(path) for path in (Path(__file__).parents[1] / "src").glob("auv_*") if path.name != "auv_msgs"
 ]
+
+
+_PARAMS = """
+from dataclasses import dataclass
+
+@dataclass(frozen=True)
+class Params:
+    \"\"\"Nothing to choose.\"\"\"
+"""
+_NO_VELOCITY = """
+class Separation:
+    def __init__(self, params): ...
+"""
 
 
 @pytest.fixture(scope="module")
@@ -61,3 +78,22 @@ def test_without_the_folder_the_names_are_refused(environment, tmp_path):
         AssertionError, match=r"agent\.separation\.kind: 'steady_push' is not allowed; allowed: "
     ):
         fly(environment, tmp_path, "flock_acoustic", "--set", "agent.separation={kind: steady_push}")
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("", r"scenario\.agent\.separation\.kind: auv_flocking\.separation\.half has no Params; allowed: "),
+        (_PARAMS, r"auv_flocking\.separation\.half: no Separation; allowed: a file that defines the class"),
+        (_PARAMS + _NO_VELOCITY, r"auv_flocking\.separation\.half: Separation has no velocity; allowed: "),
+    ],
+)
+def test_a_file_that_is_half_written_is_refused_in_one_line(text, complaint, monkeypatch, tmp_path):
+    (tmp_path / "separation").mkdir()
+    (tmp_path / "separation" / "half.py").write_text(text, encoding="utf-8")
+    monkeypatch.setattr(auv_flocking.separation, "__path__", [*auv_flocking.separation.__path__])
+    monkeypatch.delitem(sys.modules, "auv_flocking.separation.half", raising=False)
+    monkeypatch.setenv("SHOAL_PLUGINS", str(tmp_path))
+    with pytest.raises(ConfigError, match=f"^{complaint}[^\n]*$"):
+        load_scenario("flock_acoustic", overrides=["agent.separation={kind: half}"])
+    sys.modules.pop("auv_flocking.separation.half", None)

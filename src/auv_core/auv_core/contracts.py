@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 from auv_core.params import ConfigError
+from auv_core.plugins import find_plugin
 
 
 def members(contract: type) -> list[str]:
@@ -19,6 +20,22 @@ def members(contract: type) -> list[str]:
     ]
     names = {name for base in asking for name in (*vars(base), *vars(base).get("__annotations__", ()))}
     return sorted(name for name in names if not name.startswith("_"))
+
+
+def class_of(folder: str, kind: str, name: str) -> Any:
+    """
+    Return the class `name` of a kind in a plugin folder (import path).
+
+    Raises
+    ------
+    ConfigError
+        When the file of the kind defines no such class.
+
+    """
+    module = find_plugin(folder, kind)
+    if name not in vars(module):
+        raise ConfigError(f"{module.__name__}: no {name}; allowed: a file that defines the class {name}")
+    return vars(module)[name]
 
 
 def fulfilled(made: Any, contract: type) -> Any:

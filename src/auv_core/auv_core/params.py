@@ -258,6 +258,8 @@ def load_section(raw: object, path: str, folder: str) -> Section:
         module = find_plugin(folder, raw["kind"])
     except PluginError as error:
         raise ConfigError(f"{path}.kind: {error}") from None
+    if "Params" not in vars(module):
+        raise ConfigError(f"{path}.kind: {module.__name__} has no Params; allowed: a file that defines them")
     params = raw.get("params")
     return Section(raw["kind"], load(module.Params, {} if params is None else params, f"{path}.params"))
 

@@ -27,12 +27,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, Protocol, runtime_checkable
 
 from auv_control.references import PathPoint
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Box, Quat, Vec3
 from auv_core.integrate import State
 from auv_core.messages import Command, Vec6, VehicleState
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 
 
 class VelocityReference(NamedTuple):
@@ -132,7 +131,7 @@ class _Bounded(Protocol):
 
 def controller_class(kind: str) -> type[VelocityController] | type[MotionLaw]:
     """Return the class of the controller of a kind."""
-    found: type[VelocityController] | type[MotionLaw] = find_plugin(__name__, kind).Controller
+    found: type[VelocityController] | type[MotionLaw] = class_of(__name__, kind, "Controller")
     return found
 
 
@@ -144,7 +143,7 @@ def contract_of(kind: str) -> type:
 
 def make_controller(section: Section, period_s: float) -> Controller:
     """Return the controller of a section, for a control period (s)."""
-    made = find_plugin(__name__, section.kind).Controller(section.params, period_s)
+    made = class_of(__name__, section.kind, "Controller")(section.params, period_s)
     controller: Controller = fulfilled(made, contract_of(section.kind))
     return controller
 

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Box, Vec3
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 
 
 class PathPoint(NamedTuple):
@@ -46,6 +45,6 @@ class ReferencePath(Protocol):
 def make_reference(section: Section) -> ReferencePath:
     """Return the path of a section."""
     path: ReferencePath = fulfilled(
-        find_plugin(__name__, section.kind).Reference(section.params), ReferencePath
+        class_of(__name__, section.kind, "Reference")(section.params), ReferencePath
     )
     return path

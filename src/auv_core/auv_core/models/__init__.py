@@ -17,12 +17,11 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Vec6
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 
 
 class VehicleModel(Protocol):
@@ -73,13 +72,13 @@ class _Framed(Protocol):
 
 def model_class(kind: str) -> type[VehicleModel]:
     """Return the class of the model of a kind."""
-    found: type[VehicleModel] = find_plugin(__name__, kind).Model
+    found: type[VehicleModel] = class_of(__name__, kind, "Model")
     return found
 
 
 def make_model(section: Section) -> VehicleModel:
     """Return the model of a section."""
-    made = find_plugin(__name__, section.kind).Model(section.params)
+    made = class_of(__name__, section.kind, "Model")(section.params)
     model: VehicleModel = fulfilled(made, VehicleModel if made.command == "velocity" else WrenchModel)
     return model
 

@@ -14,9 +14,10 @@ from auv_experiment.scenario.file import ID, ID_WORDS, MOST_VEHICLES
 from auv_experiment.scenario.reach import check_reach
 from auv_flocking.agent_config import check_parts, report_format
 from auv_flocking.consensus import ContinuousFilter, consensus_params, make_consensus
-from auv_flocking.flocking import flocking_params
+from auv_flocking.flocking import flocking_params, make_flocking
 from auv_flocking.separation import LearningLaw, make_separation
 from auv_sim.acoustics.medium import AcousticMedium
+from auv_sim.navigation import make_navigation
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -36,6 +37,7 @@ def check_scenario(scenario: Scenario) -> None:
         _check_vehicles,
         _check_leaders,
         _check_agent,
+        _check_contracts,
         _check_commands,
         _check_frames,
         _check_starts,
@@ -88,6 +90,18 @@ def _check_agent(scenario: Scenario) -> None:
         raise ValueError(
             "readings: not allowed; allowed: nothing, unless the controller follows a path by itself"
         )
+
+
+def _check_contracts(scenario: Scenario) -> None:
+    """The plugins of a vehicle have what their protocols ask for; those of the water are made below."""
+    agent = scenario.agent
+    make_controller(agent.controller, scenario.period_s)
+    make_navigation(scenario.environment.navigation, scenario.seed, 1, scenario.period_s)
+    if agent.flocking is not None and agent.separation is not None:
+        make_flocking(agent.flocking, make_separation(agent.separation), is_leader=True)
+        flocking_params(agent.flocking)
+    if agent.consensus is not None:
+        consensus_params(agent.consensus)
 
 
 def _check_frames(scenario: Scenario) -> None:

@@ -12,10 +12,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3, distance
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 from auv_flocking.codec import Field
 from auv_flocking.neighbours.estimates import Neighbours
 
@@ -70,7 +69,7 @@ class ContinuousFilter(ConsensusFilter, Protocol):
 
 def make_consensus(section: Section, fleet_size: int) -> ConsensusFilter:
     """Return the filter of a section for a vehicle of a fleet."""
-    made = find_plugin(__name__, section.kind).Consensus(section.params, fleet_size)
+    made = class_of(__name__, section.kind, "Consensus")(section.params, fleet_size)
     item: ConsensusFilter = fulfilled(made, ConsensusFilter)
     return item
 

@@ -13,10 +13,9 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 from auv_control.references import PathPoint
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 from auv_flocking.neighbours.estimates import Neighbours
 from auv_flocking.separation import SeparationLaw
 
@@ -93,7 +92,7 @@ class FlockingLaw(Protocol):
 
 def make_flocking(section: Section, separation: SeparationLaw, *, is_leader: bool) -> FlockingLaw:
     """Return the law of a section for a leader or a follower."""
-    made = find_plugin(__name__, section.kind).Flocking(section.params, separation, is_leader)
+    made = class_of(__name__, section.kind, "Flocking")(section.params, separation, is_leader)
     law: FlockingLaw = fulfilled(made, FlockingLaw)
     return law
 

@@ -14,10 +14,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Box
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 from auv_flocking.codec import Field
 from auv_flocking.report import Report
 
@@ -87,6 +86,6 @@ class ReportFormat(Protocol):
 
 def make_format(section: Section, shared_fields: Sequence[Field] = ()) -> ReportFormat:
     """Return the format of a section, with the fields that the consensus filter adds."""
-    made = find_plugin(__name__, section.kind).Format(section.params, shared_fields)
+    made = class_of(__name__, section.kind, "Format")(section.params, shared_fields)
     report_format: ReportFormat = fulfilled(made, ReportFormat)
     return report_format

@@ -16,10 +16,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Protocol, runtime_checkable
 
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 from auv_flocking.central import Numbers, Strength
 
 
@@ -76,7 +75,7 @@ class CentralLaw(SeparationLaw, Protocol):
 
 def make_separation(section: Section) -> SeparationLaw:
     """Return the separation law of a section."""
-    made = find_plugin(__name__, section.kind).Separation(section.params)
+    made = class_of(__name__, section.kind, "Separation")(section.params)
     law: SeparationLaw = fulfilled(made, SeparationLaw)
     return law
 

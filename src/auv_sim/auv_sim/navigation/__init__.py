@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3
 from auv_core.messages import VehicleState
 from auv_core.odom_frame import OdomFrame
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 
 
 class OwnNavigation(Protocol):
@@ -41,6 +40,6 @@ class OwnNavigation(Protocol):
 
 def make_navigation(section: Section, seed: int, address: int, period_s: float) -> OwnNavigation:
     """Return the navigation of a section for the vehicle with this address."""
-    made = find_plugin(__name__, section.kind).Navigation(section.params, seed, address, period_s)
+    made = class_of(__name__, section.kind, "Navigation")(section.params, seed, address, period_s)
     navigation: OwnNavigation = fulfilled(made, OwnNavigation)
     return navigation

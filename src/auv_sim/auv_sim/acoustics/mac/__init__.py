@@ -11,9 +11,8 @@ from __future__ import annotations
 
 from typing import Protocol, runtime_checkable
 
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 
 
 class MediumAccess(Protocol):
@@ -48,6 +47,6 @@ class SensingAccess(MediumAccess, Protocol):
 
 def make_mac(section: Section, fleet_size: int, seed: int) -> MediumAccess:
     """Return the medium access of a section."""
-    made = find_plugin(__name__, section.kind).Mac(section.params, fleet_size, seed)
+    made = class_of(__name__, section.kind, "Mac")(section.params, fleet_size, seed)
     mac: MediumAccess = fulfilled(made, MediumAccess)
     return mac

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 from typing import Protocol, runtime_checkable
 
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 
 
 class AcousticModem(Protocol):
@@ -59,5 +58,5 @@ class LevelModem(AcousticModem, Protocol):
 
 def make_modem(section: Section) -> AcousticModem:
     """Return the modem of a section."""
-    modem: AcousticModem = fulfilled(find_plugin(__name__, section.kind).Modem(section.params), AcousticModem)
+    modem: AcousticModem = fulfilled(class_of(__name__, section.kind, "Modem")(section.params), AcousticModem)
     return modem

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 
 
 class PacketLoss(Protocol):
@@ -28,6 +27,6 @@ class PacketLoss(Protocol):
 def make_outage(section: Section, seed: int) -> PacketLoss:
     """Return the losses of a section."""
     outage: PacketLoss = fulfilled(
-        find_plugin(__name__, section.kind).Outage(section.params, seed), PacketLoss
+        class_of(__name__, section.kind, "Outage")(section.params, seed), PacketLoss
     )
     return outage

@@ -11,10 +11,9 @@ from __future__ import annotations
 import math
 from typing import Protocol, runtime_checkable
 
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 
 
 class SoundPropagation(Protocol):
@@ -34,7 +33,7 @@ class _WithBottom(Protocol):
 
 def make_propagation(section: Section) -> SoundPropagation:
     """Return the propagation of a section."""
-    made = find_plugin(__name__, section.kind).Propagation(section.params)
+    made = class_of(__name__, section.kind, "Propagation")(section.params)
     propagation: SoundPropagation = fulfilled(made, SoundPropagation)
     return propagation
 

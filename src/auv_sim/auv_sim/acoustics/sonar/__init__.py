@@ -10,10 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from auv_core.contracts import fulfilled
+from auv_core.contracts import class_of, fulfilled
 from auv_core.messages import SonarContact, VehicleState
 from auv_core.params import Section
-from auv_core.plugins import find_plugin
 
 
 class HullSonar(Protocol):
@@ -33,5 +32,5 @@ class HullSonar(Protocol):
 
 def make_sonar(section: Section, seed: int) -> HullSonar:
     """Return the sonars of a section."""
-    sonar: HullSonar = fulfilled(find_plugin(__name__, section.kind).Sonar(section.params, seed), HullSonar)
+    sonar: HullSonar = fulfilled(class_of(__name__, section.kind, "Sonar")(section.params, seed), HullSonar)
     return sonar
