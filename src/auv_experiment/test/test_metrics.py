@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from auv_experiment.metrics.distances import centroid_ned_m, pair_distances_m, vehicle_pairs
+from auv_experiment.metrics.gathering import formed_within_m
 from auv_experiment.metrics.links import link_counts
 from auv_experiment.metrics.run import compute_metrics, metrics_to_json
 from auv_experiment.metrics.safety import safe_command_metrics
@@ -149,6 +150,32 @@ def test_formed_at_the_end_of_the_first_ten_near_seconds() -> None:
     metrics = metrics_of(recording)
     assert metrics["formed_at_s"] == 23.0
     assert (metrics["pair_distance_formed_min_m"], metrics["pair_distance_formed_max_m"]) == (1.5, 6.0)
+
+
+@pytest.mark.parametrize(
+    ("params", "within_m"),
+    [
+        (SimpleNamespace(spacing_m=4.0, formation_spacing_m=7.0), 8.0),
+        (SimpleNamespace(formation_spacing_m=3.0), 6.0),
+    ],
+)
+def test_formed_follows_from_the_spacing_of_the_law(params: Any, within_m: float) -> None:
+    scenario = make_scenario()
+    scenario.agent.flocking = SimpleNamespace(kind="own", params=params)
+    assert formed_within_m(scenario) == within_m
+    recording = at_rest(SQUARE[:2], duration_s=60.0)
+    recording.position_ned_m[:5, 1, 0] = within_m
+    recording.position_ned_m[5:, 1, 0] = 0.99 * within_m
+    assert metrics_of(recording, scenario)["formed_at_s"] == 15.0
+
+
+def test_what_does_not_flock_is_never_formed() -> None:
+    scenario = make_scenario()
+    scenario.agent.flocking = None
+    metrics = metrics_of(at_rest(SQUARE, duration_s=60.0), scenario)
+    assert metrics["formed_at_s"] is None
+    assert metrics["pair_distance_formed_max_m"] is None
+    assert metrics["pair_distance_min_m"] == 2.0
 
 
 def test_never_formed() -> None:

@@ -238,3 +238,9 @@ def test_the_thesis_stands_beside_its_own_scenarios(tmp_path: Path) -> None:
     assert "1.5908" in outline.text
     assert "1.611" in outline.text
     assert "every integration stage" in outline.text
+
+
+def test_on_a_narrow_screen_tables_and_images_scroll_by_themselves(report: tuple[str, Outline]) -> None:
+    page, _ = report
+    for match in re.finditer(r"<(img|table)\b", page):
+        assert page[: match.start()].rstrip().endswith(('<div class="scroll">', "<div class='scroll'>"))

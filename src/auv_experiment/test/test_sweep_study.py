@@ -153,6 +153,11 @@ WRONG: dict[str, dict[str, Any]] = {
     "study.sample.parameters.dt_s.log_uniform[0]: 0.0 is not allowed; allowed: a finite number above 0": {
         "sample": {"count": 1, "parameters": {"dt_s": {"log_uniform": [0.0, 0.2]}}}
     },
+    "study.labels: 'dt_s' is not allowed; allowed: ": {"labels": {"dt_s": "step"}},
+    "study.labels: 'no.path' is not allowed; allowed: ": {"labels": {"no.path": "words"}},
+    f"study.labels.{LOSS}.values: 1 labels are not allowed; allowed: one for each of the 3 values": {
+        "labels": {LOSS: {"values": ["none"]}}
+    },
     "study.metrics: 'no_such_m' is not allowed; allowed: ": {"metrics": ["no_such_m"]},
     "study.metrics: 'real_time_factor' is not allowed": {"metrics": ["real_time_factor"]},
     f"study at {SLOT} = 0.5, {LOSS} = 1.5: scenario.{LOSS}: 1.5 is not allowed": {

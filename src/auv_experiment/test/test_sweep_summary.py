@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import shutil
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,22 @@ from full_disk import files_of_at_most
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from auv_experiment.figures.files import draw_in_style
 from auv_experiment.results import ResultsError
 from auv_experiment.sweeps import cli
 from auv_experiment.sweeps import table as sweep_table
 from auv_experiment.sweeps.confidence import distribution_band, summarise
+from auv_experiment.sweeps.figures import draw_metric
+from auv_experiment.sweeps.labels import (
+    group_label,
+    legend_title,
+    metric_label,
+    parameter_label,
+    short_values,
+)
 from auv_experiment.sweeps.plan import PlannedRun
 from auv_experiment.sweeps.study import study_from_plain
+from auv_experiment.sweeps.summary import groups_by
 from auv_experiment.sweeps.table import read_table, write_table
 from auv_experiment.sweeps.worker import Finished
 
@@ -287,3 +298,77 @@ def test_a_folder_without_a_table_is_refused_in_one_line(tmp_path, capsys):
     (tmp_path / "runs.parquet").write_text("no table")
     assert cli.main(["--summarise", str(tmp_path)]) == 2
     assert "not the table of a sweep" in capsys.readouterr().err
+
+
+def labelled(folder, **changes):
+    study, rows = made_up(**changes)
+    write_table(folder, study, rows, {})
+    return read_table(folder)
+
+
+def test_labels_are_short_without_the_study(tmp_path):
+    table = labelled(tmp_path)
+    assert parameter_label(table, "a.slot_s") == "slot_s"
+    assert [group_label(table, group) for group in groups_by(table, ["a.slot_s", "b.kind"])] == [
+        "1, x",
+        "1, null",
+        "2, x",
+        "2, null",
+    ]
+    assert legend_title(table, ["a.slot_s", "b.kind"]) == "slot_s, kind"
+    assert metric_label(table, "collision") == "share of runs: collision"
+
+
+def test_a_study_sets_its_labels(tmp_path):
+    labels = {
+        "a.slot_s": {"name": "slot", "values": ["short", "long"]},
+        "b.kind": "law",
+        "collision": "collisions per run",
+    }
+    table = labelled(tmp_path, labels=labels)
+    groups = groups_by(table, ["a.slot_s", "b.kind"])
+    assert [group_label(table, group) for group in groups][::3] == ["short, x", "long, null"]
+    assert legend_title(table, ["a.slot_s", "b.kind"]) == "slot, law"
+    assert metric_label(table, "collision") == "collisions per run"
+    drawing = draw_in_style(lambda: draw_metric(table, "collision"))
+    assert drawing is not None
+    (axes,) = drawing.canvas.axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("slot", "collisions per run")
+
+
+@pytest.mark.parametrize(
+    ("values", "texts"),
+    [
+        ([0.5, 1, 1e-7], ["0.5", "1", "1e-07"]),
+        ([{"kind": "a", "params": {"x": 1}}, {"kind": "b", "params": {"x": 1}}], ["a", "b"]),
+        (
+            [{"kind": "a", "params": {"x": 1}}, {"kind": "a", "params": {"x": 2, "y": "z"}}],
+            ["x 1", "x 2, y z"],
+        ),
+        ([{"kind": "a"}, {"kind": "a", "params": {"x": 1}}], ["", "x 1"]),
+        ([[1.0, 2.0], [3.0]], ["[1.0, 2.0]", "[3.0]"]),
+        (["a" * 40], ["a" * 27 + "…"]),
+    ],
+)
+def test_the_text_of_a_value_is_what_tells_it_from_the_others(values, texts):
+    assert short_values(values) == texts
+
+
+def test_figures_of_another_format_are_written_and_old_ones_go(tmp_path, capsys):
+    summarised(tmp_path, capsys)
+    cli.main(["--summarise", str(tmp_path), "--format", "pdf"])
+    names = {path.name for path in (tmp_path / "figures").iterdir()}
+    metrics = ("pair_distance_min_m", "collision")
+    assert names == {f"{name}.{kind}" for name in metrics for kind in ("pdf", "png")}
+    cli.main(["--summarise", str(tmp_path)])
+    assert {path.suffix for path in (tmp_path / "figures").iterdir()} == {".png"}
+
+
+def test_own_metrics_that_failed_are_one_warning(tmp_path, capsys):
+    study, rows = made_up()
+    rows = [
+        (run, replace(f, metrics={**f.metrics, "own_metrics_failed": "metrics/a.py: x"})) for run, f in rows
+    ]
+    write_table(tmp_path, study, rows, {})
+    cli.main(["--summarise", str(tmp_path)])
+    assert "warning: own metrics failed in 12 of 12 runs: metrics/a.py: x\n" in capsys.readouterr().err

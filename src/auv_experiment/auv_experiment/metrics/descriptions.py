@@ -172,7 +172,7 @@ MEANINGS = {
     ),
     # packets
     "packets_sent": Meaning("", "packets handed to modems"),
-    "packet_delivery_ratio": _share("receptions / (packets sent x other vehicles)"),
+    "packet_delivery_ratio": _share("share of the packets sent that arrived, over all other vehicles"),
     "packets_lost": Meaning("", "packets that did not reach a receiver, counted at every receiver"),
     "packet_loss_outage_ratio": _share("share of packets at their receivers lost to outage"),
     "packet_loss_noise_ratio": _share("share of packets at their receivers lost to noise"),

@@ -8,7 +8,6 @@ escaped.
 
 from __future__ import annotations
 
-import base64
 import html
 import importlib.metadata
 import json
@@ -22,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from auv_core.machine.whole_files import write_text
+from auv_experiment.report.html import embedded_png, head
 from auv_experiment.report.numbers_table import numbers_table
 from auv_experiment.report.template import PAGE
 from auv_experiment.report.verdicts import verdicts
@@ -58,6 +58,7 @@ def write_report(results_dir: Path, scenario: Scenario, metrics: dict[str, Any],
     """
     provenance = _provenance(results_dir)
     page = PAGE.substitute(
+        head=head(scenario.title),
         title=html.escape(scenario.title),
         facts=html.escape(f"{scenario.name}, seed {scenario.seed}, {metrics.get('mode')}"),
         flown=html.escape(_flown(scenario, metrics) + _strangers(provenance)),
@@ -127,10 +128,9 @@ def _figures_section(saved: SavedFigures) -> str:
     parts = ["<h2>Figures</h2>"] if saved.figures or saved.failures else []
     parts += [f"<p class='failure'>A figure is left out: {html.escape(line)}</p>" for line in saved.failures]
     for number, figure in enumerate(saved.figures, start=1):
-        image = base64.b64encode(figure.path.read_bytes()).decode("ascii")
         title, caption = html.escape(figure.title), html.escape(figure.caption)
         parts.append(
-            f'<figure>\n<img alt="{title}" src="data:image/png;base64,{image}">\n'
+            f"<figure>\n{embedded_png(figure.path.read_bytes(), figure.title)}\n"
             f"<figcaption><strong>Figure {number}. {title}.</strong> {caption}</figcaption>\n</figure>"
         )
     return "\n".join(parts)

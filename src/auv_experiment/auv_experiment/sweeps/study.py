@@ -121,7 +121,7 @@ class Study:
         "parameter that distinguishes the lines; if missing, all others of the grid", default=None
     )
     labels: dict[str, Label] | None = param(
-        "labels of parameters, by dotted path, and of metrics: a text, or {name: ..., values: [...]}",
+        "labels of parameters and metrics of the study, by key: a text, or {name: ..., values: [...]}",
         default=None,
     )
 
@@ -186,8 +186,9 @@ class Study:
 
     def _check_label(self, key: str, label: Label) -> None:
         known = (*self.parameters, *self.metrics)
-        if key not in known and ("." in key or self.metrics):
-            raise ValueError(f"labels: {shown(key)} is not allowed; allowed: {', '.join(known) or 'metrics'}")
+        if key not in known:
+            allowed = ", ".join(known) or "nothing, the study names no parameter and no metric"
+            raise ValueError(f"labels: {shown(key)} is not allowed; allowed: {allowed}")
         count = len((self.grid or {}).get(key, ()))
         if label.values is not None and len(label.values) != count:
             raise ValueError(
