@@ -161,6 +161,9 @@ def test_a_current_with_kinematic_vehicles_is_refused():
         "acoustics.outage.kind=bernoulli",
         "agent.flocking.params.feedforward=flock",
         "agent.consensus.params.follow_flock=true",
+        "agent.consensus={kind: pi, params: {follow_flock: false}}",
+        "agent.consensus={kind: push_sum, params: {follow_flock: false}}",
+        "agent.consensus={kind: neighbour_mean, params: {follow_flock: false}}",
     ],
 )
 def test_continuous_time_is_refused_for_what_lives_on_packets(override):
