@@ -1,1 +1,1 @@
-"""Experiments: a scenario, its run in one process, what was recorded, metrics, reports and sweeps."""
+"""Experiments: scenarios, runs in one process, recordings, metrics, reports and sweeps."""

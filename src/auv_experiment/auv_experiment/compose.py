@@ -1,6 +1,6 @@
 """
-The composition root: from a scenario to the configuration of every component, for one process and for ROS
-nodes alike.
+The composition root: it derives the configuration of every component from a scenario, for in-process runs
+and for ROS nodes.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
 
 
 def input_limits(scenario: Scenario) -> InputLimits:
-    """Return what agents take for too old or impossible; a speed limit left out follows from the vehicles."""
+    """Return the input limits of agents; a missing speed limit follows from the vehicles."""
     limits = scenario.agent.inputs
     if limits.speed_max_mps is not None:
         return limits
@@ -72,8 +72,8 @@ def input_limits(scenario: Scenario) -> InputLimits:
 
 def compile_ahead(scenario: Scenario, tell: Callable[[str], None]) -> None:
     """
-    Compile what the vehicles, agents and modems of a scenario call, so that processes forked from this one
-    have it; `tell` gets a line for the user where that takes a while.
+    Compile the functions that a scenario's vehicles, agents and modems call, so that forked processes have
+    them; `tell` gets a line for the user if this takes long.
     """
     use_compiler(tell)
     for vehicle, agent in zip(vehicle_configs(scenario), agent_configs(scenario), strict=True):

@@ -1,8 +1,8 @@
-"""Run the neighbour filters of every agent again, from a bag's received packets and contacts, and compare.
+"""Run the neighbour filters of every agent again on a bag's received packets and contacts, and compare.
 
-Only what an agent was given goes in, acoustic packets, sonar contacts and its own navigation: no truth, no
-simulator, no estimate of another agent.  What is done with it is :mod:`auv_flocking.senses`, set as in the
-scenario beside the bag: any difference means that the recorded estimates were not made from them.
+The inputs are those of the agent only: acoustic packets, sonar contacts and its own navigation. Truth,
+simulator and estimates of other agents are not used. What is done with it is :mod:`auv_flocking.senses`, set
+as in the scenario beside the bag: any difference means that the recorded estimates used other data.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ class Comparison:
     Attributes
     ----------
     estimates, ticks
-        Number of estimates compared, and of vehicle ticks that they belong to.
+        Number of compared estimates, and of their vehicle ticks.
     position_m, velocity_mps
         Per component, NED.
     covariance
         Over all elements (m^2, m^2/s, m^2/s^2).
     unmatched
-        Estimates that only one side has.
+        Number of estimates that exist on one side only.
     unused_ticks
-        Recorded ticks that could not be repeated, since the packets before them are not all in the bag.
+        Number of recorded ticks that could not be repeated, since earlier packets are missing in the bag.
     """
 
     estimates: int = 0
@@ -54,7 +54,7 @@ class Comparison:
 
     @property
     def agrees(self) -> bool:
-        """Everything was matched, something was compared, and no difference is above 1e-9."""
+        """All estimates were matched, at least one was compared, and no difference is above 1e-9."""
         worst = max(self.position_m, self.velocity_mps, self.covariance)
         return self.unmatched == 0 and self.estimates > 0 and worst <= TOLERANCE
 
@@ -82,7 +82,7 @@ def re_estimate(
     period_s
         Control period (s); the estimates of tick k are for k * period_s.
     limits
-        What of its inputs an agent did not use.
+        Limits of the inputs that an agent uses.
     """
     result = Comparison()
     if "/clock" not in bag.topics:
@@ -156,5 +156,5 @@ def _compare_tick(recorded: Sequence[Any], repeated: Sequence[NeighbourEstimate]
 
 
 def _difference(a: ArrayLike, b: ArrayLike) -> float:
-    """Return the largest difference of two elements; what is not a number differs without bound."""
+    """Return the largest difference of two elements; infinity for elements that are not numbers."""
     return float(np.nan_to_num(np.abs(np.asarray(a) - np.asarray(b)), nan=np.inf).max())

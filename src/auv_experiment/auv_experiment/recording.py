@@ -1,11 +1,11 @@
 """
-A run as arrays: what metrics, figures and the report read.
+A run as arrays, for metrics, figures and the report.
 
-A recording comes from a bag or straight from an in-process run, and looks the same in both cases. It
-holds K control ticks of N vehicles; arrays are indexed (tick, vehicle, component), so `x[k, i]` belongs to
-scenario time `t_s[k]` and vehicle `vehicle_ids[i]`, whose acoustic address is `i + 1`. Positions and
-their rates are in map_ned (north, east, down), body quantities forward-right-down. NaN marks what does
-not exist: the estimate of a neighbour that was never heard, the command of a vehicle that is lost.
+A recording comes from a bag or directly from an in-process run, and is the same in both cases. It holds K
+control ticks of N vehicles; arrays are indexed (tick, vehicle, component), so `x[k, i]` belongs to scenario
+time `t_s[k]` and vehicle `vehicle_ids[i]`, whose acoustic address is `i + 1`. Positions and their rates are
+in map_ned (north, east, down), body quantities forward-right-down. NaN marks values that do not exist, such
+as the estimate of a neighbour that was never heard, or the command of a lost vehicle.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _VALUES_OF_ROWS = (("delay_s", "received"), ("contact_values", "contacts"), ("ev
 
 
 class RecordingError(ValueError):
-    """A recording whose arrays do not fit together, or a file that holds none."""
+    """Raised if the arrays of a recording do not match, or a file has no recording."""
 
 
 @dataclass(eq=False)
@@ -56,44 +56,44 @@ class Recording:
     velocity_body : (K + 1, N, 6) array
         True nu = [u, v, w, p, q, r] (m/s, rad/s; body FRD).
     command : (K, N, 6) array
-        Wrench (N, N m; body FRD) asked of the actuators; for a kinematic vehicle velocity (m/s, NED) in the
-        first three components and yaw rate (rad/s) in the last.
+        Wrench (N, N m; body FRD) commanded to the actuators; for a kinematic vehicle velocity (m/s, NED) in
+        the first three components and yaw rate (rad/s) in the last.
     reference_velocity_ned_mps : (K, N, 3) array
-        Velocity that the flocking law asks for, or that of the vehicle's own path (m/s, NED).
+        Velocity commanded by the flocking law, or that of the vehicle's own path (m/s, NED).
     centre_ned_m, centre_velocity_ned_mps : (K, N, 3) arrays
         Each vehicle's own estimate of the flocking centre (m and m/s, NED).
     law_state : (K, N, S) array
-        What each vehicle's law remembers (parameter estimates and the like; see the law), S of the longest.
+        State of each vehicle's law (such as parameter estimates; see the law); S is the largest size.
     holding : (K, N) array of int64
         Why the agent gave the safe command instead of the law's, see `auv_flocking.holding.cause_number`; 0
         where the law acted.
     neighbour_position_ned_m, neighbour_velocity_ned_mps : (K, N, N, 3) arrays
-        These and the other arrays of neighbours have no rows where nobody estimates anybody.
-        Estimate [k, i, j] that vehicle i holds of vehicle j (m and m/s, NED).
+        These and the other arrays of neighbours have no rows if there are no neighbour estimates.
+        Estimate [k, i, j] of vehicle j by vehicle i (m and m/s, NED).
     neighbour_covariance : (K, N, N, 6, 6) array
         Covariance of position and velocity, in this order (m^2, m^2/s, m^2/s^2; NED).
     neighbour_age_s, neighbour_sonar_age_s : (K, N, N) arrays
         Age of the newest packet in the estimate, and time since the sonar saw the neighbour (s; inf: never).
     nav_position_ned_m : (K, N, 3) array
-        Where the vehicle's own navigation believes itself to be (m, map_ned).
+        Position of the vehicle by its own navigation (m, map_ned).
     nav_position_sd_m : (K, N) array
-        Standard deviation per horizontal axis that the navigation states of that (m).
+        Its standard deviation per horizontal axis, as the navigation states it (m).
     contacts : (C, 2) array of int64
-        Tick of a sonar contact and the address of the vehicle whose sonar it is.
+        Tick of a sonar contact, and address of the vehicle with the sonar.
     contact_values : (C, 3) array
         Range (m), bearing and elevation (rad; body FRD, elevation positive up), per row of `contacts`.
     sent : (S, 3) array of int64
-        Tick in which the packet was handed over, source address, sequence number.
+        Tick in which the packet was passed to the modem, source address, sequence number.
     received : (R, 4) array of int64
         Tick of delivery, source address, destination address, sequence number.
     delay_s : (R,) array
         End of reception minus start of transmission, per row of `received` (s).
     events : (E, 6) array of int64
-        The acoustic log: tick in which it became known, `Outcome`, source address, destination address (0 in
-        a SENT row that everybody may hear), sequence number, payload size (bytes).
+        The acoustic log: tick in which the event was logged, `Outcome`, source address, destination address
+        (0 in a SENT row of a broadcast), sequence number, payload size (bytes).
     event_values : (E, 3) array
         First and last moment of the signal, at the sender in SENT rows, else at the receiver (s), and the
-        ratio of signal to ambient noise (dB, NaN where the channel has none), per row of `events`.
+        ratio of signal to ambient noise (dB, NaN if the channel has none), per row of `events`.
     lost_at_s : (N,) array
         Scenario time at which the vehicle's computer was lost, NaN if it never was (s).
 
@@ -127,7 +127,7 @@ class Recording:
     lost_at_s: FloatArray
 
     def __post_init__(self) -> None:
-        """Bring the arrays to their types and check that their shapes fit together."""
+        """Convert the arrays to their types and check that their shapes match."""
         self.vehicle_ids = tuple(str(name) for name in self.vehicle_ids)
         for name, shape in shapes_of(len(self.t_s), len(self.vehicle_ids)).items():
             array = np.asarray(getattr(self, name), dtype=dtype_of(name))
@@ -148,7 +148,7 @@ class Recording:
         cls, vehicle_ids: Sequence[str], t_s: NDArray[np.floating[Any]], *, has_neighbours: bool = True
     ) -> Recording:
         """
-        Return a recording of the right shapes in which nothing exists yet.
+        Return an empty recording of the right shapes.
 
         Parameters
         ----------
@@ -157,8 +157,8 @@ class Recording:
         t_s : (K + 1,) array
             Scenario time of each state (s).
         has_neighbours : bool
-            False where nobody estimates anybody: the arrays of neighbours, which grow with the square of N,
-            then have no rows.
+            False if there are no neighbour estimates: the arrays of neighbours, which grow with the square
+            of N, then have no rows.
 
         Returns
         -------
@@ -182,7 +182,7 @@ class Recording:
 
     @property
     def n_ticks(self) -> int:
-        """Number of control ticks K; there is one state more."""
+        """Number of control ticks K; there are K + 1 states."""
         return len(self.t_s) - 1
 
     @property
@@ -199,15 +199,15 @@ class Recording:
 
     def save(self, path: str | Path) -> Path:
         """
-        Write the recording as a compressed .npz file, all of it or nothing.
+        Write the recording as a compressed .npz file, completely or not at all.
 
-        Equal recordings give equal bytes. The fastest compression is used: covariances hardly
-        compress and would cost seconds.
+        Equal recordings give equal bytes. The fastest compression is used, since covariances hardly compress
+        and would take seconds.
 
         Raises
         ------
         WriteError
-            When the file cannot be written, as on a full disk.
+            If the file cannot be written, as on a full disk.
 
         """
         path = Path(path)
@@ -222,7 +222,7 @@ class Recording:
 
     @classmethod
     def load(cls, path: str | Path) -> Recording:
-        """Read what `save` has written; raise RecordingError, one line, for anything else."""
+        """Read a file that `save` has written; raise RecordingError, one line, for any other file."""
         try:
             _check_size(Path(path))
             with np.load(path, allow_pickle=False) as archive:
@@ -232,7 +232,7 @@ class Recording:
                 return cls(**{field.name: archive[field.name] for field in fields(cls)})
         except RecordingError as error:
             raise RecordingError(f"{path}: {error}") from None
-        except Exception as error:  # each layer of a damaged file has errors of its own
+        except Exception as error:  # each layer of a damaged file has its own exceptions
             reason = " ".join(f"{type(error).__name__}: {error}".split())
             raise RecordingError(f"{path} is damaged or not a recording ({reason})") from error
 
@@ -248,7 +248,7 @@ def acoustic_log(recording: Recording) -> list[AcousticEvent]:
 
 
 def _check_size(path: Path) -> None:
-    """Raise RecordingError for a file that unpacks to more than the memory of this machine can take."""
+    """Raise RecordingError for a file that unpacks to more than the free memory of this machine."""
     with zipfile.ZipFile(path) as archive:
         unpacked = sum(_stated_bytes(archive, member) for member in archive.infolist())
     free = free_bytes()

@@ -1,4 +1,4 @@
-"""Turn a recorded bag into the arrays of a run."""
+"""Conversion of a bag to the arrays of a run."""
 
 from __future__ import annotations
 
@@ -26,30 +26,30 @@ def read_recording(
 ) -> Recording:
     """Read the arrays of a run from its bag.
 
-    Ticks that a bag lacks (a real-time run may miss some) hold the values of the tick before; commands no
-    longer than a vehicle acts on them, then it rests. A lost vehicle's commands and estimates are NaN from
-    its loss on. Rows of `sent` are in the order of tick and source, those of `received` of tick, destination
-    and arrival, those of `events` as the medium wrote them.
+    Missing ticks of a bag (possible in real time) have the values of the tick before. Commands are repeated
+    only as long as a vehicle acts on them; then it rests. A lost vehicle's commands and estimates are NaN
+    after its loss. Rows of `sent` are sorted by tick and source, those of `received` by tick, destination and
+    arrival; those of `events` have the order of the medium.
 
     Parameters
     ----------
     bag_dir
         Bag folder or results folder.
     scenario
-        The scenario that was run: names and order of the vehicles, control period, length.
+        The scenario of the run: names and order of the vehicles, control period, length.
     tell
-        Gets a line about what is left out: messages that cannot be read, or that name ticks or vehicles which
-        the run does not have.
+        Gets a line about omitted messages: unreadable ones, or ones with ticks or vehicles that the run does
+        not have.
 
     Returns
     -------
     Recording
-        Of as many ticks as every vehicle has a recorded state for, at most those of the scenario.
+        It has as many ticks as there are recorded states of every vehicle, at most those of the scenario.
 
     Raises
     ------
     BagError
-        If the bag cannot be read or holds no state of some vehicle.
+        If the bag cannot be read or has no state of a vehicle.
     """
     bag = Bag(Path(bag_dir))
     vehicle_ids = [vehicle.id for vehicle in scenario.vehicles]
@@ -62,7 +62,7 @@ def read_recording(
 
 
 class _Arrays:
-    """Makes the arrays of a run from its messages."""
+    """Converts messages to the arrays of a run."""
 
     def __init__(self, messages: RunMessages, scenario: Scenario) -> None:
         self._messages = messages
@@ -91,7 +91,7 @@ class _Arrays:
         return recording
 
     def _falls_silent(self, i: int, n_ticks: int) -> bool:
-        """Return whether vehicle i gets no command any more before the end: one that does is not lost."""
+        """Return whether vehicle i gets no more commands before the end; otherwise it is not lost."""
         return self._messages.command[i].last_tick < n_ticks - 1
 
     def _add_truth(self, recording: Recording, i: int) -> None:
@@ -106,7 +106,7 @@ class _Arrays:
         recording.nav_position_sd_m[:, i] = nav[:, 3]
 
     def _add_decisions(self, recording: Recording, i: int, *, lost: bool) -> None:
-        """Fill in what the computer of vehicle i made, up to its loss."""
+        """Fill in the outputs of vehicle i's computer, up to its loss."""
         k, n = recording.n_ticks, recording.n_vehicles
         held_to = None if lost else k
         recording.command[:, i] = self._messages.command[i].table(k, held_to=held_to)
@@ -128,7 +128,7 @@ class _Arrays:
             recording.lost_at_s[i] = (self._messages.command[i].last_tick + 1) * self._period_s
 
     def _add_laws(self, recording: Recording) -> None:
-        """Fill in what the laws remembered, held to the vehicle's last command, and why agents held."""
+        """Fill in the laws' states, repeated up to the last command, and why agents held."""
         k, n = recording.n_ticks, recording.n_vehicles
         laws = self._messages.law_state
         recording.law_state = np.full((k, n, max(series.width for series in laws)), np.nan)
@@ -140,7 +140,7 @@ class _Arrays:
             recording.holding[ticks[kept], i] = causes[kept, 0]
 
     def _add_packets(self, recording: Recording) -> None:
-        """Fill in the packets of the ticks that are kept: by tick and vehicle, then as they came."""
+        """Fill in the packets of the kept ticks: by tick and vehicle, then in the order of arrival."""
         sent = _before(recording.n_ticks, self._messages.sent.by(0, 1))
         received = _before(recording.n_ticks, self._messages.received.by(0, 2))
         recording.sent = sent.astype(np.int64)
@@ -148,7 +148,7 @@ class _Arrays:
         recording.delay_s = received[:, 4].copy()
 
     def _add_sound(self, recording: Recording) -> None:
-        """Fill in the sonar contacts and the acoustic log of the ticks that are kept."""
+        """Fill in the sonar contacts and the acoustic log of the kept ticks."""
         contacts = _before(recording.n_ticks, self._messages.contacts.by(0, 1))
         recording.contacts = contacts[:, :2].astype(np.int64)
         recording.contact_values = contacts[:, 2:].copy()

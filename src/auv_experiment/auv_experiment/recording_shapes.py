@@ -1,4 +1,4 @@
-"""The shapes of a recording's arrays, and so how much memory they take."""
+"""The shapes of a recording's arrays, and their memory."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NEIGHBOURS = (
 
 
 def shapes_of(n_states: int, n: int) -> dict[str, tuple[int | None, ...]]:
-    """Return the expected shape of every array; None where any number of rows will do."""
+    """Return the expected shape of every array; None means any number of rows."""
     k = n_states - 1
     return {
         "t_s": (n_states,),
@@ -64,13 +64,13 @@ def fits(shape: tuple[int, ...], expected: tuple[int | None, ...]) -> bool:
 
 
 def bytes_per_tick(n_vehicles: int, *, has_neighbours: bool) -> int:
-    """Return what a recording without packets grows by in a tick (bytes)."""
+    """Return the growth of a recording without packets per tick (bytes)."""
     before, after = shapes_of(1, n_vehicles), shapes_of(2, n_vehicles)
     names = [name for name in after if has_neighbours or name not in NEIGHBOURS]
     return _NUMBER_BYTES * sum(_count(after[name]) - _count(before[name]) for name in names)
 
 
 def bytes_of_rows(*, sent: float, heard: float) -> float:
-    """Return the size of so many packets sent, and of what became of so many at their receivers (bytes)."""
+    """Return the size of this number of sent packets, and of this number of outcomes at receivers (bytes)."""
     event = 6 + 3
     return _NUMBER_BYTES * (sent * (3 + event) + heard * (4 + 1 + event))

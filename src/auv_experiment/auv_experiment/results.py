@@ -1,11 +1,11 @@
 """
-Where a run leaves what it found: one folder per run, named by what was run, never overwritten.
+The results folder of a run: one folder per run, named after its scenario, never overwritten.
 
 ``results/<scenario>-<seed>-<mode>[-<hash of the overrides>][-2, -3, ...]/`` holds
 
     scenario.yaml     the resolved scenario: loading it gives the same run again
     provenance.json   seed, overrides, versions of every package, git revision, and how the flight ended
-    bag/              what the recorder wrote, or recording.npz for a run in one process
+    bag/              the recorder's bag, or recording.npz for a run in one process
     logs/             one file per node, and the parameters that it was started with
     metrics.json, figures/*, report.html
 """
@@ -42,19 +42,19 @@ SCENARIO_FILE = "scenario.yaml"
 
 _GIT_TIMEOUT_S = 5.0
 _ENDING_BYTES = 32_768
-"""Room for how a flight ended: a few numbers, a reason, and lines about strangers."""
+"""Space for the end of a flight: a few numbers, a reason, and lines about foreign publishers."""
 
 
 class ResultsError(ValueError):
-    """A results folder that cannot be made or read; the message is one line for the user."""
+    """Raised if a results folder cannot be made or read; the message is one line for the user."""
 
 
 def overrides_hash(overrides: Sequence[str], duration_s: float | None = None) -> str:
     """
-    Return 8 hexadecimal digits that stand for the overrides, '' when there are none.
+    Return a hash of the overrides (8 hexadecimal digits), '' without overrides.
 
-    What matters is which key has which value in the end: the order of different keys, spaces in a value and
-    20 against 20.0 do not. `duration_s` counts as the override of that key.
+    Only the final value of each key matters, not the order of different keys, spaces in a value, or 20
+    against 20.0. `duration_s` counts as an override of that key.
     """
     values: dict[str, Any] = {}
     for override in overrides:
@@ -79,20 +79,20 @@ def _canonical(value: Any) -> Any:
 
 
 def results_name(scenario: str, seed: int, mode: str, digest: str = "") -> str:
-    """Return the name of a run's folder, without the suffix that tells repeated runs apart."""
+    """Return the name of a run's folder, without the suffix that distinguishes repeated runs."""
     return f"{scenario}-{seed}-{mode}" + (f"-{digest}" if digest else "")
 
 
 def make_results_dir(parent: Path, name: str) -> Path:
     """
-    Make and return a new folder `name` in `parent`; `name`-2, `name`-3, ... when it exists.
+    Make and return a new folder `name` in `parent`; `name`-2, `name`-3, ... if it exists.
 
     Two runs that start at the same moment never get the same folder.
 
     Raises
     ------
     ResultsError
-        When the folder cannot be made.
+        If the folder cannot be made.
 
     """
     try:
@@ -111,7 +111,7 @@ def make_results_dir(parent: Path, name: str) -> Path:
 
 
 def make_folder(folder: Path) -> None:
-    """Make the folder that `--out` names, if it is not there; raise ResultsError if it cannot be written."""
+    """Make the folder of `--out` if it does not exist; raise ResultsError if it cannot be written."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         probe = folder / ".writable"
@@ -124,7 +124,7 @@ def make_folder(folder: Path) -> None:
 def provenance(
     scenario: Scenario, *, mode: str, overrides: Sequence[str] = (), duration_s: float | None = None
 ) -> dict[str, Any]:
-    """Return what somebody needs, besides the resolved scenario, to repeat a run."""
+    """Return the data, besides the resolved scenario, that are needed to repeat a run."""
     return {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -150,7 +150,7 @@ def git_state(file: Path) -> dict[str, Any] | None:
     """
     Return revision and cleanness of the checkout that tracks `file`.
 
-    None where there is no git, no checkout, or where `file` is only a guest in one (installed, not tracked).
+    None if there is no git or no checkout, or if `file` lies in one but is not tracked.
     """
     try:
         _git(file.parent, "ls-files", "--error-unmatch", file.name)
@@ -186,7 +186,7 @@ def _json_text(data: dict[str, Any]) -> str:
 
 
 def write_beginning(folder: Path, record: dict[str, Any], *, has_ending: bool) -> None:
-    """Write the provenance of a run; where a flight `has_ending`, keep room for how it ends."""
+    """Write the provenance of a run; if a flight `has_ending`, reserve space for its end."""
     path = folder / PROVENANCE_FILE
     write_json(path, record)
     if has_ending:
@@ -194,13 +194,13 @@ def write_beginning(folder: Path, record: dict[str, Any], *, has_ending: bool) -
 
 
 def write_ending(folder: Path, **ending: Any) -> None:
-    """Add to the provenance of a run how it ended, also on a full disk."""
+    """Add the end of a run to its provenance, even on a full disk."""
     path = folder / PROVENANCE_FILE
     write_reserved(path, _json_text({**read_json(path), **ending}))
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """Return what `write_json` wrote; {} when there is no such file or it holds something else."""
+    """Return the data that `write_json` wrote; {} if there is no such file or it has other content."""
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -212,21 +212,21 @@ def load_recording(
     results_dir: Path, scenario: Scenario, tell: Callable[[str], None] = lambda _: None
 ) -> Recording:
     """
-    Return what a run recorded: `recording.npz` of a run in one process, else its bag.
+    Return the recording of a run: `recording.npz` of a run in one process, otherwise its bag.
 
     Parameters
     ----------
     results_dir : Path
         The run's folder.
     scenario : Scenario
-        What was flown.
+        The scenario of the run.
     tell : callable
-        Gets a line about what a bag holds that is not of the run.
+        Gets a line about messages of a bag that do not belong to the run.
 
     Raises
     ------
     ResultsError
-        When there is neither, or it cannot be read.
+        If there is neither, or it cannot be read.
 
     """
     from auv_bag.writer import BagError
@@ -260,7 +260,7 @@ def write_results(
     results_dir : Path
         The run's folder.
     scenario, recording
-        What was asked for, and what happened.
+        The scenario and the recording.
     mode : str
         'lockstep', 'realtime' or 'inprocess'.
     real_time_factor : float
@@ -268,7 +268,7 @@ def write_results(
     formats : sequence of str
         Formats of the figures, as `with_page_format` gives them; empty for a report without figures.
     on_step : callable
-        Told what is being done, in a word or two.
+        Receives the current step as a short text.
     tell : callable
         Gets a line about each file of own metrics or figures that failed.
 

@@ -1,8 +1,8 @@
 """
-The name of a run, made from everything that its numbers follow from.
+The key of a run, computed from everything that determines its numbers.
 
 That is the resolved scenario, the source that runs depend on, and the versions of Python and its numerical
-packages: what is kept under a key is what a new run would give.
+packages. A new run with the same key gives the kept result.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _PACKAGES = ("numpy", "scipy", "numba", "scikit-fuzzy")
 
 
 def run_key(scenario: Scenario) -> str:
-    """Return 20 hexadecimal digits that stand for a run of the resolved scenario."""
+    """Return the key of a run of the resolved scenario (20 hexadecimal digits)."""
     text = f"{source_version()}\n{scenario_to_json(scenario)}"
     return hashlib.sha256(text.encode()).hexdigest()[:20]
 
@@ -43,10 +43,11 @@ def run_key(scenario: Scenario) -> str:
 @cache
 def source_version() -> str:
     """
-    Return 20 hexadecimal digits that stand for the source and the packages that runs depend on.
+    Return a hash of the source and the packages that runs depend on (20 hexadecimal digits).
 
-    That is all of the libraries and plugins but their nodes and commands, and what the run itself imports of
-    auv_experiment and auv_core; scenario files are not in it, since the resolved scenario counts by itself.
+    It covers all libraries and plugins except nodes and commands, and the modules of auv_experiment and
+    auv_core that a run imports. Scenario files are not included, since the resolved scenario is in the key
+    itself.
     """
     digest = hashlib.sha256(platform.python_version().encode())
     for package in _PACKAGES:
@@ -73,7 +74,10 @@ def _source_files() -> set[Path]:
 
 
 def _imported(entrances: tuple[str, ...]) -> set[Path]:
-    """Return the files of `_TRACED` that these import, they included; imports in functions count, too."""
+    """
+    Return the files of `_TRACED` that these files import, including themselves; imports in functions count,
+    too.
+    """
     found: set[Path] = set()
     waiting = list(entrances)
     while waiting:
@@ -90,7 +94,7 @@ def _imported(entrances: tuple[str, ...]) -> set[Path]:
 
 
 def _file(module: str) -> Path | None:
-    """Return the file of a module of `_TRACED`, None where the name is something else."""
+    """Return the file of a module of `_TRACED`, None for other names."""
     package, *rest = module.split(".")
     if package not in _TRACED or not rest:
         return None

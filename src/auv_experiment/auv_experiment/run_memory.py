@@ -1,4 +1,4 @@
-"""How much memory a run takes: one that does not fit into what is free is refused before it starts."""
+"""Memory of a run: a run that does not fit into the free memory is refused before it starts."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ if TYPE_CHECKING:
 
 _PROGRAM_BYTES = 230e6
 _COPIES = 1.5
-"""Metrics and figures take half of the recording again. Measured, as the numbers around it."""
+"""Metrics and figures take half of the recording in addition. Measured, like the following numbers."""
 _BYTES_PER_PAIR = 96
-"""Of what metrics compute for each pair of vehicles and tick."""
+"""Bytes that metrics compute for each pair of vehicles and tick."""
 _BYTES_PER_MEASUREMENT = 3500
-"""Of what a neighbour filter remembers."""
+"""Bytes of a neighbour filter's history."""
 _MAC_TICKS = 100
 
 
 def check_memory(scenario: Scenario, *, has_nodes: bool = False) -> None:
     """
-    Refuse a run that does not fit into the memory that is free.
+    Refuse a run that does not fit into the free memory.
 
     Parameters
     ----------
     scenario : Scenario
-        What is to be flown.
+        The scenario to fly.
     has_nodes : bool
-        Whether nodes fly it and write a bag: then only what they remember of each other counts.
+        Whether nodes fly it and write a bag: then only their neighbour filters count.
 
     Raises
     ------
@@ -55,7 +55,9 @@ def check_memory(scenario: Scenario, *, has_nodes: bool = False) -> None:
 
 
 def memory_warning(scenario: Scenario) -> str:
-    """Return one line where a flight of nodes fits into the memory, but its report will not; else nothing."""
+    """
+    Return one line if a flight of nodes fits into memory but its report will not, otherwise an empty text.
+    """
     needed, free = _PROGRAM_BYTES + _report_bytes(scenario), free_bytes()
     if needed <= free:
         return ""
@@ -66,12 +68,12 @@ def memory_warning(scenario: Scenario) -> str:
 
 
 def run_bytes(scenario: Scenario) -> float:
-    """Return an estimate of the memory that a run in one process takes at most (bytes)."""
+    """Return an estimate of the peak memory of a run in one process (bytes)."""
     return _PROGRAM_BYTES + _filter_bytes(scenario) + _report_bytes(scenario)
 
 
 def _report_bytes(scenario: Scenario) -> float:
-    """Return the size of a recording with what metrics and figures need beside it (bytes)."""
+    """Return the size of a recording plus the memory for metrics and figures (bytes)."""
     count = len(scenario.vehicles)
     is_sampled = scenario.sampling == "sampled"
     kept = float(bytes_per_tick(count, has_neighbours=is_sampled))
@@ -82,7 +84,7 @@ def _report_bytes(scenario: Scenario) -> float:
 
 
 def _filter_bytes(scenario: Scenario) -> float:
-    """Return what all vehicles together remember of all others' packets (bytes)."""
+    """Return the memory of all vehicles' neighbour filters (bytes)."""
     count = len(scenario.vehicles)
     if scenario.sampling != "sampled" or count < 2:
         return 0.0
@@ -94,7 +96,7 @@ def _filter_bytes(scenario: Scenario) -> float:
 
 
 def _packets_per_tick(scenario: Scenario) -> float:
-    """Return how many packets the fleet sends in a tick, as its medium access lets it."""
+    """Return how many packets the fleet sends per tick under its medium access."""
     section, count = scenario.acoustics.mac, len(scenario.vehicles)
     mac = make_mac(section, count, scenario.seed)
     ticks = min(_MAC_TICKS, scenario.ticks)

@@ -1,4 +1,4 @@
-"""The messages of a run by vehicle and tick, as a bag gives them."""
+"""The messages of a bag by vehicle and tick."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class RunMessages:
         self._read(bag)
 
     def _read(self, bag: Bag) -> None:
-        """Take every message that an array is made of."""
+        """Take every message that arrays are made of."""
         takings = self._takings()
         for topic, batches, count in bag.columns(takings.keys() & bag.topics.keys()):
             left_out = count - sum(_take(takings[topic], batch) for batch in batches)
@@ -210,7 +210,7 @@ class RunMessages:
             self.events.add(batch.order, _rows(batch.messages.tick, *keys, *self._event_times_s(e), e.snr_db))
 
     def _event_times_s(self, e: Columns) -> tuple[FloatArray, FloatArray]:
-        if hasattr(e, "start_s"):  # a bag of before the times were stamps
+        if hasattr(e, "start_s"):  # a bag from before the times were stamps
             return e.start_s, e.end_s
         return self._time_line.scenario_s(e.start), self._time_line.scenario_s(e.end)
 
@@ -237,7 +237,7 @@ def _all(_: int, batch: Batch) -> Flags:
 def _delay_s(reception: Columns) -> FloatArray:
     """Return the time from the start of a transmission to the end of its reception (s)."""
     delay_s: FloatArray
-    if hasattr(reception, "sent_s"):  # a bag of before the times were stamps
+    if hasattr(reception, "sent_s"):  # a bag from before the times were stamps
         delay_s = reception.arrival_s - reception.sent_s
     else:
         delay_s = seconds(nanoseconds(reception.arrival) - nanoseconds(reception.sent))

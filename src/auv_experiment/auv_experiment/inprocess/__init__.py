@@ -1,1 +1,1 @@
-"""Runs in one process, without ROS: sampled as the nodes are, or in continuous time."""
+"""Runs in one process, without ROS: sampled like the nodes, or in continuous time."""

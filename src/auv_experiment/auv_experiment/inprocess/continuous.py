@@ -1,10 +1,10 @@
 """
 Continuous time: the laws evaluated inside every integration stage.
 
-What the thesis's figures assume: vehicles that see each other, and each other's estimates, without delay.
-No packets, no filters, no control period; `period_s` is only the interval of the record.  Laws, consensus
-and equations of motion are the agents' and the vehicles' own.  A flock whose laws and vehicles the compiled
-loop of `fleet_loop` knows is flown by it, with the same numbers.
+This is the assumption of the thesis's figures: vehicles know each other's positions and estimates without
+delay. There are no packets, no filters and no control period; `period_s` is only the interval of the record.
+Laws, consensus and equations of motion are those of the agents and vehicles. If the compiled loop of
+`fleet_loop` supports the laws and vehicles of a flock, it flies the flock, with the same numbers.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ class System(Protocol):
         """Return the rate of change of `state`."""
 
     def settled(self, state: State) -> State:
-        """Return `state` brought back to where it is allowed, after a step."""
+        """Return `state` projected to allowed values, after a step."""
 
     def record(self, recording: Recording, tick: int, t_s: float, state: State) -> None:
-        """Write `state` into row `tick`, and what the laws do there, unless it is the last row."""
+        """Write `state` into row `tick`, and the laws' outputs unless it is the last row."""
 
 
 def run_continuous(scenario: Scenario, *, on_progress: Callable[[float], None] | None = None) -> Recording:
@@ -45,7 +45,7 @@ def run_continuous(scenario: Scenario, *, on_progress: Callable[[float], None] |
     Raises
     ------
     DivergedError
-        When a motion has no finite solution.
+        If a motion has no finite solution.
 
     """
     ids = [vehicle.id for vehicle in scenario.vehicles]

@@ -1,4 +1,4 @@
-"""One run in this process, with what it took."""
+"""One run in this process, with its durations."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class EvaluatedRun:
-    """A finished run: what happened, its metrics, and the wall and processor time that it took (s)."""
+    """A finished run: its recording, its metrics, and its wall and processor time (s)."""
 
     recording: Recording
     metrics: dict[str, Any]
@@ -40,14 +40,14 @@ def run_evaluated(scenario: Scenario, *, on_progress: Callable[[float], None] | 
     scenario : Scenario
         Sampled or continuous.
     on_progress : callable, optional
-        Called now and then with the scenario time reached (s).
+        Called from time to time with the scenario time reached (s).
 
     Raises
     ------
     ConfigError
         When a file of own metrics cannot be used; nothing is flown.
     DivergedError
-        When a motion has no finite solution.
+        If a motion has no finite solution.
 
     """
     from auv_experiment.inprocess.sampled import run_in_process
@@ -63,7 +63,7 @@ def run_evaluated(scenario: Scenario, *, on_progress: Callable[[float], None] | 
 
 
 def effort(scenario: Scenario) -> float:
-    """Return how much work a run is expected to be, in evaluations of a law."""
+    """Return the expected work of a run, in evaluations of a law."""
     n = len(scenario.vehicles)
     if scenario.sampling == "continuous":
         return n * 4.0 * scenario.duration_s / scenario.dt_s

@@ -1,4 +1,7 @@
-"""A flock in continuous time by the compiled loop of `fleet_loop`: from a scenario to arrays, and back."""
+"""
+A flock in continuous time with the compiled loop of `fleet_loop`: conversion of a scenario to arrays and
+back.
+"""
 
 from __future__ import annotations
 
@@ -40,10 +43,11 @@ _MOST_TICKS = 1000
 
 def has_compiled_form(scenario: Scenario) -> bool:
     """
-    Return whether the compiled loop knows all laws of a flock and its vehicles.
+    Return whether the compiled loop supports all laws of a flock and its vehicles.
 
-    It knows the flocking law ``potential``, the consensus filter ``thesis``, separation laws that act along
-    the line between two, and points, or hulls that are all of one ``six_dof`` model under ``velocity_pi``.
+    It supports the flocking law ``potential``, the consensus filter ``thesis``, separation laws that act
+    along the line between two, and points, or hulls that are all of one ``six_dof`` model under
+    ``velocity_pi``.
     """
     agent = scenario.agent
     if agent.flocking is None or agent.separation is None or agent.consensus is None:
@@ -116,7 +120,7 @@ class Fleet:
         return np.array([[_path_row(path.at(0.5 * half * dt_s)) for path in self._paths] for half in halves])
 
     def run(self, ticks: int, steps: int, dt_s: float, paths: Floats) -> FleetLog:
-        """Fly so many control periods of so many steps along a table of `paths`; return what happened."""
+        """Fly `ticks` control periods of `steps` steps along a table of `paths`; return the log."""
         wrenches = (ticks + 1, len(self.motion), 6 * LANES) if self.is_hull else (0, 0, 0)
         log = FleetLog(
             motion=np.empty((ticks + 1, *self.motion.shape)),
@@ -137,7 +141,7 @@ def fly_fleet(scenario: Scenario, recording: Recording, on_progress: Callable[[f
     Raises
     ------
     DivergedError
-        When a motion has no finite solution.
+        If a motion has no finite solution.
 
     """
     fleet = Fleet(scenario)
@@ -152,7 +156,7 @@ def fly_fleet(scenario: Scenario, recording: Recording, on_progress: Callable[[f
 
 
 def _record(recording: Recording, tick: int, fleet: Fleet, log: FleetLog) -> None:
-    """Write a stretch of ticks that begins at `tick`; of its last one only the state."""
+    """Write consecutive ticks from `tick` on; of the last one only the state."""
     states = slice(tick, tick + len(log.motion))
     commands = slice(tick, tick + len(log.motion) - 1)
     hulls = from_lanes(log.motion, fleet.count) if fleet.is_hull else log.motion
@@ -194,6 +198,6 @@ def _law(scenario: Scenario, is_leader: Sequence[bool]) -> FlockLaw:
 
 
 def _path_row(point: PathPoint) -> tuple[float, ...]:
-    """Return a path point in the eight numbers that `flock_rates` knows."""
+    """Return a path point as the eight numbers of `flock_rates`."""
     facing = quaternion_from_heading(point.heading_rad)
     return (*point.position, *point.velocity, facing[0], facing[3])

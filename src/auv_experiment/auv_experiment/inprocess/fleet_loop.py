@@ -1,9 +1,9 @@
 """
 A flock of any size in continuous time as one compiled loop: laws, vehicles and RK4 steps over arrays.
 
-Everything is evaluated in each of the four stages of a step.  Where vehicles act on near ones only, near
-pairs are kept in a list that reaches a little farther than they act, and are listed anew as soon as somebody
-has moved by half of that: no pair that acts is ever missing.
+All laws are evaluated in each of the four stages of a step. If vehicles interact at short range only, near
+pairs are kept in a list with a slightly larger range. The list is made again as soon as a vehicle has moved
+by half of the margin, so that no interacting pair is ever missing.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SKIN = 0.1
 
 @inlined
 def lists_pairs(count: int, law: LawNumbers) -> bool:
-    """Return whether a list of near pairs is worth its while: many vehicles that act on near ones only."""
+    """Return whether a list of near pairs pays: many vehicles that interact at short range only."""
     return bool(count > FEW and max(law.push_m, law.talk_m) < math.inf)
 
 
@@ -47,7 +47,7 @@ def _copy(rows: Floats, to: Floats) -> None:
 
 @inlined
 def _put_points(motion: Floats, points: Floats) -> None:
-    """Write where the vehicles are."""
+    """Write the positions of the vehicles."""
     is_hull = motion.shape[1] > 3
     for i in range(len(points)):
         for axis in range(3):
@@ -56,7 +56,7 @@ def _put_points(motion: Floats, points: Floats) -> None:
 
 @inlined
 def _has_moved(points: Floats, listed_at: Floats, by_m: float) -> bool:
-    """Return whether a vehicle is farther than `by_m` from where it was listed, or is nowhere."""
+    """Return whether a vehicle is farther than `by_m` from its listed position, or has no position."""
     for i in range(len(points)):
         dx = points[i, 0] - listed_at[i, 0]
         dy = points[i, 1] - listed_at[i, 1]
@@ -69,14 +69,14 @@ def _has_moved(points: Floats, listed_at: Floats, by_m: float) -> bool:
 @record("float64[:, ::1], float64[:, ::1], LawNumbers, float64[::1]")
 class FleetState(NamedTuple):
     """
-    Where a flock is, and what moves it.
+    State of a flock, and the parameters of its laws.
 
     motion : (N, 3) or (B, 256) array
-        Positions of points (m; NED), or hulls as `hull_lanes` has them; overwritten.
+        Positions of points (m; NED), or hulls as in `hull_lanes`; overwritten.
     centres : (N, 3) array
         The vehicles' estimates of the flocking centre (m; NED); overwritten.
     law, hull
-        Numbers of the laws and of the hulls (`hull_lanes.Hull.numbers`; of points empty).
+        Parameters of the laws and of the hulls (`hull_lanes.Hull.numbers`; empty for points).
 
     """
 
@@ -110,14 +110,14 @@ class Course(NamedTuple):
 @record(", ".join(5 * ["float64[:, :, ::1]"]))
 class FleetLog(NamedTuple):
     """
-    What stands at the ticks, the first and the last included.
+    Log of the ticks, including the first and the last.
 
     motion, centres, centre_rates : (ticks + 1, ...) arrays
         Motion, estimates and their rates.
     velocities : (ticks + 1, N, 3) array
-        What the law asks (m/s; NED).
+        Velocities commanded by the law (m/s; NED).
     wrenches : (ticks + 1, B, 96) array
-        What the controllers of hulls ask (N, N m; body).
+        Wrenches commanded by the controllers of hulls (N, N m; body).
 
     """
 
@@ -150,13 +150,13 @@ def run_fleet(
     list_pairs, flock_rates, vehicle_rates
         `near_pairs` or `no_pairs`, `auv_flocking.flock_rates`, `hull_rates` or `point_rates`.
     strength, obstacle_strength
-        Of `auv_flocking.flock_rates.FlockLaw`.
+        Functions of `auv_flocking.flock_rates.FlockLaw`.
     fleet : FleetState
-        Where the flock is; moved on.
+        State of the flock; updated.
     course : Course
         How long to fly, and where.
     log : FleetLog
-        Where to write what stands at the ticks.
+        Output: log of the ticks.
 
     """
     motion, centres, law = fleet.motion, fleet.centres, fleet.law

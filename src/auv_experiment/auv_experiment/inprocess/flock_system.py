@@ -19,7 +19,7 @@ _PLANT = 13
 
 
 class _Point:
-    """A vehicle that has the velocity that it is asked for."""
+    """A vehicle that has the commanded velocity at once."""
 
     def __init__(self, start: Vec3) -> None:
         self.start: State = start
@@ -77,9 +77,8 @@ class _Hull:
 
 class FlockSystem:
     """
-    The state is that of every vehicle, one after the other, then their estimates of the centre (m; NED).
-
-    An estimate starts where its vehicle does.
+    The state is that of all vehicles, one after the other, then their estimates of the centre (m; NED). An
+    estimate starts at its vehicle's position.
     """
 
     def __init__(self, scenario: Scenario, agents: Sequence[Agent]) -> None:
@@ -109,7 +108,7 @@ class FlockSystem:
         return tuple([x for vector in (*settled, *centres) for x in vector])
 
     def record(self, recording: Recording, tick: int, t_s: float, state: State) -> None:
-        """Write vehicles, estimates and what the law asks into row `tick`."""
+        """Write vehicles, estimates and the law's velocities into row `tick`."""
         vehicles, centres = self._parts(state)
         references, rates = self._rates(t_s, vehicles, centres)
         for index, own in enumerate(vehicles):

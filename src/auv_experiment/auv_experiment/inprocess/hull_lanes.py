@@ -1,9 +1,9 @@
 """
 Many hulls of one model under one controller, laid out so that vector instructions move several at once.
 
-Hulls fly in blocks of 16 lanes: of a block first the north coordinates of all its hulls, then the east ones,
-and so on.  That the 16 rows of a block are a fixed distance apart is what lets the compiler see that they do
-not overlap.  Lanes in use are filled up to a multiple of eight with hulls that nobody looks at.
+Hulls fly in blocks of 16 lanes: a block has first the north coordinates of all its hulls, then the east
+ones, and so on. The 16 rows of a block are a fixed distance apart, so the compiler knows that they do not
+overlap. The lanes in use are padded to a multiple of eight with unused hulls.
 """
 
 from __future__ import annotations
@@ -44,13 +44,13 @@ class Hull(NamedTuple):
 
     @property
     def numbers(self) -> Floats:
-        """The same as an array, which `hull_rates` takes: a call copies no 36 numbers."""
+        """The same as an array for `hull_rates`, so that a call does not copy 36 numbers."""
         return np.array([number for part in self for number in part])
 
 
 @inlined
 def _hull(c: Floats) -> Hull:
-    """Return the hull of which `c` are the `numbers`."""
+    """Return the hull with the `numbers` `c`."""
     model = Constants(
         c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9], c[10],
         c[11], c[12], c[13], c[14], c[15], c[16], c[17], c[18], c[19], c[20],
@@ -76,7 +76,7 @@ def from_lanes(lanes: Floats, count: int) -> Floats:
 
 @inner
 def lanes_in_use(count: int, block: int) -> int:
-    """Return how many lanes of a block fly, a multiple of eight."""
+    """Return the number of used lanes of a block, a multiple of eight."""
     left = min(count - block * LANES, LANES)
     return (left + _AT_ONCE - 1) // _AT_ONCE * _AT_ONCE
 
@@ -93,24 +93,24 @@ def hull_rates(
     rates: Floats,
 ) -> None:
     """
-    Write the rates of hulls and of their controllers' integrals, and the wrenches asked for.
+    Write the rates of hulls and of their controllers' integral states, and the commanded wrenches.
 
     Parameters
     ----------
     lanes : (B, 256) array
         Hulls in B blocks.
     velocities : (N, 3) array
-        Velocity over ground to have (m/s; NED).
+        Commanded velocity over ground (m/s; NED).
     paths, now : Paths, Instant
-        Of which only the attitude is looked at.
+        Only the attitude is used.
     hull_numbers : (36,) array
-        `Hull.numbers`; of points empty.
+        `Hull.numbers`; empty for points.
     wanted : (B, 80) array
-        Room for what is asked of the controllers.
+        Work space for the inputs of the controllers.
     wrenches : (B, 96) array
-        Wrenches that the controllers ask for (N, N m; body).
+        Output: wrenches commanded by the controllers (N, N m; body).
     rates : (4, B, 256) array
-        Where to write the rates of the hulls, by stage.
+        Output: rates of the hulls, by stage.
 
     """
     count, rates_now, hull = len(velocities), rates[now.stage], _hull(hull_numbers)
@@ -146,7 +146,7 @@ def point_rates(
     wrenches: Floats,
     rates: Floats,
 ) -> None:
-    """Write the rates of points, (N, 3): what is asked of them."""
+    """Write the rates of points, (N, 3): the commanded velocities."""
     for i in range(len(velocities)):
         for axis in range(3):
             rates[now.stage, i, axis] = velocities[i, axis]
@@ -154,7 +154,7 @@ def point_rates(
 
 @inner
 def normalise(count: int, lanes: Floats) -> None:
-    """Bring all attitude quaternions back to length 1."""
+    """Normalise all attitude quaternions."""
     for block in range((count + LANES - 1) // LANES):
         for lane in range(lanes_in_use(count, block)):
             _put_plant(lanes, block, lane, normalised(_plant(lanes, block, lane)))
@@ -162,13 +162,13 @@ def normalise(count: int, lanes: Floats) -> None:
 
 @inlined
 def _three(rows: Floats, block: int, at: int) -> Vec3:
-    """Return three numbers of a hull, of which the first is `at`."""
+    """Return three numbers of a hull from index `at` on."""
     return (rows[block, at], rows[block, at + LANES], rows[block, at + 2 * LANES])
 
 
 @inlined
 def _put_three(rows: Floats, block: int, at: int, v: Vec3) -> None:
-    """Write three numbers of a hull, of which the first is `at`."""
+    """Write three numbers of a hull from index `at` on."""
     rows[block, at], rows[block, at + LANES], rows[block, at + 2 * LANES] = v[0], v[1], v[2]
 
 

@@ -41,9 +41,9 @@ class _Member:
 
 class MotionSystem:
     """
-    The state is, vehicle by vehicle, the 13 floats of the plant and what the law remembers.
+    The state has, vehicle by vehicle, the 13 floats of the plant and the state of the law.
 
-    Every vehicle sees the true positions of the others.
+    Every vehicle knows the true positions of the others.
     """
 
     def __init__(self, scenario: Scenario, agents: Sequence[Agent], recording: Recording) -> None:
@@ -63,7 +63,7 @@ class MotionSystem:
         recording.law_state = np.full((recording.n_ticks, len(agents), longest), np.nan)
 
     def derivative(self, t_s: float, state: State) -> State:
-        """Return the rates of the plants and of what the laws remember."""
+        """Return the rates of the plants and of the laws' states."""
         positions = self._positions(state)
         rates: list[float] = []
         for index, member in enumerate(self._members):
@@ -77,7 +77,7 @@ class MotionSystem:
         return tuple(rates)
 
     def settled(self, state: State) -> State:
-        """Return `state` with quaternions of length 1 and what the laws remember where they allow it."""
+        """Return `state` with normalised quaternions and the laws' states within their limits."""
         settled: list[float] = []
         for member in self._members:
             settled += member.model.normalised(state[member.plant])
@@ -86,7 +86,7 @@ class MotionSystem:
         return tuple(settled)
 
     def record(self, recording: Recording, tick: int, t_s: float, state: State) -> None:
-        """Write plants, wrenches, path velocities and memories into row `tick`."""
+        """Write plants, wrenches, path velocities and the laws' states into row `tick`."""
         positions = self._positions(state)
         for index, member in enumerate(self._members):
             plant, memory = state[member.plant], state[member.memory]

@@ -1,4 +1,4 @@
-"""Takes down what happens in an in-process run, tick by tick, into a recording."""
+"""Records an in-process run, tick by tick."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ _NOWHERE = (math.nan, math.nan, math.nan)
 
 class RunLog:
     """
-    Collects a recording. What comes at every tick is kept in one row of numbers and written into the arrays
-    by the block: one assignment for many ticks costs little more than one for a single tick, and a block is
-    small enough to stay in the processor's cache.
+    Collects a recording. The data of a tick are kept in one row of numbers and written into the arrays in
+    blocks: one assignment for many ticks takes little more time than one for a single tick, and a block is
+    small enough for the processor's cache.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -60,7 +60,7 @@ class RunLog:
         agents: Sequence[Agent],
         commands: Sequence[Command],
     ) -> None:
-        """Note the true states, what the vehicles believe of themselves, and what the agents made of it."""
+        """Note the true states, the vehicles' navigation, and the agents' outputs."""
         if tick - self._written == _BLOCK_TICKS:
             self._write(tick)
         note = self._numbers.extend
@@ -82,7 +82,7 @@ class RunLog:
         handed_over: dict[int, Sequence[Packet]],
         events: Sequence[AcousticEvent],
     ) -> None:
-        """Note what went into the water and what came out of it."""
+        """Note the transmitted and received packets."""
         rows = self._rows
         for packets in handed_over.values():
             for packet in packets:
@@ -117,7 +117,7 @@ class RunLog:
         return Recording(vehicle_ids=r.vehicle_ids, **arrays)
 
     def _law_table(self, n_ticks: int) -> FloatArray:
-        """Return what the laws remembered, in the form of `Recording.law_state`."""
+        """Return the laws' states in the form of `Recording.law_state`."""
         n_vehicles = self._recording.n_vehicles
         table = np.full((n_ticks, n_vehicles, max(self._law_sizes)), np.nan)
         for index, (numbers, size) in enumerate(zip(self._law_rows, self._law_sizes, strict=True)):
@@ -138,7 +138,7 @@ class RunLog:
             self._write_known()
 
     def _write_known(self) -> None:
-        """Write what vehicles believed of each other."""
+        """Write the neighbour estimates."""
         r, known = self._recording, [estimates for _, _, estimates in self._known]
         counts = [len(estimates) for estimates in known]
         at, index = (np.repeat([entry[k] for entry in self._known], counts) for k in (0, 1))

@@ -27,12 +27,12 @@ def run_in_process(scenario: Scenario, *, on_progress: Progress | None = None) -
     scenario : Scenario
         Resolved scenario, sampled or continuous.
     on_progress : callable, optional
-        Called now and then with the scenario time reached (s).
+        Called from time to time with the scenario time reached (s).
 
     Raises
     ------
     ConfigError
-        When the run does not fit into the memory that is free.
+        If the run does not fit into the free memory.
 
     """
     check_memory(scenario)
@@ -45,7 +45,7 @@ def run_in_process(scenario: Scenario, *, on_progress: Progress | None = None) -
 
 @contextmanager
 def _rare_collections() -> Iterator[None]:
-    """Let the garbage collector look rarely: a run makes many short-lived objects and no cycles of them."""
+    """Run the garbage collector rarely: a run makes many short-lived objects, but no reference cycles."""
     usual = gc.get_threshold()
     gc.set_threshold(_COLLECT_EVERY, *usual[1:])
     try:

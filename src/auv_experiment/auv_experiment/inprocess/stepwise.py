@@ -1,4 +1,4 @@
-"""A sampled run in one process that is flown tick by tick: what the nodes do, in their order."""
+"""A sampled run in one process that is flown tick by tick, in the order of the nodes."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class StepwiseRun:
     Attributes
     ----------
     tick : int
-        Control periods that are behind us.
+        Number of completed control periods.
     vehicles, agents
         In the order of addresses.
     states, navs : list of VehicleState
-        Truth at the tick, and what the vehicles' navigations say of it.
+        True states at the tick, and the vehicles' navigation.
     inboxes : sequence of Inbox
-        What modems and sonars told at the tick of the last decision.
+        Data from modems and sonars at the tick of the last decision.
 
     """
 
@@ -45,7 +45,7 @@ class StepwiseRun:
         self._events: Sequence[AcousticEvent] = ()
 
     def decide(self) -> list[Command]:
-        """Let every agent read its inbox; return their commands. To be called once in each tick."""
+        """Let every agent read its inbox; return their commands. Call it once per tick."""
         self.inboxes = self._medium.exchange(self.tick, self.states)
         commands: list[Command] = []
         self._handed_over = {}
@@ -59,12 +59,12 @@ class StepwiseRun:
 
     def act(self, commands: Sequence[Command]) -> None:
         """
-        Move the vehicles on by a control period under these commands.
+        Advance the vehicles by one control period with these commands.
 
         Raises
         ------
         DivergedError
-            When a motion has no finite solution.
+            If a motion has no finite solution.
 
         """
         self._log.tick(self.tick, self.states, self.navs, self.agents, commands)
