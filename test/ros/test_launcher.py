@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from auv_bringup.launching import supervision
+from auv_bringup.launching import status_listener, supervision
 from auv_bringup.launching.launcher import fly_nodes
 from auv_bringup.launching.layout import process_specs
 from auv_bringup.launching.node_specs import node_specs
@@ -28,6 +28,13 @@ LONG_S = 3000.0
 FAKE_NODE = Path(__file__).with_name("fake_node.py")
 RELAY, RECORDER = "/acoustic_relay_node", "/recorder_node"
 AGENT_1, VEHICLE_1 = "/auv_1/agent_node", "/auv_1/vehicle_node"
+
+
+HELD_EAR = """
+import signal, time
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+time.sleep(600)
+"""
 
 
 def is_alive(pid):
@@ -230,6 +237,15 @@ def test_an_ear_that_is_killed_or_stopped_is_named_and_holds_no_end(stage, numbe
     flight = stage.fly(duration_s=LONG_S)
     assert flight.exit_status == 3
     assert flight.reason.startswith(EAR.name)
+
+
+def test_an_ear_that_the_middleware_holds_does_not_hold_the_launcher(stage, monkeypatch, tmp_path):
+    (tmp_path / "held.py").write_text(HELD_EAR)
+    monkeypatch.setenv("PYTHONPATH", f"{tmp_path}:{os.environ['PYTHONPATH']}")
+    monkeypatch.setattr(status_listener, "EAR_MODULE", "held")
+    flight = stage.fly(duration_s=LONG_S, auv_1_agent_node="die")
+    assert flight.exit_status == 3
+    assert flight.reason.startswith(AGENT_1)
 
 
 def test_silence_from_the_start_ends_the_wait(stage, monkeypatch):

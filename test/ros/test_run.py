@@ -20,6 +20,8 @@ import pytest
 import yaml
 
 from auv_bag.bag import Bag
+from auv_bringup.launching import launcher
+from auv_bringup.tools.run import main
 from auv_core.machine.process_states import children_of
 from auv_experiment.recording_from_bag import read_recording
 from auv_experiment.scenario.file import SCENARIOS_DIR
@@ -172,6 +174,19 @@ def recorded_s(run):
     """Return how much of the flight the bag holds (s)."""
     recording = read_recording(run.folder / "bag", load_scenario(str(run.folder / "scenario.yaml")))
     return recording.t_s[-1]
+
+
+def test_ctrl_c_ends_a_run_that_still_compiles(scenario_file, monkeypatch, capsys, keep_signal_handlers):
+    def compile_long(*_):
+        os.kill(os.getpid(), signal.SIGINT)
+        threading.Event().wait(PATIENCE_S)
+
+    monkeypatch.setattr(launcher, "threads_allow_fork", lambda: True)
+    monkeypatch.setattr(launcher, "compile_ahead", compile_long)
+    out = scenario_file.parent / "results"
+    assert main([str(scenario_file), "--out", str(out)]) == 130
+    assert capsys.readouterr().err.endswith("error: interrupted before anything was recorded\n")
+    assert list(out.iterdir()) == []
 
 
 def test_a_flight_from_start_to_report(start):
