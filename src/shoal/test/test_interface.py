@@ -12,6 +12,7 @@ import pytest
 
 import shoal
 from auv_core.messages import Wrench
+from auv_experiment.figures import by_law
 from shoal.commands import COMMANDS, main
 
 LOSS = "acoustics.outage.params.loss_prob"
@@ -59,6 +60,17 @@ def test_a_saved_result_is_opened_as_it_was(tmp_path):
         assert opened.metrics["pair_distance_min_m"] == flown.metrics["pair_distance_min_m"]
     with pytest.raises(shoal.ResultsError, match="is not empty"):
         flown.save(folder)
+
+
+def test_a_saved_result_has_figures_of_the_wanted_formats(tmp_path, monkeypatch):
+    all_of = by_law.run_drawers
+    monkeypatch.setattr(by_law, "run_drawers", lambda *run: {"plan": all_of(*run)["region_plan"]})
+    flown = shoal.run("ch4_region", duration_s=0.5)
+    with pytest.raises(shoal.ConfigError, match=r"^formats: 'tiff' is not allowed; allowed: png, pdf, svg$"):
+        flown.save(tmp_path / "tiff", formats=["tiff"])
+    assert not (tmp_path / "tiff").exists()
+    folder = flown.save(tmp_path / "pdf", formats=["pdf"])
+    assert {path.name for path in (folder / "figures").iterdir()} == {"plan.pdf", "plan.png"}
 
 
 def test_what_is_no_result_is_refused_in_one_line(tmp_path):

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 HEIGHT_IN = 4.0
 DPI = 130
 _TWO_COLUMNS_IN = 7.16
+_ROUNDING_IN = 0.05
 _KEPT_RECORDINGS = 6
 
 Content = dict[str, bytes] | tuple[Row, ...] | Verdict
@@ -232,10 +233,14 @@ def _image(figure: Figure, runs: list[Run], file_format: str) -> bytes:
 
 
 def _fit_to_paper(canvas: Canvas) -> None:
-    """Give a figure the width of one column of a paper, of two where its panels stand side by side."""
+    """Give a figure the width of one column of a paper; of two, if its panels or its words need them."""
+    column_in = matplotlib.rcParams["figure.figsize"][0]
+    if canvas.get_figwidth() > column_in:
+        canvas.set_size_inches(column_in, 0.8 * canvas.get_figheight())
     grids = [axes.get_gridspec() for axes in canvas.axes]
     if any(isinstance(grid, GridSpecBase) and grid.ncols > 1 for grid in grids):
         canvas.set_figwidth(_TWO_COLUMNS_IN)
-    elif canvas.get_figwidth() > matplotlib.rcParams["figure.figsize"][0]:
-        canvas.set_size_inches(matplotlib.rcParams["figure.figsize"][0], 0.8 * canvas.get_figheight())
     wrap_words(canvas)
+    box = canvas.get_tightbbox()
+    if box.x0 < -_ROUNDING_IN or box.x1 > canvas.get_figwidth() + _ROUNDING_IN:
+        canvas.set_figwidth(_TWO_COLUMNS_IN)
