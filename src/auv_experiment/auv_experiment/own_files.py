@@ -1,8 +1,8 @@
 """
 Files of metrics and figures that users add in a folder of ``SHOAL_PLUGINS``.
 
-A file that cannot be used is refused before anything is flown, in one line. One that fails with a recording
-is named in one line, and costs nothing but its own metrics or its own figure.
+A file that cannot be used is refused before anything is flown, in one line. A file that fails with a
+recording is named in one line, and only its own metrics or its own figure is missing.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ WORDS = "lower-case letters, digits and underscores, a letter first"
 
 def load_own_files(folder: str) -> dict[str, ModuleType]:
     """
-    Return what the own files of a plugin folder hold, by name.
+    Return the content of the own files of a plugin folder, by name.
 
     Parameters
     ----------

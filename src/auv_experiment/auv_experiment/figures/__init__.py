@@ -2,11 +2,11 @@
 Figures of a run, all from its recording.
 
 A file ``figures/<name>.py`` in a folder of ``SHOAL_PLUGINS`` adds a figure of your own to the results of a
-run. It is an `OwnFigure`: it draws one figure, and says what it is. docs/how_to/own_metrics.md
+run. It is an `OwnFigure`: it draws one figure, with title and caption. docs/how_to/own_metrics.md
 has an example.
 
-Each figure is drawn in one of two styles of `auv_experiment.figures.plotting`: for a page and, where PDF or
-SVG is asked for, for one column of a paper. Make a canvas with `new_canvas`: it has the width of the style.
+Each figure is drawn in one of two styles of `auv_experiment.figures.plotting`: for a page, and for PDF or
+SVG for one column of a paper. Make a canvas with `new_canvas`: it has the width of the style.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure that is not on disk yet: what is drawn, its title, and what to see in it."""
+    """A figure that is not on disk yet, with title and caption."""
 
     canvas: Canvas
     title: str
@@ -32,7 +32,7 @@ class Drawing:
 
 
 Drawer = Callable[[], Drawing | None]
-"""Draws one figure, None where its data do not exist."""
+"""Draws one figure; returns None if its data do not exist."""
 
 
 class OwnFigure(Protocol):
@@ -45,14 +45,14 @@ class OwnFigure(Protocol):
         Parameters
         ----------
         recording : Recording
-            What happened, as NumPy arrays.
+            The recording of the run, as NumPy arrays.
         scenario : Scenario
-            What was flown, resolved.
+            The resolved scenario.
 
         Returns
         -------
         drawing : Drawing or None
-            The figure; None where this run has no data for it.
+            The figure; None if this run has no data for it.
 
         """
         ...

@@ -1,8 +1,8 @@
 """
-Draw what became of the packets: delivery by link, losses by cause, delays.
+Figures of the outcomes of packets: delivery by link, losses by cause, delays.
 
 Links are ordered pairs, the sender first. Causes of loss differ in grey and in hatching, so that they can be
-told apart without colour.
+distinguished without colour.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ _CAUSES: dict[Outcome, tuple[str, dict[str, Any]]] = {
     Outcome.OUTAGE: ("outage", {"facecolor": "0.88"}),
     Outcome.NOISE: ("noise", {"facecolor": "0.68", "hatch": "////"}),
     Outcome.COLLISION: ("collision", {"facecolor": "0.40"}),
-    Outcome.HALF_DUPLEX: ("receiver was sending", {"facecolor": "white", "hatch": "xxxx"}),
+    Outcome.HALF_DUPLEX: ("receiver was transmitting", {"facecolor": "white", "hatch": "xxxx"}),
     Outcome.RANGE: ("out of range", {"facecolor": "0.08"}),
 }
 
 
 def acoustics_drawers(recording: Recording, *, only: Collection[str] | None = None) -> dict[str, Drawer]:
-    """Return what draws each figure of network, navigation and neighbour filters, by name."""
+    """Return the drawing functions of network, navigation and neighbour filters, by name."""
     return {
         name: partial(draw, recording)
         for name, draw in (_DRAWERS | ESTIMATE_DRAWERS).items()
@@ -66,8 +66,8 @@ def _draw_packet_losses(recording: Recording) -> Drawing | None:
     legend_below(canvas, [_cause_handle(outcome) for outcome in shown])
     parts = ", ".join(f"{_CAUSES[outcome][0]} {counts[outcome].sum() / total.sum():.1%}" for outcome in shown)
     caption = (
-        f"Of {total.sum()} packets at their receivers {lost.sum()} were lost: {parts}. A packet is lost to "
-        "one cause, the first that struck it; outage stands for losses that no model of noise explains."
+        f"Of {total.sum()} packets at their receivers {lost.sum()} were lost: {parts}. Each lost packet has "
+        "one cause, the first one; outage means losses that no model of noise explains."
     )
     return Drawing(canvas, "Losses by cause", caption)
 
@@ -78,7 +78,10 @@ def _loss_rows(
     counts: dict[Outcome, IntArray],
     total: IntArray,
 ) -> list[tuple[str, list[str], dict[Outcome, NDArray[np.float64]]]]:
-    """Return panels of (title, names of rows, share lost by cause): links, or vehicles where too many."""
+    """
+    Return panels of (title, names of rows, share lost by cause): links, or vehicles if there are too many
+    links.
+    """
     ids = recording.vehicle_ids
     if len(links) <= MAX_LABELLED_LINKS:
         i, j = np.transpose(links)
@@ -130,7 +133,7 @@ def _draw_packet_delay(recording: Recording) -> Drawing | None:
     legend_below(canvas, *axes.get_legend_handles_labels())
     caption = (
         f"Delay of {len(delay_s)} packets, from the start of a transmission to the end of its reception: "
-        f"airtime and travel, {low_s:.3f} to {high_s:.3f} s. Waiting for a turn to send is not in it."
+        f"airtime and travel, {low_s:.3f} to {high_s:.3f} s. It does not include the wait for medium access."
     )
     return Drawing(canvas, "Delay of packets", caption)
 
@@ -148,13 +151,13 @@ def _draw_packet_delivery(recording: Recording) -> Drawing | None:
     if is_few:
         _plot_delivery_bands(axes[1], recording, links, expected, delivered, overall)
     caption = (
-        "Share of packets that arrived, link by link (row sends, column receives; the darker, the more is "
-        f"lost): {overall:.3f} of {expected.sum()} over all."
+        "Share of packets that arrived, link by link (row sends, column receives; darker means more "
+        f"losses): {overall:.3f} of {expected.sum()} in total."
     )
     if is_few:
         caption += (
-            " Right, the same with the 95 % interval that so many independent trials allow (Wilson); "
-            "an interval that misses the line of the mean hints at a link unlike the others."
+            " Right, the same with the 95 % confidence interval for this number of independent trials "
+            "(Wilson); an interval that does not include the mean suggests a link unlike the others."
         )
     return Drawing(canvas, "Packet delivery by link", caption)
 

@@ -1,4 +1,4 @@
-"""The figures of a run: those of its family of laws, of a group, of the network, and own ones."""
+"""The figures of a run: those of its family of laws, of the group, of the network, and own ones."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def run_drawers(recording: Recording, scenario: Scenario) -> dict[str, Drawer]:
-    """Return what draws each figure of a run, by name, in the order in which a report shows them."""
+    """Return the drawing functions of a run, by name, in the order of the report."""
     if scenario.follows == "velocity":
         found = flock_drawers(recording, scenario)
     elif scenario.follows == "region":

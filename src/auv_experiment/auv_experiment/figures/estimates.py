@@ -1,5 +1,5 @@
 """
-Draw what vehicles know: of themselves, of each other, how old it is, and whether their filters say so.
+Figures of estimates: own navigation, neighbour estimates, their age, and their consistency.
 
 Errors of estimates are relative to the own navigation; see `metrics_acoustics`.
 """
@@ -35,7 +35,9 @@ _MOST_WINDOWS = 150
 _CHI2_3_BAND = (0.2158, 9.3484)
 """Central 95 % of a chi-square distribution with three degrees of freedom."""
 _RADIUS_95PCT_SD = 2.4477
-"""Radius that holds 95 % of a round Gaussian distribution in the plane, in standard deviations per axis."""
+"""
+Radius that contains 95 % of an isotropic Gaussian distribution in the plane, in standard deviations per axis.
+"""
 
 
 def _draw_estimate_error(recording: Recording) -> Drawing | None:
@@ -71,10 +73,10 @@ def _draw_estimate_error(recording: Recording) -> Drawing | None:
     handles = [Line2D([], [], color="black", linewidth=0.9), two_sigma_handle()]
     legend_below(canvas, handles, ["estimate minus truth", "two of the filter's own standard deviations"])
     caption = (
-        f"What {ids[i]} believes of where {ids[j]} is relative to itself, minus the truth: the ordered pair "
-        "with the largest error. Grey is plus and minus two standard deviations as the filter itself states "
-        "them; a consistent filter stays inside about 95 % of the time. The band grows while no packet comes "
-        "and shrinks with each one. Below, the root mean square over all ordered pairs."
+        f"Error of {ids[i]}'s estimate of the relative position of {ids[j]}: the ordered pair with the "
+        "largest error. Grey: plus and minus two of the filter's own standard deviations; the error of a "
+        "consistent filter stays inside about 95 % of the time. The band grows without packets and shrinks "
+        "with each one. Below, the root mean square over all ordered pairs."
     )
     return Drawing(canvas, "Neighbour estimates", caption)
 
@@ -110,7 +112,7 @@ def _draw_information_age(recording: Recording) -> Drawing | None:
             **style,
         )
     left.set_ylabel("age of the newest packet (s)")
-    left.set_title("all pairs: what vehicles know of each other")
+    left.set_title("all pairs: age of neighbour estimates")
     right.set_title(f"{recording.vehicle_ids[0]} alone, {t_s[window][0]:.0f} to {t_s[window][-1]:.0f} s")
     for axes, shown in ((left, slice(None)), (right, window)):
         axes.set_ylim(0.0, None)
@@ -122,8 +124,8 @@ def _draw_information_age(recording: Recording) -> Drawing | None:
     caption = (
         f"Time since the time tag of the newest packet from a neighbour: median {np.nanmedian(age_s):.2f} s, "
         f"95 % below {np.nanquantile(age_s, 0.95):.2f} s, at most {np.nanmax(age_s):.1f} s. It grows by one "
-        "second per second and falls with each packet to that packet's delay; a lost packet is a tooth of "
-        f"twice the height. Right, what {recording.vehicle_ids[0]} alone knows of the others."
+        "second per second and drops with each packet to that packet's delay; a lost packet gives a tooth "
+        f"of twice the height. Right, the estimates of {recording.vehicle_ids[0]} alone."
     )
     if np.isfinite(sonar_age_s).any():
         caption += " Dashed: the time since the sonar last saw a neighbour, median over the pairs that did."
@@ -163,10 +165,10 @@ def _draw_nees(recording: Recording) -> Drawing | None:
     inside = nees[np.isfinite(nees)]
     share = ((inside >= _CHI2_3_BAND[0]) & (inside <= _CHI2_3_BAND[1])).mean()
     caption = (
-        "Squared error of what vehicles believe of each other's position relative to themselves, in units of "
-        "the filter's own covariance (NEES). Above the band the filters claim to know more than they do, "
-        f"below it less. {share:.1%} of all values lie inside, 95 % expected. Pairs share senders and "
-        "receivers, so their mean scatters more than that of independent ones."
+        "Squared error of relative positions, normalised by the filter's own covariance (NEES). Above the "
+        f"band the filters are overconfident, below it they are cautious. {share:.1%} of all values lie "
+        "inside; 95 % are expected. Pairs share senders and receivers, so their mean scatters more than "
+        "that of independent pairs."
     )
     return Drawing(canvas, "Consistency of the neighbour filters", caption)
 
@@ -184,7 +186,7 @@ def _draw_navigation_drift(recording: Recording) -> Drawing | None:
         radius_m = _RADIUS_95PCT_SD * np.where(np.isfinite(sd_m), sd_m, -np.inf).max(axis=1)
         radius_m = np.where(np.isfinite(radius_m), radius_m, np.nan)
         axes.fill_between(t_s, 0.0, radius_m, facecolor="0.88", linewidth=0.0)
-        handles = [Patch(facecolor="0.88", label="95 %, as it states")]
+        handles = [Patch(facecolor="0.88", label="95 %, as stated")]
     for i in range(n):
         style = vehicle_style(i) if n <= MAX_LINES else {"color": "0.4", "linewidth": 0.4}
         if n <= MAX_LINES:
@@ -201,9 +203,9 @@ def _draw_navigation_drift(recording: Recording) -> Drawing | None:
     span_time(axes, t_s)
     legend_below(canvas, [*handles, *axes.get_legend_handles_labels()[0]])
     caption = (
-        "Horizontal distance between where vehicles believe to be and where they are. The grey area is "
-        "what the navigation states of itself: 95 % of the errors should lie in it, over many runs; those of "
-        "one vehicle last. No law can know of this error; vehicles that drift alike stay together."
+        "Horizontal error of the vehicles' own navigation. Grey: the error that the navigation states; over "
+        "many runs 95 % of the errors should lie inside, but the errors of one vehicle persist. No law "
+        "knows this error; vehicles with equal drift stay together."
     )
     return Drawing(canvas, "Drift of the navigation", caption)
 
@@ -215,14 +217,16 @@ def _between_vehicles(recording: Recording, values: FloatArray) -> FloatArray:
 
 
 def _windows(t_s: FloatArray) -> list[IntArray]:
-    """Return the rows of each of some even pieces of a run."""
+    """Return the rows of each of several equal parts of a run."""
     return np.array_split(np.arange(len(t_s)), min(_MOST_WINDOWS, max(1, len(t_s) // 4)))
 
 
 def _in_windows(
     t_s: FloatArray, values: FloatArray, shares: tuple[float, ...]
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """Return the middle of each window (s), and each quantile of all finite values in it, NaN without one."""
+    """
+    Return the middle of each window (s), and the quantiles of all finite values in it, NaN without values.
+    """
     windows = _windows(t_s)
     quantiles = np.full((len(shares), len(windows)), np.nan)
     for column, rows in enumerate(windows):
@@ -233,7 +237,7 @@ def _in_windows(
 
 
 def _means_in_windows(t_s: FloatArray, values: FloatArray) -> FloatArray:
-    """Return the mean of all finite values in each window, NaN without one."""
+    """Return the mean of all finite values in each window, NaN without values."""
     finite = [values[rows][np.isfinite(values[rows])] for rows in _windows(t_s)]
     return np.array([piece.mean() if piece.size else np.nan for piece in finite])
 

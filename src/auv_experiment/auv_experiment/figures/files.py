@@ -32,7 +32,7 @@ _THESIS_FIGURES = {
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure on disk: its PNG file, its title, and what to see in it."""
+    """A figure on disk: its PNG file, title and caption."""
 
     path: Path
     title: str
@@ -65,9 +65,9 @@ def save_figures(
     Parameters
     ----------
     drawers : mapping of str to Drawer
-        What draws each figure, by name.
+        Drawing functions by name.
     scenario : Scenario
-        What was flown: its name.
+        The scenario, for its name.
     out_dir : Path
         Folder for the files; made if it does not exist.
     formats : sequence of str
@@ -93,7 +93,7 @@ def draw_files(
     draw: Drawer, stem: Path, formats: Sequence[str] = (PAGE_FORMAT,), *, dpi: int = DPI
 ) -> Drawing | None:
     """
-    Draw a figure in the style of each format, and write each file whole or not at all.
+    Draw a figure in the style of each format, and write each file completely or not at all.
 
     Parameters
     ----------
@@ -109,12 +109,12 @@ def draw_files(
     Returns
     -------
     drawing : Drawing or None
-        The figure; None where its data do not exist, and so no file.
+        The figure; None if its data, and so the file, do not exist.
 
     Raises
     ------
     WriteError
-        When a file cannot be written.
+        If a file cannot be written.
 
     """
     drawing = None

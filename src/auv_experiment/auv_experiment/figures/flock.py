@@ -5,7 +5,7 @@ Each `_draw_*` function of `flock_tracks` and `flock_histories` makes one figure
 it with its title and caption, or None where the data do not exist. To add a figure, write such a function and
 name it in the table at the end of its module. Plan views have north up and east to the right; depth grows
 downwards. Vehicles differ in colour, line style and marker, so that the figures can be read in grey. Long
-records are thinned to the smallest and the largest value of every pixel column: no extreme is lost.
+records are reduced to the smallest and the largest value of every pixel column, so that no extreme is lost.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 def flock_drawers(
     recording: Recording, scenario: Scenario, *, only: Collection[str] | None = None
 ) -> dict[str, Drawer]:
-    """Return what draws each figure of a group, by name."""
+    """Return the drawing functions of a group, by name."""
     run = FlockRun(recording, scenario)
     every = {**TRACK_DRAWERS, **HISTORY_DRAWERS}
     return {name: partial(draw, run) for name, draw in every.items() if only is None or name in only}

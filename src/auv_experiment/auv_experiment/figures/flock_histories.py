@@ -1,4 +1,4 @@
-"""Draw how a flock fared over time: distances, errors and speeds."""
+"""Figures of a flock over time: distances, errors and speeds."""
 
 from __future__ import annotations
 
@@ -61,11 +61,11 @@ def _draw_pair_distances(run: FlockRun) -> Drawing | None:
     smallest = np.nanargmin(np.nanmin(distances_m, axis=1))
     caption = (
         f"Distance of every pair. The smallest of the whole run is {np.nanmin(distances_m):.2f} m, at "
-        f"{run.t_s[smallest]:.1f} s; hulls would touch at {contact_m:g} m. Left the approach from the start, "
-        "right the rest of the run on a scale of its own."
+        f"{run.t_s[smallest]:.1f} s; hulls would touch at {contact_m:g} m. Left: the approach from the "
+        "start. Right: the rest of the run, on its own scale."
     )
     if "d = " in "".join(labels):
-        caption += " d is the distance below which the flocking law pushes vehicles apart."
+        caption += " d is the distance below which the flocking law repels vehicles."
     return Drawing(canvas, "Pair distances", caption)
 
 
@@ -81,7 +81,7 @@ def _draw_path_error(run: FlockRun) -> Drawing | None:
     legend_below(canvas, *axes.get_legend_handles_labels())
     caption = (
         "Distance to the moving reference point on the path, logarithmic. The thick line, the mean of the "
-        "vehicles, is what is to stay small; a single vehicle keeps its place in the flock, so a distance."
+        "vehicles, should stay small; a single vehicle keeps its place in the flock, at a distance."
     )
     return Drawing(canvas, "Path error", caption)
 
@@ -97,8 +97,8 @@ def _draw_consensus_error(run: FlockRun) -> Drawing | None:
     legend_below(canvas, *axes.get_legend_handles_labels())
     caption = (
         "Distance between each vehicle's own estimate of the flocking centre and the true mean of the "
-        "positions, logarithmic. It does not go to zero: the consensus filter pulls every estimate a "
-        "little towards its own vehicle."
+        "positions, logarithmic. It does not go to zero: the consensus filter pulls every estimate slightly "
+        "towards its own vehicle."
     )
     return Drawing(canvas, "Consensus error", caption)
 
@@ -116,19 +116,19 @@ def _draw_speed(run: FlockRun) -> Drawing | None:
         if np.nanmax(values) > 20.0 * np.nanmedian(values):
             log_scale(axes, values)
         span_time(axes, run.t_s)
-    upper.set_ylabel("speed asked for (m/s)")
-    lower.set_ylabel("speed flown (m/s)")
+    upper.set_ylabel("commanded speed (m/s)")
+    lower.set_ylabel("true speed (m/s)")
     lower.set_xlabel("time (s)")
     legend_below(canvas, *upper.get_legend_handles_labels())
     caption = (
-        "Above, the speed that the flocking law asks for; below, the true speed over ground. "
-        "Where the two differ the vehicle or its inner loop cannot follow."
+        "Above, the speed that the flocking law commands; below, the true speed over ground. If they "
+        "differ, the vehicle or its inner loop cannot follow."
     )
-    return Drawing(canvas, "Speed asked for and flown", caption)
+    return Drawing(canvas, "Commanded and true speed", caption)
 
 
 def _approach_window_s(t_s: FloatArray, distances_m: FloatArray) -> float:
-    """Return how long the approach is shown on its own: until the farthest pair is as near as later (s)."""
+    """Return the end of the approach (s): when the farthest pair is as near as later."""
     farthest_m = np.where(np.isfinite(distances_m), distances_m, -np.inf).max(axis=1)
     is_near = farthest_m <= 1.1 * np.median(farthest_m[len(farthest_m) // 2 :])
     wanted_s = 1.2 * float(t_s[is_near.argmax()]) if is_near.any() else 0.0
@@ -137,7 +137,7 @@ def _approach_window_s(t_s: FloatArray, distances_m: FloatArray) -> float:
 
 
 def _plot_spacing(panels: tuple[Any, Any], scenario: Scenario) -> None:
-    """Draw the distance below which the law pushes vehicles apart, where the law has one."""
+    """Draw the distance below which the law repels vehicles, if the law has one."""
     law = scenario.agent.flocking
     spacing_m = None if law is None else getattr(law.params, "spacing_m", None)
     if spacing_m is None:
@@ -151,7 +151,7 @@ def _plot_spacing(panels: tuple[Any, Any], scenario: Scenario) -> None:
 
 
 def _plot_pairs(axes: Any, run: FlockRun, t_s: FloatArray, distances_m: FloatArray) -> None:
-    """Plot every pair, or the range and median where there are too many to tell apart."""
+    """Plot every pair, or range and median if there are too many to distinguish."""
     pairs = vehicle_pairs(run.recording.n_vehicles)
     if len(pairs) > MAX_LINES:
         low_m, high_m = np.nanmin(distances_m, axis=1), np.nanmax(distances_m, axis=1)
@@ -166,7 +166,7 @@ def _plot_pairs(axes: Any, run: FlockRun, t_s: FloatArray, distances_m: FloatArr
 
 
 def _plot_vehicles(axes: Any, run: FlockRun, t_s: FloatArray, values: FloatArray) -> None:
-    """Plot one line for each vehicle, grey and without a name where there are too many."""
+    """Plot one line per vehicle, grey and without a name if there are too many."""
     n = run.recording.n_vehicles
     if n > MAX_LINES:
         for i in range(n):

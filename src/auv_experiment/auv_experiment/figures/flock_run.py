@@ -1,4 +1,4 @@
-"""A run as the figures of a flock see it: what several of them need, and the names of its lines."""
+"""A run for the figures of a flock: data that several of them need, and the names of the lines."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class FlockRun:
-    """A recording and its scenario, with what several figures need."""
+    """A recording and its scenario, with data that several figures need."""
 
     recording: Recording
     scenario: Scenario
@@ -40,12 +40,12 @@ class FlockRun:
 
     @cached_property
     def flock_ned_m(self) -> FloatArray:
-        """The (K + 1, N, 3) positions, NaN from a vehicle's loss on (m, map_ned)."""
+        """The (K + 1, N, 3) positions, NaN after a vehicle's loss (m, map_ned)."""
         return flock_positions_ned_m(self.recording)
 
     @cached_property
     def labels(self) -> list[str]:
-        """Vehicle names, the leaders marked where not every vehicle is one."""
+        """Vehicle names; leaders are marked unless every vehicle is one."""
         ids, leaders = self.recording.vehicle_ids, set(self.scenario.leaders)
         is_mixed = 0 < len(leaders) < len(ids)
         return [f"{name} (leader)" if is_mixed and name in leaders else name for name in ids]
@@ -57,7 +57,7 @@ def path_handle() -> Line2D:
 
 
 def vehicle_handles(run: FlockRun) -> list[Line2D]:
-    """Return the vehicles' lines for a legend, none where there are too many to tell apart."""
+    """Return the vehicles' lines for a legend, none if there are too many to distinguish."""
     if run.recording.n_vehicles > MAX_LINES:
         return []
     return [

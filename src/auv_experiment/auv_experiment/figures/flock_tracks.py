@@ -1,4 +1,4 @@
-"""Draw where a flock flew: seen from above, and in space."""
+"""Figures of a flock's tracks: from above, and in space."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _draw_plan(run: FlockRun) -> Drawing | None:
     legend_below(canvas, _plan_legend(run))
     times = ", ".join(f"{run.t_s[k]:.0f}" for k in instants)
     caption = (
-        "Tracks seen from above, north up. The wide grey line is the path that the flock is to follow, the "
+        "Tracks seen from above, north up. The wide grey line is the path that the flock should follow, the "
         "dashed grey line the mean of the vehicles. Hollow marks are starts, full marks are ends; the discs "
         f"are the hulls to scale with their heading, at {times} s."
     )
@@ -126,7 +126,7 @@ def _plot_hulls(axes: Any, run: FlockRun, k: int) -> None:
 
 
 def _instants(t_s: FloatArray) -> list[int]:
-    """Return the ticks of some six round times after the start."""
+    """Return the ticks of about six round times after the start."""
     step_s = round_step(float(t_s[-1]) / 6.0)
     times_s = np.arange(step_s, t_s[-1] + 1e-9, step_s)
     ticks: list[int] = np.unique(np.clip(np.searchsorted(t_s, times_s - 1e-9), 0, len(t_s) - 1)).tolist()

@@ -20,7 +20,7 @@ def add_format_option(parser: argparse.ArgumentParser) -> None:
         type=_formats,
         default=(PAGE_FORMAT,),
         metavar="FORMAT,...",
-        help="formats of the figures, with commas: png, and for one column of a paper pdf and svg "
+        help="formats of the figures, separated by commas: png, and for one column of a paper pdf and svg "
         "(default: png, which is always made)",
     )
 
@@ -33,5 +33,5 @@ def _formats(text: str) -> tuple[str, ...]:
 
 
 def with_page_format(formats: Sequence[str]) -> tuple[str, ...]:
-    """Return formats, each once, with that of pages first: a page embeds its figures."""
+    """Return the formats, each once, with that of pages first, since a page embeds its figures."""
     return tuple(dict.fromkeys((PAGE_FORMAT, *formats)))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class OwnFigureError(ConfigError):
-    """An own figure that cannot be drawn of a run; the message is one line that names the file."""
+    """Raised if an own figure cannot be drawn for a run; the message is one line that names the file."""
 
 
 def own_files_of_figures() -> dict[str, ModuleType]:
@@ -27,7 +27,7 @@ def own_files_of_figures() -> dict[str, ModuleType]:
     Raises
     ------
     ConfigError
-        When a file is not an `OwnFigure`; one line.
+        If a file is not an `OwnFigure`; one line.
 
     """
     files = load_own_files(__package__)
@@ -41,7 +41,7 @@ def own_files_of_figures() -> dict[str, ModuleType]:
 
 def own_drawers(recording: Recording, scenario: Scenario, taken: Collection[str]) -> dict[str, Drawer]:
     """
-    Return what draws each own figure of a run, by name.
+    Return the drawing functions of the own figures of a run, by name.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def own_drawers(recording: Recording, scenario: Scenario, taken: Collection[str]
     Raises
     ------
     ConfigError
-        When a name is taken; one line.
+        If a name is taken; one line.
 
     """
     files = own_files_of_figures()
@@ -64,7 +64,7 @@ def own_drawers(recording: Recording, scenario: Scenario, taken: Collection[str]
 
 
 def _drawn(module: ModuleType, recording: Recording, scenario: Scenario) -> Drawing | None:
-    """Draw an own figure; raise OwnFigureError where it fails."""
+    """Draw an own figure; raise OwnFigureError if it fails."""
     try:
         drawing = module.draw(recording, scenario)
         if drawing is not None and not isinstance(drawing, Drawing):

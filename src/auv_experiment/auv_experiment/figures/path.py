@@ -1,8 +1,8 @@
 """
-Figures of a run whose vehicles follow paths of their own: tracks, position and velocity errors, forces.
+Figures of a path-following run: tracks, position and velocity errors, forces.
 
 Errors are reference minus actual in NED, each vehicle against its own path. Each figure over time has the
-approach on the left and the rest of the run on the right, on a scale of its own.
+approach on the left and the rest of the run on the right, on its own scale.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _NED = ("north", "east", "down")
 
 
 def path_drawers(recording: Recording, scenario: Scenario) -> dict[str, Drawer]:
-    """Return what draws each figure of a path-following run, by name."""
+    """Return the drawing functions of a path-following run, by name."""
     if not metrics_path.path_followers(scenario) or not np.isfinite(recording.position_ned_m).any():
         return {}
 
@@ -70,7 +70,7 @@ def _draw_plan(canvas: Canvas, recording: Recording, scenario: Scenario) -> tupl
     handles = [Line2D([], [], color="0.6", linewidth=3.0, alpha=0.5, label="path")]
     legend_below(canvas, [*handles, *_vehicle_handles(recording)])
     caption = (
-        "Tracks seen from above, north up, over the paths that the vehicles are to follow (wide and grey). "
+        "Tracks seen from above, north up, over the paths that the vehicles should follow (wide and grey). "
         "Hollow marks are starts, full marks ends."
     )
     if scenario.environment.obstacles:
@@ -85,8 +85,8 @@ def _draw_position_errors(canvas: Canvas, recording: Recording, scenario: Scenar
     _draw_components(canvas, recording, errors_m, "error (m)", _NED)
     largest = np.nanmax(np.linalg.norm(errors_m, axis=-1), initial=0.0)
     caption = (
-        f"Path minus position, component by component; the largest distance is {largest:.2f} m. Left the "
-        f"first {APPROACH_S:g} s, right the rest on its own scale."
+        f"Path minus position, component by component; the largest distance is {largest:.2f} m. Left: the "
+        f"first {APPROACH_S:g} s. Right: the rest, on its own scale."
     )
     return "Position errors", caption
 
@@ -95,8 +95,8 @@ def _draw_velocity_errors(canvas: Canvas, recording: Recording, scenario: Scenar
     errors_mps = metrics_path.velocity_error_ned_mps(recording, scenario)
     _draw_components(canvas, recording, errors_mps, "error (m/s)", _NED)
     caption = (
-        f"Velocity of the path minus velocity over ground, in NED. Left the first {APPROACH_S:g} s, right "
-        "the rest on its own scale."
+        f"Velocity of the path minus velocity over ground, in NED. Left: the first {APPROACH_S:g} s. Right: "
+        "the rest, on its own scale."
     )
     return "Velocity errors", caption
 
@@ -106,9 +106,9 @@ def _draw_forces(canvas: Canvas, recording: Recording, scenario: Scenario) -> tu
     forces_n[:-1] = recording.command[..., :3]
     is_flat = any(frame_of(v.model.params) == "flat" for v in scenario.vehicles)
     _draw_components(canvas, recording, forces_n, "(N)", ("X", "Y", "Z"))
-    axes_of = "north, east and down, as this plant takes them" if is_flat else "along the hulls' axes"
-    caption = f"Forces that the law asks for, {axes_of}."
-    return "Forces asked for", caption
+    axes_of = "north, east and down, as for this plant" if is_flat else "along the hulls' axes"
+    caption = f"Commanded forces, {axes_of}."
+    return "Commanded forces", caption
 
 
 def _draw_components(

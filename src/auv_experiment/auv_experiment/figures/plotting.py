@@ -1,8 +1,8 @@
 """
-Parts of which figures are made: styles that can be read in grey, thinned lines, scales, legends, patches.
+Parts of figures: styles that can be read in grey, reduced lines, scales, legends, patches.
 
-Nothing here knows what is drawn. Positions are in map_ned (m); plan views have east to the right and north
-up.
+This module does not depend on the content of figures. Positions are in map_ned (m); plan views have east to
+the right and north up.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ _METADATA: dict[str, dict[str, None]] = {
     "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
     "svg": {"Date": None},
 }
-# dark to light, apart in grey as well as for colour-blind readers
+# dark to light, distinguishable in grey and by colour-blind readers
 _COLOURS = ("#111111", "#0063a8", "#c84b00", "#3a9d6e", "#7b3f8c", "#b58900")
 _DASHES: tuple[Any, ...] = ("solid", (0, (5, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (1.5, 1.2)), (0, (9, 2)))
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -88,12 +88,12 @@ def vehicle_style(i: int) -> dict[str, Any]:
 
 def new_canvas(height_in: float = 3.6, *, layout: Literal["constrained"] | None = "constrained") -> Canvas:
     """
-    Return an empty figure of the width that the style asks for.
+    Return an empty figure with the width of the style.
 
     Parameters
     ----------
     height_in : float
-        Height in the style of pages (in); in that of papers it is less.
+        Height in the style of pages (in); it is smaller in that of papers.
     layout : str or None
         As of Matplotlib.
 
@@ -104,7 +104,7 @@ def new_canvas(height_in: float = 3.6, *, layout: Literal["constrained"] | None 
 
 
 def set_height(canvas: Canvas, height_in: float) -> None:
-    """Give a figure its height in the style of pages (in); in that of papers it is less."""
+    """Set a figure's height in the style of pages (in); it is smaller in that of papers."""
     canvas.set_figheight(height_in if _is_wide(canvas) else _PAPER_HEIGHT * height_in)
 
 
@@ -117,7 +117,7 @@ def side_by_side(canvas: Canvas, count: int, width_ratios: Sequence[float] | Non
 
 
 def space_axes(canvas: Canvas) -> Any:
-    """Return axes in space, with room below for a legend."""
+    """Return axes in space, with space below for a legend."""
     place = (0.0, 0.12, 0.94, 0.88) if _is_wide(canvas) else (0.07, 0.18, 0.7, 0.8)
     return canvas.add_axes(place, projection="3d")
 
@@ -203,7 +203,7 @@ def round_step(value: float) -> float:
 
 
 def span_time(axes: Any, t_s: FloatArray) -> None:
-    """Let the time axis begin and end with the data."""
+    """Set the limits of the time axis to those of the data."""
     if len(t_s) and t_s[-1] > t_s[0]:
         axes.set_xlim(t_s[0], t_s[-1])
 
@@ -234,7 +234,7 @@ def thin_indices(values: FloatArray, n_columns: int = MAX_COLUMNS) -> NDArray[np
     -------
     indices : (m,) array of int
         Ascending, m <= 2 n_columns + 2: first and last sample, the smallest and the largest of every
-        column; all of them where there are few.
+        column; all samples if there are few.
 
     """
     n = len(values)
@@ -277,12 +277,12 @@ def plot_band(axes: Any, t_s: FloatArray, two_sigma_m: FloatArray) -> None:
 
 
 def band_handle() -> Any:
-    """Return what stands for forbidden distances in a legend."""
+    """Return the patch for forbidden distances in a legend."""
     return Patch(facecolor="0.8", hatch="////", edgecolor="0.6", linewidth=0.0)
 
 
 def two_sigma_handle() -> Any:
-    """Return what stands for the band of two standard deviations in a legend."""
+    """Return the patch for the band of two standard deviations in a legend."""
     return Patch(facecolor="0.78", linewidth=0.0)
 
 

@@ -1,7 +1,7 @@
 """
 Figures of a run whose vehicles steer to a ring: tracks in space and from above, distances, forces.
 
-The drawing functions that take axes serve the report and the reproduction of the thesis's figures alike.
+The report and the reproduction of the thesis's figures both use the drawing functions that take axes.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _RING_COLOUR = "0.45"
 
 
 def region_drawers(recording: Recording, scenario: Scenario) -> dict[str, Drawer]:
-    """Return what draws each figure of a run to a region, by name."""
+    """Return the drawing functions of a run to a region, by name."""
     ring = metrics_region.ring_of(scenario)
     if ring is None or not np.isfinite(recording.position_ned_m).any():
         return {}
@@ -66,13 +66,13 @@ def plot_tracks_in_space(axes: Any, recording: Recording, ring: Ring, order: Seq
     Parameters
     ----------
     axes : Axes3D
-        Where to.
+        Axes in space.
     recording : Recording
-        What happened.
+        The run.
     ring : Ring
-        Where the vehicles go.
+        The ring of the law.
     order : sequence of 3 int
-        Which NED component goes along each axis of the plot; (1, 0, 2) is east, north, down.
+        NED component along each axis of the plot; (1, 0, 2) is east, north, down.
 
     """
     _plot_ring_in_space(axes, ring, order)
@@ -88,7 +88,7 @@ def plot_tracks_in_space(axes: Any, recording: Recording, ring: Ring, order: Seq
 
 
 def vehicle_handles(recording: Recording) -> list[Line2D]:
-    """Return what stands for the vehicles and the ring in a legend."""
+    """Return the legend entries of the vehicles and the ring."""
     handles = [
         Line2D([], [], marker=marker(i), label=name, **vehicle_style(i))
         for i, name in enumerate(recording.vehicle_ids)
@@ -97,7 +97,7 @@ def vehicle_handles(recording: Recording) -> list[Line2D]:
 
 
 def plot_ring_from_above(axes: Any, ring: Ring) -> None:
-    """Plot the ring as seen from above, north up: its ground grey, its hole white."""
+    """Plot the ring from above, north up: the ring grey, its hole white."""
     north, east, _ = ring.centre_ned_m
     for radius_m, face in ((ring.outer_radius_m, "0.88"), (ring.inner_radius_m, "white")):
         axes.add_patch(
@@ -176,13 +176,13 @@ def _draw_plan(canvas: Canvas, recording: Recording, scenario: Scenario, ring: R
     near.set_xlim(east - margin_m, east + margin_m)
     near.set_ylim(north - margin_m, north + margin_m)
     whole.set_ylabel("north (m)")
-    whole.set_title("all of it")
+    whole.set_title("whole run")
     near.set_title("the ring")
     legend_below(canvas, vehicle_handles(recording))
     caption = (
         "Seen from above, north up; the ring is grey, its hole white. Hollow marks are starts, full marks "
-        "ends, the thin circles right the hulls at the end, to scale. Vehicles that seem to touch may be at "
-        "different depths."
+        "ends, the thin circles on the right are the hulls at the end, to scale. Vehicles that seem to "
+        "touch may be at different depths."
     )
     return "Tracks from above", caption
 
@@ -231,13 +231,13 @@ def _draw_forces(canvas: Canvas, recording: Recording, scenario: Scenario, ring:
         plot_thinned(lower, recording.t_s, speeds_mps[:, i], **vehicle_style(i))
     log_scale(upper, forces_n)
     log_scale(lower, speeds_mps)
-    upper.set_ylabel("force asked for (N)")
+    upper.set_ylabel("commanded force (N)")
     lower.set_ylabel("speed (m/s)")
     lower.set_xlabel("time (s)")
     span_time(lower, recording.t_s)
     legend_below(canvas, vehicle_handles(recording)[:-1])
     caption = (
-        f"Length of the force that the law asks for, at most {forces_n.max(initial=0.0):.0f} N, and speed, "
+        f"Magnitude of the commanded force, at most {forces_n.max(initial=0.0):.0f} N, and speed, "
         f"at most {speeds_mps.max(initial=0.0):.1f} m/s. Both logarithmic."
     )
     return "Forces and speeds", caption

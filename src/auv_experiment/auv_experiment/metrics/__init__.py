@@ -1,9 +1,9 @@
 """
-Numbers that say how a run went, all from its recording.
+Metrics: numbers that describe a run, all from its recording.
 
 A file ``metrics/<name>.py`` in a folder of ``SHOAL_PLUGINS`` adds metrics of your own: to metrics.json, to
 the report, and to the table of a sweep. It is an `OwnMetrics`: it describes each metric and computes them
-all. `auv_experiment.metrics.own` says what happens if it fails. docs/how_to/own_metrics.md
+all. `auv_experiment.metrics.own` describes what happens if it fails. docs/how_to/own_metrics.md
 has an example.
 """
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Meaning:
     """
-    What a metric says.
+    Unit and meaning of a metric.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Meaning:
     digits : int
         How many digits after the point are shown.
     is_share : bool
-        Whether it lies between 0 and 1 in every run: so does the interval of its mean over runs.
+        Whether it lies between 0 and 1 in every run, so that the interval of its mean does, too.
 
     """
 
@@ -64,9 +64,9 @@ class OwnMetrics(Protocol):
         Parameters
         ----------
         recording : Recording
-            What happened, as NumPy arrays.
+            The recording of the run, as NumPy arrays.
         scenario : Scenario
-            What was flown, resolved.
+            The resolved scenario.
 
         Returns
         -------

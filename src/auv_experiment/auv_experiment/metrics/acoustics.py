@@ -1,12 +1,13 @@
 """
-What the water and the navigation made of a run: losses by cause, delays, drift, and honest filters or not.
+Metrics of acoustics and navigation: losses by cause, delays, drift, and consistency of the filters.
 
-Shares of packets count every packet once per receiver, at all modems, those of lost vehicles too; packets
-still in the water at the end do not count. Estimates of neighbours are judged as what they are used
-for: relative to the own navigation, so that a drift that all share is no error.
+Shares of packets count every packet once per receiver, at all modems, including those of lost vehicles;
+packets in transit at the end do not count. Neighbour estimates are compared as they are used, relative to the
+own navigation, so that a common drift is no error.
 
 NEES is the normalised estimation error squared, e' P^-1 e with the filter's own covariance P. For a
-consistent filter with Gaussian errors it is chi-square distributed and its mean is the number of components.
+consistent filter with Gaussian errors it has a chi-square distribution, and its mean is the number of
+components.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ BoolArray = NDArray[np.bool_]
 LOSSES = (Outcome.OUTAGE, Outcome.NOISE, Outcome.COLLISION, Outcome.HALF_DUPLEX, Outcome.RANGE)
 """Causes in the order in which figures and tables show them."""
 CHI2_3_95PCT = 7.8147
-"""Value under which 95 % of a chi-square distribution with three degrees of freedom lie."""
+"""95 % quantile of a chi-square distribution with three degrees of freedom."""
 _TOLERANCE_S = 1e-9
 _MOST_ESTIMATES = 400_000
 _STEPS = (1, 3, 7, 13, 29, 61, 127)
@@ -40,45 +41,45 @@ def acoustics_metrics(recording: Recording, *, formed_at_s: float = 0.0) -> dict
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
     formed_at_s : float
-        Time from which the filters are judged (s); NaN: never.
+        Time after which the filters are evaluated (s); NaN: never.
 
     Returns
     -------
     metrics : dict
-        Empty where nothing of it exists; None for a single quantity that does not exist. With a modem that
-        takes time on the air:
+        Empty if none of these exists; None for a single quantity that does not exist. With a modem with
+        airtime:
 
         packets_lost
-            packets that did not reach a receiver, for whatever cause;
+            packets that did not reach a receiver, for any cause;
         packet_loss_<cause>_ratio
             share of all packets at all receivers that was lost to outage, noise, collision, half_duplex (the
             receiver was transmitting), range;
         packet_delay_95pct_s
-            delay that 95 % of the delivered packets keep below;
+            95 % quantile of the delay of delivered packets;
         acoustic_bit_rate_bps
             bits of payload on the air per second, all modems together;
         acoustic_load_ratio
-            time on the air, all modems together, per time of the run;
+            airtime of all modems together, per time of the run;
         neighbour_age_95pct_s
-            age that 95 % of the estimates keep below for t > 100 s;
+            95 % quantile of the age of the estimates for t > 100 s;
         neighbour_nees_position_mean, neighbour_nees_mean
-            of the relative position (3 expected), and of it and the velocity (6 expected);
+            mean NEES of the relative position (3 expected), and of position and velocity (6 expected);
         neighbour_nees_within_95_ratio
-            share of the first below its 95 % point (0.95 expected);
+            share of the former below its 95 % quantile (0.95 expected);
         sonar_contacts
             hulls seen by sonar, all pings of all vehicles.
 
-        Where the navigation is not exact:
+        If the navigation is not exact:
 
         navigation_error_rms_m
-            root mean square of |believed - true position| over all vehicles and the whole run;
+            root mean square of |navigation - true position| over all vehicles and the whole run;
         navigation_error_final_m
             the same over the vehicles at the end;
         navigation_nees_mean
-            of the horizontal position, with the standard deviation that the navigation states (2 expected).
-            Errors of a drift last, so this mean is that of few independent numbers.
+            mean NEES of the horizontal position, with the standard deviation that the navigation states (2
+            expected). Drift errors persist, so this is a mean of few independent numbers.
 
     """
     metrics: dict[str, Any] = {}
@@ -91,25 +92,25 @@ def acoustics_metrics(recording: Recording, *, formed_at_s: float = 0.0) -> dict
 
 
 def has_modem(recording: Recording) -> bool:
-    """Return whether packets took time on the air; the ideal medium has no losses and no delays to tell."""
+    """Return whether packets had airtime; the ideal medium has neither losses nor delays."""
     return bool((recording.event_values[:, 1] > recording.event_values[:, 0]).any())
 
 
 def is_navigation_exact(recording: Recording) -> bool:
-    """Return whether every vehicle knew exactly where it was, or no navigation is recorded."""
+    """Return whether every navigation was exact, or none is recorded."""
     error_m = navigation_error_ned_m(recording)
     return not (np.isfinite(error_m) & (error_m != 0.0)).any()
 
 
 def navigation_error_ned_m(recording: Recording) -> FloatArray:
-    """Return the (K, N, 3) own position as believed minus the true one (m; NED), NaN from a loss on."""
+    """Return the (K, N, 3) position by the own navigation minus the true one (m; NED), NaN after a loss."""
     error_m = recording.nav_position_ned_m - recording.position_ned_m[:-1]
     return np.where(recording.is_gone[:-1][..., np.newaxis], np.nan, error_m)
 
 
 def loss_counts(recording: Recording) -> dict[Outcome, IntArray]:
     """
-    Count what became of the packets on every link.
+    Count the outcomes of packets on every link.
 
     Returns
     -------
@@ -130,22 +131,21 @@ def loss_counts(recording: Recording) -> dict[Outcome, IntArray]:
 
 def relative_error_ned(recording: Recording, ticks: IntArray) -> FloatArray:
     """
-    Return what vehicles believe of each other, relative to the own navigation, minus the truth.
+    Return the errors of neighbour estimates relative to the own navigation.
 
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
     ticks : (M,) array of int
-        Ticks to look at.
+        Ticks to evaluate.
 
     Returns
     -------
     error : (M, N, N, 6) array
         [., i, j]: (estimate of j - own navigation of i) - (true j - true i) (m; NED), then the estimate of
         j's velocity minus the true one (m/s; NED; from differences of the positions). NaN on the diagonal,
-        where no estimate exists, and from the loss of either vehicle on.
-
+        where no estimate exists, and after the loss of either vehicle.
     """
     position_m = relative_position_error_ned_m(recording, ticks)
     true_mps = np.gradient(recording.position_ned_m, recording.t_s, axis=0)[ticks]
@@ -157,7 +157,7 @@ def relative_error_ned(recording: Recording, ticks: IntArray) -> FloatArray:
 def relative_position_error_ned_m(recording: Recording, ticks: IntArray) -> FloatArray:
     """Return the (M, N, N, 3) positions of `relative_error_ned` (m; NED)."""
     truth, own = recording.position_ned_m[ticks], recording.nav_position_ned_m[ticks]
-    # A recording without navigation is one whose vehicles knew where they were.
+    # In a recording without navigation all vehicles have exact navigation.
     own = np.where(np.isfinite(own), own, truth)
     estimate = recording.neighbour_position_ned_m[ticks]
     error: FloatArray = estimate - truth[:, np.newaxis] - (own - truth)[:, :, np.newaxis]
@@ -168,14 +168,14 @@ def relative_position_error_ned_m(recording: Recording, ticks: IntArray) -> Floa
 
 def neighbour_nees(recording: Recording, ticks: IntArray, size: int) -> FloatArray:
     """
-    Return the (M, N, N) NEES of the estimates at some ticks, NaN where there is none.
+    Return the (M, N, N) NEES of the estimates at some ticks, NaN if there is no estimate.
 
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
     ticks : (M,) array of int
-        Ticks to look at.
+        Ticks to evaluate.
     size : int
         3 for the relative position alone, 6 with the velocity.
 
@@ -195,9 +195,10 @@ def neighbour_nees(recording: Recording, ticks: IntArray, size: int) -> FloatArr
 
 def judged_ticks(recording: Recording, from_s: float) -> IntArray:
     """
-    Return ticks at which to judge the filters: all from `from_s` on, or evenly spaced ones of long runs.
+    Return the ticks for the evaluation of the filters: all after `from_s`, or evenly spaced ones in long
+    runs.
 
-    The step is a prime number, which does not fall into step with the cycles of the medium.
+    The step is a prime number, so that it is not in phase with the cycles of the medium.
     """
     (ticks,) = np.nonzero(recording.t_s[:-1] >= from_s - _TOLERANCE_S)
     count = len(ticks) * recording.n_vehicles**2

@@ -1,4 +1,4 @@
-"""What a run amounts to for the law that it flew: each family of laws has numbers of its own."""
+"""Metrics by the law of a run: each family of laws has its own numbers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def law_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     """
-    Return the metrics of the scenario's kind of law, and whether its Lyapunov candidates fall.
+    Return the metrics of the scenario's kind of law, and whether its Lyapunov candidates decrease.
 
     `Scenario.readings` gives one metric each, ``<axis>_err_<time>_m``: path minus position of the first
     vehicle along one NED axis at one instant (m), at the record nearest to it.

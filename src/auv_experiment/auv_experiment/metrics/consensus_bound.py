@@ -1,21 +1,21 @@
 """
-What the thesis proves of a flock, as data: the bound on the consensus error, and the flock's potential.
+The thesis's proofs about a flock, as data: the bound on the consensus error, and the flock's potential.
 
 Consensus, thesis Eqs. (6.7)-(6.18).  With e_i = c_i - mean of eta, stacked over the n vehicles,
 
     e_dot = -k (L + I) e + phi,   phi_i = k (eta_i - mean) - d/dt mean,
     V = |e|^2 / 2,   V_dot <= -k |e|^2 + |e| n rho,   rho >= |phi_i| for every i,
 
-since no eigenvalue of L + I is below 1.  This bounds |e| by n rho / k; it does not make it vanish, as the
-thesis concludes.  rho is measured from positions and velocities, V_dot from the recorded rates of the
-estimates: in a run with delays and losses they are different things, and the bound can fail.
-Deviation: the printed remainder of (6.13)-(6.14) has lost eta_i - mean.
+since no eigenvalue of L + I is below 1. This bounds |e| by n rho / k; it does not imply that |e| vanishes,
+as the thesis concludes. rho is computed from positions and velocities, V_dot from the recorded rates of the
+estimates. With delays and losses these are not consistent, and the bound can fail. Deviation: the printed
+remainder of (6.13)-(6.14) lacks eta_i - mean.
 
-Potential, thesis Eqs. (6.34)-(6.46).  Candidate ``thesis`` is the printed sum of attractions and repulsions;
-``corrected`` adds what the consensus filters minimise, k_c / 2 times the sum of |c_i - c_j|^2 over pairs, and
-the path's attraction on every vehicle that feels it.  Law and filters are the fall of ``corrected``, so that
-it falls for a path at rest; on a moving path the estimates do not get the path's velocity, and neither falls
-in the end.
+Potential, thesis Eqs. (6.34)-(6.46). Candidate ``thesis`` is the printed sum of attractions and repulsions;
+``corrected`` adds the term that the consensus filters minimise, k_c / 2 times the sum of |c_i - c_j|^2 over
+pairs, and the path's attraction on every vehicle that is attracted. Law and filters are the negative gradient
+of ``corrected``, so that it decreases for a path at rest. On a moving path the estimates do not know the
+path's velocity, and neither candidate decreases in the end.
 """
 
 from __future__ import annotations
@@ -44,24 +44,23 @@ PROOF_GAP = (
 
 def flock_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     """
-    Return what became of the thesis's bound and potential in a run.
+    Return the thesis's bound and potential along a run.
 
     Returns
     -------
     metrics : dict
-        Empty where no flocking law flies.  Values are None where the law is not the thesis's, or a vehicle
-        was lost.
+        Empty without a flocking law. Values are None if the law is not the thesis's, or a vehicle was lost.
 
         consensus_rho_mps, consensus_rho_settled_mps
             largest |phi_i| of the run, and for t > 100 s;
         consensus_bound_holds, consensus_bound_margin_m2ps
-            whether V_dot stays under its bound (6.18) in the whole run, and by how much at the least;
+            whether V_dot stays below its bound (6.18) in the whole run, and the smallest margin;
         consensus_bound_radius_settled_m, consensus_error_norm_settled_m
             n rho / k and the largest |e|, stacked over the vehicles, for t > 100 s;
         flock_lyapunov_thesis_*, flock_lyapunov_corrected_*
             as `lyapunov_*` of single vehicles: falls, rise_ratio, first_rise_s, largest_rise_ratio;
         flock_lyapunov_proof_gap
-            why the printed proof does not cover it, where a candidate rises.
+            why the printed proof does not cover the run, if a candidate increases.
 
     """
     if scenario.agent.flocking is None:
@@ -77,7 +76,7 @@ def flock_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
 
 def consensus_series(recording: Recording, rate_ps: float) -> dict[str, FloatArray]:
     """
-    Return |e| (m), |phi| of the worst vehicle (m/s) and V_dot (m^2/s) at every tick, each of shape (K,).
+    Return |e| (m), the largest |phi_i| (m/s) and V_dot (m^2/s) at every tick, each of shape (K,).
 
     Parameters
     ----------
@@ -194,7 +193,7 @@ def _path_ned_m(recording: Recording, scenario: Scenario) -> FloatArray:
 
 
 def _velocity_ned_mps(recording: Recording) -> FloatArray:
-    """Return the (K + 1, N, 3) true velocities (m/s; NED): the body's, turned by the attitude."""
+    """Return the (K + 1, N, 3) true velocities (m/s; NED): those of the body, rotated by the attitude."""
     scalar, vector = recording.attitude_quat_wxyz[..., :1], recording.attitude_quat_wxyz[..., 1:]
     body = recording.velocity_body[..., :3]
     across = 2.0 * np.cross(vector, body)

@@ -1,4 +1,4 @@
-"""What each metric says, in words: the same for the terminal, the report, sweeps and the docs."""
+"""Descriptions of the metrics, for the terminal, the report, sweeps and the docs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ OF_LAWS = {
     "velocity_settling_0p01mps_s": Meaning(
         "s", "time after which the north and east errors of the velocity stay below 0.01 m/s", 2
     ),
-    "control_effort_n2s": Meaning("N² s", "sum over time of the squared force asked for, all vehicles", 1),
+    "control_effort_n2s": Meaning("N² s", "integral of the squared commanded force, all vehicles", 1),
     "obstacle_clearance_m": Meaning("m", "smallest distance of a hull centre to each obstacle's centre"),
     "obstacle_closest_at_s": Meaning("s", "time of the smallest distance to each obstacle", 1),
     # adaptive formation
@@ -37,7 +37,7 @@ OF_LAWS = {
         "m", "smallest and largest path error of the first vehicle, over x, y, z and yaw (rad)"
     ),
     "velocity_err_range_mps": Meaning("m/s", "smallest and largest rate of that error, yaw in rad/s"),
-    "force_range_n": Meaning("N", "smallest and largest force asked of the first vehicle, yaw in N m", 1),
+    "force_range_n": Meaning("N", "smallest and largest commanded force of the first vehicle, yaw in N m", 1),
     **{
         f"{axis}_settling_0p05_s": Meaning(
             "s", f"time after which the {axis} error of the first vehicle stays within 0.05 {unit}", 2
@@ -51,7 +51,9 @@ OF_LAWS = {
         for axis, unit in (("x", "m"), ("y", "m"), ("z", "m"), ("yaw", "rad"))
     },
     **{
-        f"{axis}_force_late_n": Meaning("N", f"largest {axis} force asked of the first vehicle after 100 s")
+        f"{axis}_force_late_n": Meaning(
+            "N", f"largest commanded {axis} force of the first vehicle after 100 s"
+        )
         for axis in "xyz"
     },
     **{
@@ -91,7 +93,7 @@ OF_LAWS = {
     "axis_distance_final_m": Meaning("m", "distance of each vehicle to the ring's axis at the end"),
     "position_final_ned_m": Meaning("m", "position of each vehicle at the end (north, east, down)"),
     "speed_max_mps": Meaning("m/s", "largest speed of any vehicle"),
-    "force_max_n": Meaning("N", "largest force asked of any vehicle", 1),
+    "force_max_n": Meaning("N", "largest commanded force of any vehicle", 1),
     # the thesis's bound on the consensus error
     "consensus_rho_mps": Meaning("m/s", "largest disturbance of the consensus filters (rho of Eq. 6.18)", 4),
     "consensus_rho_settled_mps": Meaning(
@@ -140,7 +142,7 @@ MEANINGS = {
     "hull_in_air_ratio": _share("share of time, over all vehicles, with the whole hull above the surface"),
     "hull_in_air_height_m": Meaning("m", "largest height of a hull's lowest point above the surface", 2),
     **OF_LAWS,
-    # what vehicles know of each other
+    # neighbour estimates
     "neighbour_position_rmse_m": Meaning(
         "m", "error of the neighbour estimates' relative positions, rms after 100 s", 4
     ),
@@ -171,7 +173,7 @@ MEANINGS = {
         "s", "age of the newest packet in a neighbour estimate, largest after 100 s", 2
     ),
     # packets
-    "packets_sent": Meaning("", "packets handed to modems"),
+    "packets_sent": Meaning("", "packets passed to modems"),
     "packet_delivery_ratio": _share("share of the packets sent that arrived, over all other vehicles"),
     "packets_lost": Meaning("", "packets that did not reach a receiver, counted at every receiver"),
     "packet_loss_outage_ratio": _share("share of packets at their receivers lost to outage"),
@@ -179,8 +181,8 @@ MEANINGS = {
     "packet_loss_collision_ratio": _share(
         "share of packets at their receivers lost to collisions of packets"
     ),
-    "packet_loss_half_duplex_ratio": _share("share of packets lost since their receiver was sending"),
-    "packet_loss_range_ratio": _share("share of packets lost since their receiver was out of range"),
+    "packet_loss_half_duplex_ratio": _share("share of packets lost because their receiver was transmitting"),
+    "packet_loss_range_ratio": _share("share of packets lost because their receiver was out of range"),
     "packet_delay_mean_s": Meaning("s", "start of transmission to end of reception, mean"),
     "packet_delay_95pct_s": Meaning("s", "start of transmission to end of reception, 95 % are below"),
     "packet_delay_max_s": Meaning("s", "start of transmission to end of reception, largest"),
@@ -239,12 +241,12 @@ MEANINGS = {
 
 _V = r"(?P<flock>flock_)?lyapunov_(?P<name>\w+)"
 FAMILIES = {
-    rf"{_V}_falls": Meaning("", "Lyapunov candidate {name} falls in the whole run"),
+    rf"{_V}_falls": Meaning("", "Lyapunov candidate {name} decreases in the whole run"),
     rf"{_V}_largest_rise_ratio": Meaning(
-        "", "largest rise of candidate {name} within one record, by its largest value", 6
+        "", "largest increase of candidate {name} within one record / its largest value", 6
     ),
-    rf"{_V}_rise_ratio": _share("share of records in which candidate {name} rises", 4),
-    rf"{_V}_first_rise_s": Meaning("s", "first time at which candidate {name} rises", 1),
+    rf"{_V}_rise_ratio": _share("share of records in which candidate {name} increases", 4),
+    rf"{_V}_first_rise_s": Meaning("s", "first time at which candidate {name} increases", 1),
     r"(flock_)?lyapunov_proof_gap": Meaning("", "why the printed proof does not cover the rise"),
     r"(?P<axis>[xyz])_err_(?P<whole>\d+)p(?P<tenths>\d)_m": Meaning(
         "m", "{axis} error (path minus position) of the first vehicle at {whole}.{tenths} s", 4

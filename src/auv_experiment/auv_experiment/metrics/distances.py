@@ -1,4 +1,4 @@
-"""Where the vehicles of a run, their mean and their path are, and how far they are from each other."""
+"""Positions of the vehicles, of their mean and of their path, and distances between them."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ def pair_distances_m(recording: Recording) -> FloatArray:
 
 
 def flock_pair_distances_m(recording: Recording) -> FloatArray:
-    """Return the (K + 1, P) distances between hull centres (m), NaN from the loss of either vehicle on."""
+    """Return the (K + 1, P) distances between hull centres (m), NaN after the loss of either vehicle."""
     return np.where(pair_is_gone(recording), np.nan, pair_distances_m(recording))
 
 
 def flock_positions_ned_m(recording: Recording) -> FloatArray:
-    """Return the (K + 1, N, 3) true positions (m, map_ned), NaN from a vehicle's loss on."""
+    """Return the (K + 1, N, 3) true positions (m, map_ned), NaN after a vehicle's loss."""
     return np.where(recording.is_gone[..., np.newaxis], np.nan, recording.position_ned_m)
 
 
 def centroid_ned_m(recording: Recording) -> FloatArray:
-    """Return the (K + 1, 3) mean of the flock's true positions (m, map_ned), NaN where no vehicle is left."""
+    """Return the (K + 1, 3) mean of the flock's true positions (m, map_ned), NaN if no vehicle is left."""
     positions = recording.position_ned_m
     alive = ~recording.is_gone
     total = np.where(alive[..., np.newaxis], positions, 0.0).sum(axis=1)
@@ -50,7 +50,7 @@ def centroid_ned_m(recording: Recording) -> FloatArray:
 
 
 def path_ned_m(recording: Recording, scenario: Scenario) -> FloatArray:
-    """Return the (K + 1, 3) positions eta_d of the flock's path (m, map_ned), NaN where there is none."""
+    """Return the (K + 1, 3) positions eta_d of the flock's path (m, map_ned), NaN without a path."""
     path = scenario.reference_of()
     if path is None:
         return np.full((len(recording.t_s), 3), math.nan)
@@ -63,7 +63,7 @@ def centroid_path_error_m(recording: Recording, scenario: Scenario) -> FloatArra
 
 
 def consensus_error_m(recording: Recording) -> FloatArray:
-    """Return the (K, N) distances |c_i - mean of true positions| (m), NaN from a vehicle's loss on."""
+    """Return the (K, N) distances |c_i - mean of true positions| (m), NaN after a vehicle's loss."""
     error_m = norm(recording.centre_ned_m - centroid_ned_m(recording)[:-1, np.newaxis])
     return np.where(recording.is_gone[:-1], np.nan, error_m)
 

@@ -1,4 +1,4 @@
-"""Statistics of the numbers that exist: NaN and infinity do not count, and what would be of none is None."""
+"""Statistics of finite numbers: NaN and infinity do not count; without finite numbers the result is None."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def norm(vectors: FloatArray) -> FloatArray:
 
 
 def finite(values: FloatArray) -> FloatArray:
-    """Return the finite ones of some values, as a row."""
+    """Return the finite values, as a row."""
     return values[np.isfinite(values)]
 
 

@@ -1,10 +1,10 @@
 """
-What a run of the adaptive formation law amounts to in numbers.
+Metrics of a run with the adaptive formation law.
 
-Errors are path minus actual, as the thesis's figures plot them; those of one vehicle are the first one's.
-The thesis's distances are signed radii: d_ij = r_j - r_i with r = hypot(x, y) the distance from the vertical
-through the origin, about which all its paths turn.  They go negative while a vehicle is on its way, and are
-the true distances only where vehicles stand on one ray.
+Errors are path minus actual, as the thesis's figures plot them; those of one vehicle are the first one's. The
+thesis's distances are signed radii: d_ij = r_j - r_i with r = hypot(x, y) the distance from the vertical
+through the origin, around which all its paths turn. They may be negative while a vehicle is on its way, and
+are the true distances only if the vehicles lie on one ray.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ def formation_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
     scenario : Scenario
-        What was asked for: paths, law.
+        Its scenario: paths, law.
 
     Returns
     -------
@@ -52,9 +52,9 @@ def formation_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
         position_err_range_m, velocity_err_range_mps, force_range_n
             of the first vehicle over all four axes and the whole run;
         <axis>_settling_0p05_s
-            first time after which the error stays within 0.05 m (rad) to the end; None if it does not;
+            first time after which the error stays within 0.05 m (rad) to the end; None if there is none;
         <axis>_overshoot_m, yaw_overshoot_rad
-            largest error of the other sign than the one at the start;
+            largest error with the opposite sign of the initial error;
         x_force_late_n, y_force_late_n, z_force_late_n
             largest magnitude for t > 100 s;
         d12_range_m, d23_range_m, d12_minus_d23_range_m, d12_minus_d23_final_m
@@ -62,13 +62,13 @@ def formation_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
         d12_settling_0p05_s, d23_settling_0p05_s
             first time after which the signed radius stays within 0.05 m of the paths' own;
         d12_err_late_m, d23_err_late_m, d12_minus_d23_late_m
-            their largest departure from the paths' own for t > 100 s;
+            their largest deviation from the paths' own for t > 100 s;
         d12_true_range_m, d23_true_range_m
             distances of the hull centres;
         estimate_names, estimates_final
             names of the law's estimates, and for every vehicle their last recorded values (kg, N s/m, ...);
         adaptation_frozen_s
-            time in which the law's own force limit held the estimates still, summed over the vehicles.
+            time in which the law's own force limit kept the estimates constant, summed over the vehicles.
 
     """
     section = scenario.agent.controller
@@ -159,7 +159,7 @@ def _wanted_distances_m(recording: Recording, scenario: Scenario) -> tuple[Float
 
 
 def _frozen_s(recording: Recording, scenario: Scenario) -> float:
-    """Return the time in which a command stands at the law's own limit, summed over the vehicles (s)."""
+    """Return the time in which a command is at the law's own limit, summed over the vehicles (s)."""
     params = scenario.agent.controller.params
     force_n = math.inf if params.max_force_n is None else params.max_force_n
     moment_nm = math.inf if params.max_moment_nm is None else params.max_moment_nm
@@ -169,7 +169,7 @@ def _frozen_s(recording: Recording, scenario: Scenario) -> float:
 
 
 def _settling_s(t_s: FloatArray, error: FloatArray) -> float | None:
-    """Return the first time after which |error| stays within the band (s), None where it does not."""
+    """Return the first time after which |error| stays within the band (s), None if there is none."""
     is_out = ~(np.abs(error) <= SETTLED_BAND)
     if is_out[-1]:
         return None
@@ -177,7 +177,7 @@ def _settling_s(t_s: FloatArray, error: FloatArray) -> float | None:
 
 
 def _overshoot(error: FloatArray) -> float | None:
-    """Return the largest error on the other side of zero than the first."""
+    """Return the largest error with the opposite sign of the first."""
     return largest(-error if error[0] >= 0.0 else error)
 
 

@@ -1,4 +1,4 @@
-"""Whether and when a flock gathered, and how near and far its vehicles were: distances of all pairs."""
+"""Metrics of gathering: whether and when a flock formed, and the distances of all pairs."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ FORMED_FOR_S = 10.0
 
 def gathering_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     """
-    Return what the distances of all pairs say.
+    Return the metrics of the distances of all pairs.
 
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
     scenario : Scenario
-        What was asked for: hull radius, spacing of the flocking law.
+        Its scenario: hull radius, spacing of the flocking law.
 
     Returns
     -------

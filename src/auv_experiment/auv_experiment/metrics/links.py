@@ -1,4 +1,4 @@
-"""Packets by link: how many could have come, and how many did."""
+"""Packets by link: how many could have been received, and how many were."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def link_counts(recording: Recording) -> tuple[NDArray[np.int64], NDArray[np.int
     Returns
     -------
     expected, delivered : (N, N) arrays of int64
-        [i, j] counts packets that vehicle i sent while vehicle j was alive, and those of them that
+        [i, j] counts packets that vehicle i sent while vehicle j was not lost, and those of them that
         vehicle j received. Receptions of packets that were never sent do not count.
 
     """
@@ -43,20 +43,20 @@ def link_counts(recording: Recording) -> tuple[NDArray[np.int64], NDArray[np.int
 
 def packet_metrics(recording: Recording) -> dict[str, float | None]:
     """
-    Return how many packets were sent, and what became of them.
+    Return the number of sent packets, and their outcomes.
 
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
 
     Returns
     -------
     metrics : dict
         packets_sent
-            packets handed to modems;
+            packets passed to modems;
         packet_delivery_ratio
-            receptions / (packets sent x other vehicles alive at that time);
+            receptions / (packets sent x other vehicles that were not lost at that time);
         packet_delay_mean_s, packet_delay_max_s
             from the start of transmission to the end of reception.
 
@@ -72,7 +72,7 @@ def packet_metrics(recording: Recording) -> dict[str, float | None]:
 
 
 def _sent_row_of_receptions(recording: Recording) -> tuple[NDArray[np.int64], BoolArray]:
-    """Find for each reception the row in `sent` of its packet, and whether there is one."""
+    """Return for each reception the row of its packet in `sent`, and whether it exists."""
     sent_key = recording.sent[:, 1:3]
     received_key = recording.received[:, [1, 3]]
     _, key = np.unique(np.concatenate([sent_key, received_key]), axis=0, return_inverse=True)

@@ -1,9 +1,9 @@
 """
-Lyapunov candidates as data: what each law claims to fall, evaluated along a run.
+Lyapunov candidates as data: the functions that should decrease under each law, evaluated along a run.
 
-A law names its candidates V (see `auv_control.controllers`): the printed one and, where that is wrong, a
-corrected one.  They are functions of the recorded motion alone: true states, what the law remembered, the
-path, the others' true positions.  Where a proof holds, V falls from record to record.
+A law names its candidates V (see `auv_control.controllers`): the printed one and, if that is wrong, a
+corrected one. They are functions of the recorded motion alone: true states, the law's state, the path, the
+others' true positions. If a proof holds, V decreases from record to record.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
 TOLERANCE_RATIO = 1e-9
-"""A rise within one record smaller than this share of the largest |V| counts as none."""
+"""An increase within one record below this fraction of the largest |V| does not count."""
 
 
 def candidate_series(recording: Recording, scenario: Scenario) -> dict[str, FloatArray]:
     """
-    Return V along a run, by the candidate's name: (K, N), or (K, 1) where the candidate is the group's.
+    Return V along a run, by the candidate's name: (K, N), or (K, 1) if the candidate is for the group.
 
-    NaN where what the law remembered is not recorded, as in the first ticks of a run in real time.  Empty for
-    vehicles that fly a flocking law over a velocity controller.
+    NaN if the law's state is not recorded, as in the first ticks of a run in real time. Empty for a flocking
+    law with a velocity controller.
     """
     if scenario.follows == "velocity":
         return {}
@@ -44,16 +44,16 @@ def candidate_series(recording: Recording, scenario: Scenario) -> dict[str, Floa
 
 def lyapunov_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     """
-    Return whether each candidate falls along the run, and where it does not.
+    Return whether each candidate decreases along the run, and where it does not.
 
     Returns
     -------
     metrics : dict
-        For each candidate ``<name>``, over all vehicles: ``lyapunov_<name>_falls`` (no record in which V
-        rises by more than 1e-9 of its largest value), ``lyapunov_<name>_rise_ratio`` (share of the records
-        in which it does), ``lyapunov_<name>_first_rise_s``, ``lyapunov_<name>_largest_rise_ratio`` (largest
-        rise within one record, by the largest value); with a rise also ``lyapunov_proof_gap``, why the
-        printed proof does not cover it.
+        For each candidate ``<name>``, over all vehicles: ``lyapunov_<name>_falls`` (V never increases within
+        one record by more than 1e-9 of its largest value), ``lyapunov_<name>_rise_ratio`` (share of the
+        records in which it does), ``lyapunov_<name>_first_rise_s``, ``lyapunov_<name>_largest_rise_ratio``
+        (largest increase within one record / largest value); if V increases also ``lyapunov_proof_gap``, why
+        the printed proof does not cover it.
 
     """
     metrics: dict[str, Any] = {}
@@ -71,9 +71,9 @@ def fall_metrics(prefix: str, values: FloatArray, t_s: FloatArray) -> dict[str, 
     Parameters
     ----------
     prefix : str
-        Put before the names.
+        Prefix of the names.
     values : (K, M) array
-        M series of V; NaN where it does not exist.
+        M series of V; NaN if it does not exist.
     t_s : (K,) or longer array
         Times of the records (s).
 

@@ -1,4 +1,4 @@
-"""What vehicles believe of their neighbours, against the truth and against what they say of themselves."""
+"""Neighbour estimates compared with the truth and with their own covariance."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ _KEYS = (
 
 def neighbour_error_ned_m(recording: Recording) -> FloatArray:
     """
-    Return what every vehicle believes of where every other is relative to itself, minus the truth.
+    Return the errors of every vehicle's estimates of the others' relative positions.
 
-    An estimate is in the frame of the believer's own navigation, so it is compared with what that navigation
-    says; with exact navigation this is the error of the position itself.
+    An estimate is in the frame of the vehicle's own navigation, so it is compared relative to that
+    navigation; with exact navigation this is the error of the position itself.
 
     Returns
     -------
     error : (K, N, N, 3) array
-        [k, i, j] is (vehicle i's estimate of vehicle j's position - i's own believed position) - (true
-        position of j - true position of i) (m, NED); NaN on the diagonal, where no estimate exists, and from
-        the loss of either vehicle on.
+        [k, i, j] is (vehicle i's estimate of vehicle j's position - i's own navigation) - (true position of
+        j - true position of i) (m, NED); NaN on the diagonal, where no estimate exists, and after the loss of
+        either vehicle.
 
     """
     return relative_position_error_ned_m(recording, np.arange(recording.n_ticks))
@@ -43,22 +43,22 @@ def neighbour_sigma_m(recording: Recording) -> FloatArray:
 
 def neighbour_metrics(recording: Recording) -> dict[str, float | None]:
     """
-    Return how well and how freshly vehicles know each other.
+    Return error and age of the neighbour estimates.
 
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
 
     Returns
     -------
     metrics : dict
         neighbour_position_rmse_m
-            root mean square of |estimate - truth|, relative to the own position as the own navigation has
-            it, over ordered pairs for t > 100 s;
+            root mean square of |estimate - truth|, relative to the own navigation, over ordered pairs for t
+            > 100 s;
         neighbour_within_2sigma_ratio
-            share of the components of these errors inside two of the filter's own standard
-            deviations (0.954 for a consistent filter with Gaussian errors);
+            share of the components of these errors within two of the filter's own standard deviations (0.954
+            for a consistent filter with Gaussian errors);
         neighbour_age_mean_s, neighbour_age_max_s
             age of the newest information in the estimates for t > 100 s.
 

@@ -1,16 +1,16 @@
 """
-Who hears whom: the graph of a run, from the packets that were actually delivered.
+The communication graph of a run, from the packets that were actually delivered.
 
-At an instant, i hears j (the edge j -> i, a_ij = 1) if the newest packet of j that i has received left j no
-longer than a window ago.  The graph is directed and changes; it is looked at once per second, over the
-vehicles that are still alive.  Nothing is assumed of what should have been heard: a vehicle that is out of
-range, or a flock in two halves, shows.
+At an instant, i hears j (the edge j -> i, a_ij = 1) if the newest packet of j that i has received was sent
+within a time window. The graph is directed and changes; it is evaluated once per second, over the vehicles
+that are not lost. It makes no assumptions about expected packets, so a vehicle out of range, or a flock in
+two halves, becomes visible.
 
 Algebraic connectivity is lambda_2 of the mirror graph, with weights (a_ij + a_ji) / 2: Olfati-Saber & Murray
 ("Consensus problems in networks of agents with switching topology and time-delays", IEEE TAC 2004) show that
-on balanced graphs it bounds the rate of consensus.  For other graphs it is only a measure: it is zero if
-and only if the flock falls into parts that hear nothing of each other in either direction.  Whether news
-from everybody reaches everybody is what strong connection says.
+on balanced graphs it bounds the rate of consensus. For other graphs it is only a measure: it is zero if and
+only if the flock consists of parts that do not hear each other in either direction. Strong connectivity tells
+whether information from every vehicle reaches every other.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ class Graphs:
     t_s : (T,) array
         Scenario times (s).
     adjacency : (T, N, N) array of bool
-        [k, i, j]: vehicle i hears vehicle j; false on the diagonal and for the lost.
+        [k, i, j]: vehicle i hears vehicle j; false on the diagonal and for lost vehicles.
     alive : (T, N) array of bool
-        Which vehicles count.
+        Whether a vehicle counts, that is not lost.
 
     """
 
@@ -57,25 +57,25 @@ class Graphs:
 
 def network_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     """
-    Return what a run's graph amounts to.
+    Return the metrics of a run's graph.
 
     Parameters
     ----------
     recording : Recording
         What happened.
     scenario : Scenario
-        What was asked for: whether there are packets at all.
+        Its scenario: whether there are packets.
 
     Returns
     -------
     metrics : dict
-        Empty for a single vehicle and in continuous time, where nobody sends packets. Counted are the
-        instants, one per second, with at least two vehicles left.
+        Empty for a single vehicle and in continuous time, which has no packets. The instants, one per
+        second, with at least two vehicles left count.
 
         graph_window_s
             age up to which a packet counts as heard;
         graph_connected_at_s
-            first time at which news from every vehicle could reach every other; None if that never was;
+            first time at which information from every vehicle could reach every other; None if never;
         graph_disconnected_at_s
             first time after that at which it could not; 0 if it never could, None if it always could;
         graph_strongly_connected_ratio
@@ -83,11 +83,12 @@ def network_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
         graph_algebraic_connectivity_mean, graph_algebraic_connectivity_min
             lambda_2 of the mirror graph, N for N vehicles that all hear each other;
         graph_degree_mean, graph_in_degree_min, graph_out_degree_min
-            neighbours that a vehicle hears, and the fewest that any heard or was heard by;
+            mean number of neighbours that a vehicle hears, and the smallest numbers that a vehicle heard or
+            was heard by;
         graph_parts_max
-            largest number of groups that news can go round in.
+            largest number of groups within which information can circulate.
 
-        The last six are from `graph_connected_at_s` on, of the whole run if that is None.
+        The last six count after `graph_connected_at_s`, or over the whole run if that is None.
 
     """
     if recording.n_vehicles < 2 or scenario.sampling == "continuous":
@@ -137,7 +138,7 @@ _KEYS = (
 
 def heard_graphs(recording: Recording, *, window_s: float = WINDOW_S, every_s: float = EVERY_S) -> Graphs:
     """
-    Return who heard whom, from the packets delivered.
+    Return the communication graph, from the delivered packets.
 
     Parameters
     ----------
@@ -167,7 +168,7 @@ def heard_graphs(recording: Recording, *, window_s: float = WINDOW_S, every_s: f
 
 
 def _is_heard(t_s: FloatArray, arrived_s: FloatArray, left_s: FloatArray, window_s: float) -> BoolArray:
-    """Return (T,) whether the newest packet that has arrived on a link left at most this long ago."""
+    """Return (T,) whether the newest packet on a link was sent at most this long ago."""
     order = np.argsort(arrived_s, kind="stable")
     newest_s = np.concatenate([[-np.inf], np.maximum.accumulate(left_s[order])])
     count = np.searchsorted(arrived_s[order], t_s + _TOLERANCE_S, side="right")
@@ -184,7 +185,7 @@ def laplacian(adjacency: NDArray[Any]) -> FloatArray:
 
 
 def algebraic_connectivity(adjacency: BoolArray, alive: BoolArray) -> FloatArray:
-    """Return lambda_2 (T,) of the mirror graphs of the vehicles alive, of which there are at least two."""
+    """Return lambda_2 (T,) of the mirror graphs of the vehicles that are left, at least two."""
     mirror = 0.5 * (adjacency + np.swapaxes(adjacency, -1, -2).astype(np.float64))
     eigenvalues = np.linalg.eigvalsh(laplacian(mirror))
     gone = alive.shape[1] - alive.sum(axis=1)
@@ -194,7 +195,7 @@ def algebraic_connectivity(adjacency: BoolArray, alive: BoolArray) -> FloatArray
 
 
 def strong_parts(adjacency: BoolArray, alive: BoolArray) -> NDArray[np.int64]:
-    """Return (T,) into how many parts the graph of the vehicles alive falls; in each, news goes round."""
+    """Return (T,) the number of strongly connected parts of the graph of the vehicles that are left."""
     n = adjacency.shape[-1]
     reached = adjacency | np.eye(n, dtype=bool)
     for _ in range(max(1, (n - 1).bit_length())):

@@ -26,7 +26,7 @@ def own_files_of_metrics() -> dict[str, ModuleType]:
     Raises
     ------
     ConfigError
-        When a file is not an `OwnMetrics`, or describes a metric that there is; one line.
+        If a file is not an `OwnMetrics`, or describes an existing metric; one line.
 
     """
     files = load_own_files(__package__)
@@ -45,7 +45,7 @@ def own_files_of_metrics() -> dict[str, ModuleType]:
 
 
 def own_meaning(key: str) -> Meaning | None:
-    """Return what an own metric says, None for another key."""
+    """Return the meaning of an own metric, None for another key."""
     for module in own_files_of_metrics().values():
         if key in module.MEANINGS:
             meaning: Meaning = module.MEANINGS[key]
@@ -55,7 +55,7 @@ def own_meaning(key: str) -> Meaning | None:
 
 def own_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     """
-    Return the own metrics of a run, and under ``own_metrics_failed`` what failed.
+    Return the own metrics of a run, and failures under ``own_metrics_failed``.
 
     A file that raises, or returns what metrics.json cannot hold, leaves the values of its metrics out (None).
     """

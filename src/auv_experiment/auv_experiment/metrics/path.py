@@ -1,8 +1,8 @@
 """
-What a path-following run amounts to in numbers.
+Metrics of a path-following run.
 
-Errors are reference minus actual, in NED, each vehicle against its own path; a vehicle without one does not
-count. Of several vehicles every number is that of the worst one, and the effort is the sum over all.
+Errors are reference minus actual, in NED, each vehicle against its own path; vehicles without a path do not
+count. For several vehicles every number is that of the worst one, and the effort is the sum over all.
 """
 
 from __future__ import annotations
@@ -20,9 +20,12 @@ if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
 START_PHASE_S = 30.0
-"""From the start until then a vehicle is on its way to the path."""
+"""Until this time a vehicle is on its way to the path."""
 SETTLING_WINDOW_S = 60.0
-"""With obstacles a vehicle must settle for this time only: later ones push it off the path again."""
+"""
+With obstacles settling counts up to this time only, since later obstacles push the vehicle off the path
+again.
+"""
 _TOLERANCE_S = 1e-9
 
 
@@ -33,20 +36,20 @@ def path_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
     scenario : Scenario
-        What was asked for: paths, obstacles, models.
+        Its scenario: paths, obstacles, models.
 
     Returns
     -------
     metrics : dict
-        Empty where no vehicle has a path. Settling times are the first times after which the error stays
-        inside the band to the end of the run, or, where there are obstacles, to 60 s; None where it does not.
+        Empty if no vehicle has a path. Settling times are the first times after which the error stays within
+        the band to the end of the run, or with obstacles to 60 s; None if there is no such time.
 
         position_rms_m, position_rms_after_30s_m
             root mean square of |path - position|, over the run and for t >= 30 s;
         position_err_max_m
-            largest |path - position| for t > 30 s, that is once the vehicle has come to the path;
+            largest |path - position| for t > 30 s, when the vehicle has reached the path;
         overshoot_x_m, undershoot_y_m
             largest north error and smallest east error before 30 s;
         velocity_err_x_peak_mps, velocity_err_y_peak_mps
@@ -102,7 +105,7 @@ def path_followers(scenario: Scenario) -> list[int]:
 
 
 def position_error_ned_m(recording: Recording, scenario: Scenario) -> FloatArray:
-    """Return the (K + 1, N, 3) path minus position (m; NED); NaN without a path and from a loss on."""
+    """Return the (K + 1, N, 3) path minus position (m; NED); NaN without a path and after a loss."""
     error = path_points_ned(recording, scenario)[0] - recording.position_ned_m
     return np.where(recording.is_gone[..., np.newaxis], np.nan, error)
 
@@ -175,7 +178,7 @@ def _worst_settling_s(t_s: FloatArray, sizes: FloatArray, band: float) -> float 
 
 
 def _rms(columns: FloatArray) -> FloatArray:
-    """Return the root mean square of every column, NaN of an empty one."""
+    """Return the root mean square of every column, NaN for an empty one."""
     exists = np.isfinite(columns)
     count = exists.sum(axis=0).astype(np.float64)
     total = np.where(exists, columns**2, 0.0).sum(axis=0)

@@ -1,8 +1,8 @@
 """
-What a run to a safe region amounts to in numbers.
+Metrics of a run to a safe region.
 
-The region is the ring that the law itself is given. Lists have one entry for each vehicle, in the scenario's
-order; None stands where something did not happen.
+The region is the ring of the law. Lists have one entry per vehicle, in the scenario's order; None means that
+the event did not happen.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 BoolArray = NDArray[np.bool_]
 
 REACHED_M = 0.05
-"""Force vanishes at the ring's edge, so that vehicles only creep up to it; so near counts as reached."""
+"""The force vanishes at the ring's edge, so vehicles approach it slowly; this distance counts as reached."""
 
 
 def region_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
@@ -31,15 +31,15 @@ def region_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
     scenario : Scenario
-        What was asked for: the ring and the bounds of the law.
+        Its scenario: the ring and the bounds of the law.
 
     Returns
     -------
     metrics : dict
         pair_distance_min_at_s
-            when the smallest distance of any pair was;
+            time of the smallest distance of any pair;
         ring_first_inside_s
             first time inside the ring;
         ring_reached_s
@@ -47,7 +47,7 @@ def region_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
         ring_distance_final_m, axis_distance_final_m, position_final_ned_m
             at the end: distance to the ring (0 inside), to its axis, and position;
         speed_max_mps, force_max_n
-            over all vehicles and times: largest speed, and largest length of the force asked for.
+            over all vehicles and times: largest speed, and largest magnitude of the commanded force.
 
     """
     ring = ring_of(scenario)
@@ -91,13 +91,13 @@ def ring_distances_m(recording: Recording, ring: Ring) -> FloatArray:
 
 
 def speeds_mps(recording: Recording) -> FloatArray:
-    """Return the (K + 1, N) speeds over ground (m/s), without what does not exist."""
+    """Return the (K + 1, N) speeds over ground (m/s), without values that do not exist."""
     speeds: FloatArray = np.linalg.norm(np.nan_to_num(recording.velocity_body[..., :3]), axis=-1)
     return speeds
 
 
 def forces_n(recording: Recording) -> FloatArray:
-    """Return the (K, N) lengths of the force asked for (N), 0 where nothing was."""
+    """Return the (K, N) magnitudes of the commanded force (N), 0 without a command."""
     forces: FloatArray = np.linalg.norm(np.nan_to_num(recording.command[..., :3]), axis=-1)
     return forces
 
@@ -116,7 +116,7 @@ def _first_s(t_s: FloatArray, is_true: BoolArray) -> float | None:
 
 
 def _stays_from_s(t_s: FloatArray, is_true: BoolArray) -> float | None:
-    """Return the first time from which `is_true` holds to the end (s)."""
+    """Return the first time after which `is_true` holds to the end (s)."""
     if not is_true[-1]:
         return None
     return float(t_s[len(t_s) - is_true[::-1].argmin()]) if not is_true.all() else float(t_s[0])

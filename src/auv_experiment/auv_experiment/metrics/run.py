@@ -1,13 +1,13 @@
 """
-What a run amounts to in numbers.
+All metrics of a run.
 
 All numbers come from recorded data alone. Symbols: K control ticks, N vehicles, P = N (N - 1) / 2 unordered
-pairs; true positions in map_ned; "flock" means the vehicles whose computers are still alive.
+pairs; true positions in map_ned; "flock" means the vehicles that are not lost.
 
 A lost vehicle drifts on as an obstacle. It counts in `pair_distance_min_m`, `collision` and
-`obstacle_clearance_min_m` to the end, and leaves every other quantity at the time of its loss: pairs and
-means are then those of the vehicles that are left. A quantity that does not exist (no obstacle, no packet, a
-run that ends before the time from which it counts) is None, never NaN.
+`obstacle_clearance_min_m` to the end, and in every other quantity up to its loss: pairs and means are then
+those of the remaining vehicles. A quantity that does not exist (no obstacle, no packet, a run that ends
+before the time from which it counts) is None, never NaN.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ def compute_metrics(
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
     scenario : Scenario
-        What was asked for: path, obstacles, hull radius, seed, name.
+        Its scenario: path, obstacles, hull radius, seed, name.
     mode : str
         'lockstep', 'realtime' or 'inprocess'.
     real_time_factor : float
@@ -55,8 +55,8 @@ def compute_metrics(
     Returns
     -------
     metrics : dict
-        Keys carry their units. Distances are between hull centres. Beside these it holds what the other
-        functions `..._metrics` of this package return, and what they describe.
+        Keys carry their units. Distances are between hull centres. In addition to these it has the metrics
+        of the other functions `..._metrics` of this package.
 
         centroid_path_rms_m, centroid_path_rms_after_200s_m
             root mean square of |mean of true positions - path| for t > 100 s and for t > 200 s;
@@ -70,7 +70,7 @@ def compute_metrics(
             share of the control ticks, over all vehicles, in which an agent gave the safe command instead of
             its law's;
         safe_commands_...
-            such ticks by their cause, see `safe_command_metrics`.
+            these ticks by cause, see `safe_command_metrics`.
 
     """
     t_s = recording.t_s

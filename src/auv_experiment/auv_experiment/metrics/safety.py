@@ -1,4 +1,4 @@
-"""How often agents held, and why."""
+"""Metrics of holding: how often agents gave the safe command, and why."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from auv_flocking.holding import CAUSES
 
 def safe_command_metrics(recording: Recording) -> dict[str, float | int | None]:
     """
-    Return how often the safe command stood in for the law's.
+    Return how often agents gave the safe command instead of the law's.
 
     ``safe_command_ratio`` is the share of the control ticks of all vehicles.
-    ``safe_commands_stale_navigation`` and its like count these ticks by cause: one key for each of
+    ``safe_commands_stale_navigation`` and similar keys count these ticks by cause: one key for each of
     `auv_flocking.holding.CAUSES`.
     """
     holding = recording.holding

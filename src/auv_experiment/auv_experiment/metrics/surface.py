@@ -1,4 +1,6 @@
-"""Hulls above the sea: what no vehicle can do, and no model of a submerged hull notices."""
+"""
+Hulls above the surface: impossible for a real vehicle, but not prevented by the model of a submerged hull.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +17,11 @@ if TYPE_CHECKING:
 
 def surface_metrics(recording: Recording, scenario: Scenario) -> dict[str, float | None]:
     """
-    Return how long and how high hulls were in the air, lost vehicles left out.
+    Return how long and how high hulls were in the air, without lost vehicles.
 
     ``hull_in_air_ratio`` is the share of the states of all vehicles in which the whole hull is above the
-    surface; ``hull_in_air_height_m`` is the largest height of a hull's lowest point, None where none left the
-    water.
+    surface; ``hull_in_air_height_m`` is the largest height of a hull's lowest point, None if no hull left
+    the water.
     """
     height_m = -recording.position_ned_m[..., 2] - scenario.hull_radius_m
     is_in_air = (height_m > 0.0) & ~recording.is_gone
@@ -30,7 +32,7 @@ def surface_metrics(recording: Recording, scenario: Scenario) -> dict[str, float
 
 
 def surface_warning(metrics: Mapping[str, object]) -> str:
-    """Return one line for the user where hulls were in the air, else nothing."""
+    """Return one line for the user if hulls were in the air, otherwise an empty text."""
     share, height_m = metrics.get("hull_in_air_ratio"), metrics.get("hull_in_air_height_m")
     if not isinstance(share, float) or not isinstance(height_m, float):
         return ""

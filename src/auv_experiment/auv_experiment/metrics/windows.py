@@ -1,4 +1,4 @@
-"""From when on quantities of a run count: times by which a flock has gathered, and those after it."""
+"""Times after which quantities of a run count: when a flock has gathered, and later."""
 
 from __future__ import annotations
 
@@ -16,5 +16,5 @@ TIME_TOLERANCE_S = 1e-9
 
 
 def after(t_s: FloatArray, start_s: float) -> BoolArray:
-    """Return which times are later than `start_s`, by more than rounding."""
+    """Return which times are later than `start_s` by more than rounding."""
     return t_s > start_s + TIME_TOLERANCE_S

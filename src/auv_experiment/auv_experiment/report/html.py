@@ -1,4 +1,4 @@
-"""Parts of pages that need no other file: head and styles, embedded images, tables of pairs."""
+"""Parts of self-contained pages: head and styles, embedded images, tables of pairs."""
 
 from __future__ import annotations
 
@@ -67,12 +67,12 @@ summary { cursor: pointer; }
 
 
 def head(title: str) -> str:
-    """Return a page up to its body; in it nothing can be fetched, and nothing can run."""
+    """Return a page up to its body; the page cannot fetch or run anything."""
     return _HEAD.replace("$title", html.escape(title))
 
 
 def embedded_png(data: bytes, words: str) -> str:
-    """Return an image that is part of the page, and scrolls where that is narrow; `words` stand in for it."""
+    """Return an embedded image that scrolls on narrow pages; `words` are its alternative text."""
     text = base64.b64encode(data).decode("ascii")
     return f'<div class="scroll"><img alt="{html.escape(words)}" src="data:image/png;base64,{text}"></div>'
 

@@ -1,4 +1,4 @@
-"""The table of a run's metrics, beside reference values where there are any."""
+"""The table of a run's metrics, with reference values if there are any."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _REFERENCES: dict[str, dict[str, tuple[float, str]]] = {
 
 
 def numbers_table(scenario: Scenario, metrics: dict[str, Any]) -> str:
-    """Return the table of the metrics that have a value, with two columns more where there are references."""
+    """Return the table of the metrics that have a value, with two more columns if there are references."""
     references = _REFERENCES.get(scenario.name, {})
     head = "<tr><th>meaning</th><th class='value'>value</th><th>unit</th>"
     head += "<th class='value'>reference</th><th class='value'>thesis</th>" if references else ""

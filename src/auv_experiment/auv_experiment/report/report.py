@@ -1,9 +1,8 @@
 """
-The report of a run: one HTML file that needs nothing else.
+The report of a run: one self-contained HTML file.
 
-Figures are embedded, styles are inline, there is no script and no address to fetch from, so that the file
-can be mailed, printed or read on a phone at sea. Everything that comes from a scenario or from data is
-escaped.
+Figures are embedded and styles are inline. There are no scripts, and nothing is fetched from the network, so
+the file can be mailed, printed or read on a phone at sea. All text from a scenario or from data is escaped.
 """
 
 from __future__ import annotations
@@ -42,13 +41,13 @@ def write_report(results_dir: Path, scenario: Scenario, metrics: dict[str, Any],
     Parameters
     ----------
     results_dir : Path
-        The run's folder. `scenario.yaml` and `provenance.json` are read from it where they exist.
+        The run's folder. `scenario.yaml` and `provenance.json` are read from it if they exist.
     scenario : Scenario
-        What was asked for.
+        The scenario of the run.
     metrics : dict
-        What `compute_metrics` returned.
+        Result of `compute_metrics`.
     saved : SavedFigures
-        What `save_figures` returned; the files are embedded.
+        Result of `save_figures`; the files are embedded.
 
     Returns
     -------
@@ -75,7 +74,7 @@ def write_report(results_dir: Path, scenario: Scenario, metrics: dict[str, Any],
 
 
 def _flown(scenario: Scenario, metrics: dict[str, Any]) -> str:
-    """Say in a few sentences what was flown."""
+    """Return a few sentences about the run."""
     n = len(scenario.vehicles)
     who = "all leaders" if len(scenario.leaders) == n else f"leaders: {', '.join(scenario.leaders) or 'none'}"
     if scenario.agent.flocking is None:
@@ -96,13 +95,17 @@ def _flown(scenario: Scenario, metrics: dict[str, Any]) -> str:
 
 
 def _strangers(provenance: dict[str, Any]) -> str:
-    """Say who else published on topics of the run."""
+    """Return a sentence about foreign publishers on topics of the run."""
     strangers = provenance.get("strangers") or []
-    return f" Strangers on its topics, not recorded: {'; '.join(map(str, strangers))}." if strangers else ""
+    return (
+        f" Foreign publishers on its topics, not recorded: {'; '.join(map(str, strangers))}."
+        if strangers
+        else ""
+    )
 
 
 def _known(scenario: Scenario) -> str:
-    """Say how vehicles knew where they were and saw each other, where that is not exactly and not at all."""
+    """Return a sentence about navigation and sonar, unless navigation is exact and there is no sonar."""
     navigation, sonar = scenario.environment.navigation, scenario.acoustics.sonar
     parts = []
     if navigation.kind != "exact":
@@ -137,7 +140,7 @@ def _figures_section(saved: SavedFigures) -> str:
 
 
 def _again(results_dir: Path, scenario: Scenario, metrics: dict[str, Any], provenance: dict[str, Any]) -> str:
-    """Give the commands that repeat and replay the run."""
+    """Return the commands that repeat and replay the run."""
     command = [
         "./scripts/run",
         scenario.name,

@@ -19,13 +19,13 @@ $figures
 <div class="scroll">
 $numbers
 </div>
-<h2>Do it again</h2>
+<h2>Repeat it</h2>
 $again
 <h2>Made with</h2>
 <div class="scroll">
 $versions
 </div>
-<details><summary>The scenario, resolved</summary>
+<details><summary>The resolved scenario</summary>
 <pre>$scenario</pre>
 </details>
 </body>

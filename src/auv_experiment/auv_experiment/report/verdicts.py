@@ -1,4 +1,4 @@
-"""The plain questions to a run, answered."""
+"""Answers to simple questions about a run."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _CONSISTENT_SHARE = (0.90, 0.985)
 
 
 def verdicts(scenario: Scenario, metrics: dict[str, Any]) -> list[str]:
-    """Answer the plain questions, each with its number."""
+    """Return the answers, each with its number."""
     get = metrics.get
     contact_m = 2.0 * scenario.hull_radius_m
     answers = []
@@ -69,8 +69,8 @@ def _formed_answer(metrics: dict[str, Any], within_m: float) -> str:
 
 def _consistency_answer(share: float) -> str:
     low, high = _CONSISTENT_SHARE
-    judgement = "cautious: errors are smaller than they say" if share > high else "consistent"
+    judgement = "cautious: errors are smaller than stated" if share > high else "consistent"
     if share < low:
-        judgement = "overconfident: errors are larger than they say"
+        judgement = "overconfident: errors are larger than stated"
     detail = f"{share:.3f} of the errors lie inside 2 sigma, 0.954 expected; the filters are {judgement}."
     return _answer("Do the filters cover their errors?", share >= low, detail)
