@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import tempfile
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -13,8 +14,6 @@ from nbclient import NotebookClient
 from traitlets.config import Config
 
 CELL_LIMIT_S = 120
-_NO_NETWORK = Config({"KernelManager": {"transport": "ipc"}})
-"""The kernel is reached by sockets in a folder of this user's, not by ports."""
 
 
 class Page(NamedTuple):
@@ -32,7 +31,11 @@ def notebook_page(path: Path) -> Page:
 @cache
 def _page(name: str, text: str) -> Page:
     notebook = nbformat.reads(text, as_version=4)
-    NotebookClient(notebook, timeout=CELL_LIMIT_S, kernel_name="python3", config=_NO_NETWORK).execute()
+    with tempfile.TemporaryDirectory() as place:
+        # The kernel is reached by sockets in this folder, whose path is short enough for them, not by ports.
+        sockets = {"transport": "ipc", "connection_file": f"{place}/kernel.json"}
+        config = Config({"KernelManager": sockets})
+        NotebookClient(notebook, timeout=CELL_LIMIT_S, kernel_name="python3", config=config).execute()
     images: dict[str, bytes] = {}
     parts = []
     for cell in notebook.cells:
