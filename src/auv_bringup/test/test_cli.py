@@ -1,5 +1,6 @@
 """The run command without ROS: what it refuses, what it writes, what it says."""
 
+import importlib
 import json
 import os
 import select
@@ -255,6 +256,19 @@ def test_the_provenance_of_a_flight_keeps_the_status_that_its_recording_gives(tm
     (name,) = folders(tmp_path)
     known = json.loads((tmp_path / "results" / name / "provenance.json").read_text())
     assert (known["exit_status"], known["stopped_because"], known["simulated_s"]) == (4, None, 650.0)
+
+
+@pytest.mark.parametrize("kind", ["metrics", "figures"])
+def test_own_files_that_cannot_be_used_are_one_line_before_the_flight(tmp_path, capsys, monkeypatch, kind):
+    package = importlib.import_module(f"auv_experiment.{kind}")
+    monkeypatch.setattr(package, "__path__", list(package.__path__))
+    monkeypatch.setenv("SHOAL_PLUGINS", str(tmp_path))
+    (tmp_path / kind).mkdir()
+    (tmp_path / kind / "own_broken.py").write_text("import no_such_module_at_all\n")
+    assert run(tmp_path, "--mode", "inprocess") == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"error: {kind}/own_broken.py: cannot be imported (ModuleNotFoundError: ")
+    assert folders(tmp_path) == []
 
 
 def test_an_internal_error_leaves_its_traceback_in_the_logs(tmp_path, capsys, monkeypatch):

@@ -10,12 +10,19 @@ from __future__ import annotations
 import importlib
 import re
 import traceback
+from copy import copy
 from pathlib import Path
 from types import ModuleType
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from auv_core.machine.failure import one_line
 from auv_core.params import ConfigError
 from auv_core.plugins import own_files
+
+if TYPE_CHECKING:
+    from auv_experiment.recording import Recording
 
 WORD = re.compile(r"[a-z][a-z0-9_]*\Z")
 WORDS = "lower-case letters, digits and underscores, a letter first"
@@ -52,6 +59,17 @@ def failure_line(module: ModuleType, error: Exception) -> str:
     ]
     at = f", line {numbers[-1]}" if numbers else ""
     return f"{where(path)}{at}: {one_line(error)}"
+
+
+def read_only(recording: Recording) -> Recording:
+    """Return a recording with the same data, whose arrays cannot be changed: what a file gets."""
+    copied = copy(recording)
+    for name, value in vars(recording).items():
+        if isinstance(value, np.ndarray):
+            view = value.view()
+            view.flags.writeable = False
+            setattr(copied, name, view)
+    return copied
 
 
 def _load(folder: str, path: Path) -> ModuleType:

@@ -89,6 +89,10 @@ def test_a_sweep_knows_own_metrics(own: OwnFolder) -> None:
 @pytest.mark.parametrize(
     ("body", "line"),
     [
+        (
+            "    recording.position_ned_m -= 1.0",
+            "metrics/own_bad.py, line 5: ValueError: output array is read-only",
+        ),
         ("    return 1 / 0", "metrics/own_bad.py, line 5: ZeroDivisionError: division by zero"),
         ("    return 3", "metrics/own_bad.py: TypeError: compute returned 3; allowed: values by key"),
         (

@@ -32,8 +32,8 @@ WRONG = RunSpec("ch5_one_leader", ("nonsense=1",))
 
 
 def draw_track(canvas, runs):
-    axes = canvas.subplots()
-    for run in runs:
+    panels = canvas.subplots(1, len(runs), squeeze=False)[0]
+    for axes, run in zip(panels, runs, strict=True):
         axes.plot(run.recording.t_s, run.recording.position_ned_m[:, 0, 0])
 
 
@@ -122,7 +122,7 @@ def _keep_signal_handlers():
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     folder = tmp_path_factory.mktemp("page") / "out"
-    status = cli.main(["--out", str(folder), "--workers", "2"], [GOOD])
+    status = cli.main(["--out", str(folder), "--workers", "2", "--format", "pdf"], [GOOD])
     return status, folder
 
 
@@ -131,9 +131,17 @@ def test_all_of_it_is_made(made):
     assert status == 0
     assert not (folder / "failures.txt").exists()
     assert sorted(path.name for path in (folder / "figures").iterdir()) == [
+        "figure_5-5.pdf",
         "figure_5-5.png",
+        "figure_5-6.pdf",
         "figure_5-6.png",
     ]
+
+
+def test_a_figure_for_a_paper_has_one_column_or_with_panels_two(made):
+    for number, width_pt in (("5-5", b"252 "), ("5-6", b"515.52 ")):
+        data = (made[1] / f"figures/figure_{number}.pdf").read_bytes()
+        assert b"/MediaBox [ 0 0 " + width_pt in data
 
 
 def test_the_page_needs_nothing_else(made):

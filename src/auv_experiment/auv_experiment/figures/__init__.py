@@ -45,7 +45,7 @@ class OwnFigure(Protocol):
         Parameters
         ----------
         recording : Recording
-            The recording of the run, as NumPy arrays.
+            The recording of the run, as NumPy arrays that cannot be changed.
         scenario : Scenario
             The resolved scenario.
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from auv_core.params import ConfigError, shown
 from auv_experiment.figures import Drawer, Drawing
-from auv_experiment.own_files import failure_line, load_own_files
+from auv_experiment.own_files import failure_line, load_own_files, read_only
 
 if TYPE_CHECKING:
     from auv_experiment.recording import Recording
@@ -66,7 +66,7 @@ def own_drawers(recording: Recording, scenario: Scenario, taken: Collection[str]
 def _drawn(module: ModuleType, recording: Recording, scenario: Scenario) -> Drawing | None:
     """Draw an own figure; raise OwnFigureError if it fails."""
     try:
-        drawing = module.draw(recording, scenario)
+        drawing = module.draw(read_only(recording), scenario)
         if drawing is not None and not isinstance(drawing, Drawing):
             raise TypeError(f"draw returned {shown(drawing)}; allowed: a Drawing or None")
     except Exception as error:

@@ -64,7 +64,7 @@ class OwnMetrics(Protocol):
         Parameters
         ----------
         recording : Recording
-            The recording of the run, as NumPy arrays.
+            The recording of the run, as NumPy arrays that cannot be changed.
         scenario : Scenario
             The resolved scenario.
 

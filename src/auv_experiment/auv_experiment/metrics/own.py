@@ -10,7 +10,7 @@ from auv_core.params import ConfigError, shown
 from auv_experiment.metrics import Meaning
 from auv_experiment.metrics.descriptions import MEANINGS, family_meaning
 from auv_experiment.metrics.finite import plain
-from auv_experiment.own_files import WORD, WORDS, failure_line, load_own_files
+from auv_experiment.own_files import WORD, WORDS, failure_line, load_own_files, read_only
 
 if TYPE_CHECKING:
     from auv_experiment.recording import Recording
@@ -91,7 +91,7 @@ def _check(place: str, key: object, meaning: object, taken: Mapping[str, str]) -
 
 def _computed(module: ModuleType, recording: Recording, scenario: Scenario) -> dict[str, Any]:
     """Return what a file computes; raise TypeError where it is not what the contract asks."""
-    computed = module.compute(recording, scenario)
+    computed = module.compute(read_only(recording), scenario)
     if not isinstance(computed, Mapping):
         raise TypeError(f"compute returned {shown(computed)}; allowed: values by key")
     for key in computed:
