@@ -53,13 +53,16 @@ TINY = {
 }
 WAIT_S = 60.0
 SINKING = """
-from auv_flocking.separation.mathematical import Params, Separation as Usual
+from auv_flocking.separation.mathematical import Params
 
-class Separation(Usual):
+class Separation:
     def __init__(self, params):
+        pass
+
+    def velocity(self, own, other, spacing_m):
         {deed}
 """
-RAISES = SINKING.format(deed='raise ArithmeticError("it\\nsank")')
+RAISES = SINKING.format(deed='raise LookupError("it\\nsank")')
 KILLS = SINKING.format(deed="__import__('os').kill(__import__('os').getpid(), 9)")
 
 
@@ -218,10 +221,10 @@ def test_a_run_that_raises_is_a_row_and_its_traceback_is_kept(tmp_path, flights,
     rows, words = sweep(tmp_path / "out", grid=grid, seeds=[1])
     assert [(row["status"], row["error"]) for row in rows] == [
         ("done", ""),
-        ("failed", "ArithmeticError: it sank"),
+        ("failed", "LookupError: it sank"),
     ]
     assert rows[1]["packet_delivery_ratio"] is None
-    assert "error: run 1 (agent.separation.kind=raises, seed=1): ArithmeticError: it sank" in words
+    assert "error: run 1 (agent.separation.kind=raises, seed=1): LookupError: it sank" in words
     text = (tmp_path / "out/failures.txt").read_text()
     assert text.startswith("== run 1 (agent.separation.kind=raises, seed=1)\nTraceback")
     flights.clear()
