@@ -292,7 +292,7 @@ def test_a_flight_goes_on_without_a_killed_vehicle(start, layout):
     assert "auv_2 is lost" in errors
     assert "lost vehicles: auv_2" in output
     assert metrics["lost_vehicles"] == ["auv_2"]
-    assert metrics["duration_s"] == pytest.approx(250.0)
+    assert metrics["duration_s"] == pytest.approx(150.0)
 
 
 def test_a_node_that_raises_in_a_process_of_all_nodes_is_named_in_one_line(start, monkeypatch, tmp_path):
