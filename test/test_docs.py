@@ -1,5 +1,6 @@
 """Claims about the documentation: it builds strictly, needs no network, and says all that the code says."""
 
+import ast
 import json
 import os
 import re
@@ -151,6 +152,37 @@ def test_a_topic_says_from_whom_when_what_and_what_silence_means(topic):
 def test_a_topic_of_ours_has_a_message_of_the_reference():
     ours = {topic.type_name.split("/")[2] for topic in TOPICS if topic.type_name.startswith("auv_msgs/")}
     assert ours <= {path.stem for path in MESSAGES}
+
+
+def is_of_a_topic(call):
+    """Tell whether a node is a call of `Topics.add` or of `Topic`."""
+    if not isinstance(call, ast.Call):
+        return False
+    return getattr(call.func, "attr", "") == "add" or getattr(call.func, "id", "") == "Topic"
+
+
+def topics_in_nodes():
+    """Yield package, type, name and whether it is latched of each topic that a node names in its source."""
+    for path in sorted(ROOT.glob("src/auv_*/auv_*/nodes/*.py")):
+        for call in filter(is_of_a_topic, ast.walk(ast.parse(path.read_text(encoding="utf-8")))):
+            kinds = [each.id for each in call.args if isinstance(each, ast.Name) and each.id[0].isupper()]
+            words = [each for each in call.args if isinstance(each, ast.Constant | ast.JoinedStr)]
+            if kinds and words:
+                *_, last = getattr(words[0], "values", words)
+                name = last.value if isinstance(words[0], ast.Constant) else last.value.lstrip("/")
+                latched = any(getattr(each.value, "id", "") == "LATCHED" for each in call.keywords)
+                yield path.parts[-3], kinds[0].removesuffix("Msg"), name, latched
+
+
+def test_topics_are_declared_as_nodes_publish_them():
+    nodes = {"auv_flocking": {"agent_node"}, "auv_sim": {"vehicle_node", "acoustic_relay_node", "clock_node"}}
+    declared = {topic.name: topic for topic in TOPICS}
+    published = list(topics_in_nodes())
+    assert len({name for _, _, name, _ in published}) >= 17
+    for package, kind, name, latched in published:
+        topic = declared[name]
+        assert (topic.type_name.split("/")[2], topic.latched) == (kind, latched), name
+        assert nodes[package] & set(re.findall(r"\w+_node", topic.publisher)), name
 
 
 def test_the_commands_are_those_of_the_folder():
