@@ -1,4 +1,4 @@
-"""What holds in every test: no modem hears while it transmits; and what tests of several packages share."""
+"""An invariant of every test (no modem receives while it transmits), and fixtures of several packages."""
 
 import signal
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
 
 @pytest.fixture(autouse=True)
 def _half_duplex(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Search the acoustic log of every medium that a test makes in its own process."""
+    """Check the acoustic log of every medium that a test makes in its own process."""
     logs: dict[AcousticMedium, list[AcousticEvent]] = {}
     make, take_events = AcousticMedium.__init__, AcousticMedium.take_events
 
@@ -34,7 +34,7 @@ def _half_duplex(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 @pytest.fixture
 def keep_signal_handlers() -> Iterator[None]:
-    """Give back the handlers that a command which is called in this process replaces."""
+    """Restore the signal handlers that a command replaces when it is called in this process."""
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     yield
     for number, handler in before.items():

@@ -1,1 +1,1 @@
-"""What Shoal costs, each figure beside its limit measured in the same run."""
+"""Benchmarks: costs of Shoal, each with a limit that is measured in the same run."""

@@ -1,10 +1,11 @@
 """
-Measure everything in one run and print one table: each figure, what it is measured beside, their ratio.
+Measure everything in one run and print one table: each value, its comparison value, and their ratio.
 
     source scripts/activate.bash && python -m benchmarks [--only PART] [--peers] [--quick]
 
-Machines are noisy: compare ratios, which are of blocks that take turns.  The table is also written to
-results/benchmarks as Markdown and JSON.  docs/reference/performance.md says what is measured and what is not.
+Machines are noisy: compare ratios, which come from alternating blocks. The table is also written to
+results/benchmarks as Markdown and JSON. docs/reference/performance.md explains what is measured and what is
+not.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ _EPILOG = """\
 examples:
   python -m benchmarks                     everything
   python -m benchmarks --only kernel       one part
-  python -m benchmarks --quick             does it all work?
+  python -m benchmarks --quick             check that everything works
 """
 
 
@@ -44,9 +45,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--only", choices=found, help="measure one part")
     parser.add_argument(
-        "--peers", action="store_true", help="install the peers where they are not, and measure them"
+        "--peers", action="store_true", help="install the peers if they are missing, and measure them"
     )
-    parser.add_argument("--quick", action="store_true", help="short blocks, that say only whether all works")
+    parser.add_argument(
+        "--quick", action="store_true", help="short blocks, which only check that everything works"
+    )
     parser.add_argument("--out", type=Path, default=Path("results/benchmarks"), help="folder of the files")
     options = parser.parse_args(arguments)
     os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
@@ -59,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _measured(parts: Sequence[str], options: argparse.Namespace) -> list[dict[str, Any]]:
-    """Return the rows of some parts, telling how far it is."""
+    """Return the rows of some parts, and report progress."""
     rows: list[dict[str, Any]] = []
     for part in parts:
         module = importlib.import_module(f"benchmarks.{PARTS[part]}")

@@ -1,12 +1,12 @@
 """
-The limits beside which lock-step is quoted: its message pattern and nothing else.
+The comparison values of lock-step: its message pattern without any work.
 
-Processes, nodes, topics, types and sizes of messages are those of a flock on a modem, and so is who waits for
-whom; but a node only publishes what was made in advance, and the recorder only counts.  There are two:
+Processes, nodes, topics, types and sizes of messages are those of a flock on a modem, and nodes wait for the
+same nodes; but a node only publishes prepared messages, and the recorder only counts. There are two patterns:
 
-* `plain`: messages and callbacks as rclpy has them, middleware and scheduling as they come;
-* `lean`: bytes instead of messages, and our settings of middleware and scheduling. It is the least that our
-  nodes could cost if they had nothing to do.
+* `plain`: messages and callbacks of rclpy, default middleware and scheduling;
+* `lean`: bytes instead of messages, and our settings of middleware and scheduling. It is the smallest
+  possible cost of our nodes.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def message_bytes(vehicle_id: str, neighbours: int) -> dict[str, bytes]:
 
 
 class _BareNode(Node):
-    """Waits for its listeners as our nodes do."""
+    """Waits for its listeners like our nodes."""
 
     def __init__(self, spec: NodeSpec, fleet: Sequence[str], *, is_lean: bool) -> None:
         super().__init__(spec.executable, namespace=spec.namespace)
@@ -79,7 +79,7 @@ class _BareNode(Node):
         self._is_lean = is_lean
 
     def _publisher(self, topic: str, data: bytes, *listeners: str) -> Callable[[], None]:
-        """Return what publishes a message with these bytes."""
+        """Return the function that publishes a message with these bytes."""
         kind = self._kind(topic)
         spoken = self._spoken.add(kind, topic, heard_by=listeners)
         if self._is_lean:
@@ -124,7 +124,7 @@ class BareVehicle(_BareNode):
 
 
 class BareAgent(_BareNode):
-    """Answers a navigation and an inbox with command, outbox and beliefs."""
+    """Answers a navigation and an inbox with command, outbox and neighbour estimates."""
 
     def __init__(self, spec: NodeSpec, fleet: Sequence[str], *, is_lean: bool) -> None:
         super().__init__(spec, fleet, is_lean=is_lean)
@@ -208,7 +208,7 @@ class BareRelay(_BareNode):
 
 
 class BareRecorder(_BareNode):
-    """Takes everything, as many messages at once as ours, and keeps nothing."""
+    """Takes all messages, as many at once as our recorder, and keeps none."""
 
     def __init__(self, spec: NodeSpec, fleet: Sequence[str], *, is_lean: bool) -> None:
         super().__init__(spec, fleet, is_lean=is_lean)
@@ -236,7 +236,7 @@ class BareRecorder(_BareNode):
 def run(
     nodes: Sequence[NodeSpec], fleet: Sequence[str], on_tick: Callable[[int], None], *, is_lean: bool
 ) -> int:
-    """Be a process of these nodes; `on_tick` is called in that of the relay, at every tick."""
+    """Run as a process of these nodes; in that of the relay `on_tick` is called at every tick."""
     makers = {"vehicle": BareVehicle, "agent": BareAgent, "recorder": BareRecorder}
 
     def make() -> list[Node]:

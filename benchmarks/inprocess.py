@@ -1,8 +1,8 @@
 """
 The whole stack in one process: hulls, agents, acoustic medium, filters, record and metrics.
 
-Beside it stands what the physics alone would take, the same steps of the same hulls by the same function with
-nothing around them.  Seconds are of processor time, which other work on the machine disturbs least.
+The comparison value is the physics alone: the same steps of the same hulls by the same function. Seconds are
+processor time, which other work on the machine disturbs least.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ COUNTS = (4, 8, 16, 32, 64)
 
 
 def rows(*, quick: bool = False) -> Iterator[Row]:
-    """Yield all rows; `quick` gives figures that say only whether all works."""
+    """Yield all rows; `quick` only checks that everything works."""
     use_compiler()
     name, changes = JOB
     job = load_scenario(name, overrides=changes, duration_s=5.0 if quick else 650.0)
@@ -83,7 +83,7 @@ def whole_stack(job: Scenario, blocks: int) -> Row:
 
 
 def thousand_seeds(count: int, duration_s: float) -> Row:
-    """Return how long a thousand seeds take on all cores, from so many of them."""
+    """Return the duration of a thousand seeds on all cores, estimated from `count` of them."""
     name, changes = JOB
     specs = [
         RunSpec(name, (*changes, f"seed={seed}"), duration_s, keep_recording=False)
@@ -106,7 +106,9 @@ def thousand_seeds(count: int, duration_s: float) -> Row:
 
 
 def growth(counts: tuple[int, ...], blocks: int, duration_s: float) -> Row:
-    """Return what a control period costs by number of vehicles, who all hear each other, and its exponent."""
+    """
+    Return the cost of a control period by number of vehicles that all hear each other, and its exponent.
+    """
     jobs = [_fleet(count, duration_s) for count in counts]
     measures = [lambda job=job: cpu_seconds(lambda: run_in_process(job), 0.0) / job.ticks for job in jobs]
     found = taking_turns(measures, blocks)
@@ -122,7 +124,7 @@ def growth(counts: tuple[int, ...], blocks: int, duration_s: float) -> Row:
 
 
 def _fleet(count: int, duration_s: float) -> Scenario:
-    """Return the main job with another number of vehicles, as many to a cubic metre at the start."""
+    """Return the main job with another number of vehicles at the same initial density."""
     vehicles = ", ".join(f"{{id: auv_{k}, model: {{preset: odin}}}}" for k in range(1, count + 1))
     radius_m = round(10.0 * (count / 4) ** (1 / 3), 1)
     changes = (f"vehicles=[{vehicles}]", f"random_starts.radius_m={radius_m}")

@@ -2,8 +2,8 @@
 The kernel alone, on one thread: hulls in six degrees of freedom, RK4, PI velocity loop, flocking law, pair
 forces and consensus, all evaluated in each of the four stages of a step.
 
-It is the loop that flies the scenario ``swarm`` (`auv_experiment.inprocess.fleet_loop`), without the record
-of a run.  A peer is asked for less: one forward Euler step of every vehicle's dynamics, no neighbours, no
+It is the loop that flies the scenario ``swarm`` (`auv_experiment.inprocess.fleet_loop`), without a
+recording. A peer does less work: one forward Euler step of every vehicle's dynamics, no neighbours, no
 controller. Rates are vehicle-steps per second of processor time, which other work on the machine disturbs
 least.
 """
@@ -58,7 +58,7 @@ class FleetRun:
         self._fleet.run(self._ticks, STEPS, DT_S, self._paths)
 
     def rate(self, block_s: float) -> float:
-        """Return vehicle-steps per second of processor time, over a block of so many of them."""
+        """Return vehicle-steps per second of processor time, over a block of this length."""
         return self.count * self._ticks * STEPS / cpu_seconds(self.fly, block_s)
 
 
@@ -137,7 +137,7 @@ def whole_runs(blocks: int, duration_s: float) -> Iterator[Row]:
 
 
 def memory(count: int) -> Row:
-    """Return how much memory a vehicle more takes in flight, by two processes that fly few and many."""
+    """Return the memory of an additional vehicle in flight, from two processes with few and many."""
     least, most = (_peak_kib(n) for n in (COUNTS[0], count))
     each_kib = (most - least) / (count - COUNTS[0])
     return Row(
@@ -156,7 +156,7 @@ def _peak_kib(count: int) -> int:
 
 
 def print_peak(count: int) -> None:
-    """Fly so many vehicles for one tick and print the most memory that this process ever had (KiB)."""
+    """Fly `count` vehicles for one tick and print the peak memory of this process (KiB)."""
     use_compiler()
     FleetRun(count, ticks=1).fly()
     status = Path("/proc/self/status").read_text(encoding="ascii")
@@ -164,7 +164,7 @@ def print_peak(count: int) -> None:
 
 
 def noise(blocks: int) -> Row:
-    """Return how long a fixed piece of plain Python takes, and the share of the processor that it got."""
+    """Return the duration of a fixed piece of plain Python, and its share of the processor."""
     wall_ms, shares = [], []
     for _ in range(blocks):
         began_s, began_cpu_s = time.perf_counter(), time.process_time()
@@ -180,7 +180,7 @@ def noise(blocks: int) -> Row:
 
 
 def _grid(count: int) -> list[tuple[float, float, float]]:
-    """Return starts on a grid about a point deep enough, disturbed."""
+    """Return disturbed starts on a grid around a point at sufficient depth."""
     side = round(np.ceil(count ** (1.0 / 3.0) - 1e-9))
     corner = np.indices((side, side, side)).reshape(3, -1).T[:count] * SPACE_M
     shaken = corner + np.random.default_rng(count).uniform(-0.5, 0.5, (count, 3)) + (0.0, 0.0, SPACE_M)

@@ -1,5 +1,5 @@
 """
-Other programs on the same work, each in a Python of its own.
+Other programs with the same work, each in its own Python environment.
 
     python -m benchmarks --peers        makes .venv-peers from requirements/peers.lock first
 
@@ -19,12 +19,12 @@ ROOT = Path(__file__).parents[1]
 VENV = ROOT / ".venv-peers"
 PEERS = ("auv_sim_bench", "vmas", "vmas_1000")
 RUNS = {"vmas_1000": 1000}
-"""How many runs a peer advances at once, where that is more than one."""
+"""Number of runs that a peer advances at once, if more than one."""
 _INSTALL_S = 600.0
 
 
 def peers_python() -> Path:
-    """Return the Python of the peers, installed where it is not."""
+    """Return the Python of the peers; install it if it is missing."""
     python = VENV / "bin" / "python"
     if not python.exists():
         subprocess.run([sys.executable, "-m", "venv", str(VENV)], check=True, timeout=_INSTALL_S)
@@ -45,7 +45,7 @@ def peers_python() -> Path:
 
 
 class Peer:
-    """A peer that flies so many vehicles; `absent` says why it is not there, empty if it is."""
+    """A peer that flies this number of vehicles; `absent` says why it is missing, empty otherwise."""
 
     def __init__(self, name: str, count: int, python: Path | None) -> None:
         self._process: subprocess.Popen[str] | None = None
@@ -68,7 +68,7 @@ class Peer:
             self._process.communicate()
 
     def rate(self, block_s: float) -> float:
-        """Return its vehicle-steps per second of processor time, over a block of so many of them."""
+        """Return its vehicle-steps per second of processor time, over a block of this length."""
         assert self._process is not None
         assert self._process.stdin is not None
         self._process.stdin.write(f"{block_s}\n")
@@ -82,7 +82,7 @@ class Peer:
 
 
 def _auv_sim_bench(count: int) -> Any:
-    """Return one forward Euler step of so many vehicles' dynamics."""
+    """Return one forward Euler step of the dynamics of this number of vehicles."""
     import numpy as np
     from auv_sim_bench.dynamics import AUVDynamics
 
@@ -97,7 +97,7 @@ def _auv_sim_bench(count: int) -> Any:
 
 
 def _vmas(count: int, runs: int) -> Any:
-    """Return one step of so many runs of flocking: points in the plane, five substeps of Euler."""
+    """Return one step of this number of flocking runs: points in the plane, five substeps of Euler."""
     import torch
     from vmas import make_env
 

@@ -1,6 +1,6 @@
 """
-Flights whose ticks, processor time and memory are counted from outside: ours with its bag, or the bare
-pattern of its messages, in the processes of a layout.
+Flights whose ticks, processor time and memory are measured from outside: ours with its bag, or the bare
+message pattern, in the processes of a layout.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from auv_experiment.scenario.schema import Scenario
 
 MAIN_JOB = "flock_acoustic"
 OURS, PLAIN, LEAN = "ours", "plain", "lean"
-"""What flies: our nodes with their bag, or one of the bare patterns of their messages."""
+"""The kinds of flights: our nodes with their bag, or one of the bare message patterns."""
 PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
 DURATION_S = 1e5
 _PATIENCE_S = 120.0
@@ -41,7 +41,7 @@ _WARM_TICKS = 30
 
 @dataclasses.dataclass(frozen=True)
 class Block:
-    """What one stretch of a flight cost; memory is proportional set size, of each process (MiB)."""
+    """Cost of one block of a flight; memory is the proportional set size of each process (MiB)."""
 
     ticks_per_s: float
     cpu_us_per_tick: float
@@ -49,7 +49,7 @@ class Block:
 
 
 def fleet_scenario(count: int, folder: Path) -> Scenario:
-    """Return the main job with another number of vehicles, whose starts are as dense."""
+    """Return the main job with another number of vehicles at the same initial density."""
     raw = yaml.safe_load((SCENARIOS_DIR / f"{MAIN_JOB}.yaml").read_text(encoding="utf-8"))
     vehicles = raw["vehicles"]
     raw["random_starts"]["radius_m"] *= max(1.0, (count / len(vehicles)) ** 0.5)
@@ -61,7 +61,7 @@ def fleet_scenario(count: int, folder: Path) -> Scenario:
 
 
 def run_ours(parts: Sequence[Part], environ: dict[str, str], tick: Any) -> int:
-    """Be a process of our nodes."""
+    """Run as a process of our nodes."""
     from auv_bringup.nodes.node_container import run
     from auv_sim.nodes.clock_node import ClockNode
 
@@ -81,7 +81,7 @@ def run_ours(parts: Sequence[Part], environ: dict[str, str], tick: Any) -> int:
 def run_bare(
     nodes: Sequence[NodeSpec], fleet: Sequence[str], environ: dict[str, str], tick: Any, *, is_lean: bool
 ) -> int:
-    """Be a process of a bare pattern; the plain one takes middleware and scheduling as they come."""
+    """Run as a process of a bare pattern; the plain one uses default middleware and scheduling."""
     from benchmarks.bare_pattern import run
 
     if is_lean:
@@ -99,7 +99,7 @@ def run_bare(
 
 @contextmanager
 def flight(scenario: Scenario, layout: str, what: str) -> Iterator[tuple[ChildProcesses, Any]]:
-    """Fly until the block is left; give the processes and their shared tick."""
+    """Fly until the block ends; yield the processes and their shared tick."""
     environ = node_environment(
         os.environ, domain_id=int(os.environ.get("ROS_DOMAIN_ID") or 0), discovery="localhost"
     )
@@ -132,7 +132,7 @@ def flight(scenario: Scenario, layout: str, what: str) -> Iterator[tuple[ChildPr
 @contextmanager
 def _ends_awaited() -> Iterator[list[int]]:
     """
-    Give a list of process watches; when left, wait until those have ended: who writes a bag closes it first.
+    Yield a list of process watches; on exit wait until the processes have ended, since a bag must be closed.
     """
     watches: list[int] = []
     try:
@@ -144,7 +144,7 @@ def _ends_awaited() -> Iterator[list[int]]:
 
 
 def measure(scenario: Scenario, layout: str, what: str, *, block_s: float) -> Block:
-    """Return what a stretch of `block_s` of a fresh flight cost."""
+    """Return the cost of a block of `block_s` of a new flight."""
     with flight(scenario, layout, what) as (children, tick):
         deadline_s = time.monotonic() + _PATIENCE_S
         while tick.value < _WARM_TICKS:
@@ -160,7 +160,7 @@ def measure(scenario: Scenario, layout: str, what: str, *, block_s: float) -> Bl
 
 
 def family(pid: int) -> list[int]:
-    """Return a process and all that it and its children have started."""
+    """Return a process and all of its descendants."""
     found = [pid]
     for path in Path(f"/proc/{pid}/task").glob("*/children"):
         with suppress(OSError):  # it has just ended
@@ -170,16 +170,15 @@ def family(pid: int) -> list[int]:
 
 
 def cpu_us(pid: int) -> float:
-    """Return the processor time that all threads of a process have used (us)."""
+    """Return the processor time of all threads of a process (us)."""
     tasks = Path(f"/proc/{pid}/task").iterdir()
     return sum(int((task / "schedstat").read_text().split()[0]) for task in tasks) / 1e3
 
 
 def pss_mib(pid: int) -> float:
     """
-    Return the proportional set size of a process (MiB): memory that is shared counts in parts.
-
-    0 for one that has just ended.
+    Return the proportional set size of a process (MiB): shared memory counts in proportion. 0 for a process
+    that has just ended.
     """
     try:
         lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()

@@ -1,8 +1,8 @@
 """
-The ROS part of the benchmark: rate of lock-step beside that of its bare message pattern, cost against the
+The ROS part of the benchmark: rate of lock-step compared with its bare message pattern, cost against the
 number of vehicles, start-up and memory.
 
-Rates drift with what else the machine does; ratios are of blocks that alternate, and processor time drifts
+Rates drift with other work on the machine. Ratios come from alternating blocks, and processor time drifts
 least.
 """
 
@@ -52,7 +52,7 @@ _START_BAR_S, _MEMORY_BAR_MIB = 5.0, 1229.0
 
 
 def rates(scenario: Scenario, layout: str, blocks: int, block_s: float) -> Iterator[Row]:
-    """Yield rate and processor time of a layout beside both bare patterns, block by block in turn."""
+    """Yield rate and processor time of a layout and of both bare patterns, in alternating blocks."""
     found: dict[str, list[Block]] = {OURS: [], PLAIN: [], LEAN: []}
     for _ in range(blocks):
         for what, measured in found.items():
@@ -109,7 +109,7 @@ def growth(counts: Sequence[int], layout: str, blocks: int, block_s: float) -> I
 
 
 def starts(layout: str, count: int) -> Iterator[Row]:
-    """Yield how long the main job takes from the command to its first tick, and its most memory."""
+    """Yield the main job's time from the command to the first tick, and its peak memory."""
     found = [_start(layout) for _ in range(count)]
     seconds, most_mib = [each[0] for each in found], [each[1] for each in found]
     yield Row(
@@ -127,7 +127,7 @@ def starts(layout: str, count: int) -> Iterator[Row]:
 
 
 def _start(layout: str) -> tuple[float, float]:
-    """Return the time to the first tick (s) and the most memory at any time (MiB) of a short main job."""
+    """Return the time to the first tick (s) and the peak memory (MiB) of a short main job."""
     with tempfile.TemporaryDirectory() as folder:
         command = [
             sys.executable,

@@ -1,4 +1,4 @@
-"""Lines of the benchmark's table, and what measures them: medians of blocks that take turns."""
+"""Lines of the benchmark's table, and their measurement: medians of alternating blocks."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Row:
     """
-    One line of the table: a figure, what was measured beside it, and their ratio.
+    One line of the table: a value, its comparison value, and their ratio.
 
-    `bar` says what was asked for, `kept` whether it was reached; None where nothing was asked for.
+    `bar` is the target, `kept` tells whether it was reached; None without a target.
     """
 
     figure: str
@@ -25,7 +25,7 @@ class Row:
 
 
 def taking_turns(measures: Sequence[Callable[[], float]], blocks: int) -> list[list[float]]:
-    """Return what each measure gives, block by block in turn, so that all meet the same machine."""
+    """Return the values of each measure in alternating blocks, so that all run under the same conditions."""
     found: list[list[float]] = [[] for _ in measures]
     for _ in range(blocks):
         for values, measure in zip(found, measures, strict=True):
@@ -40,7 +40,7 @@ def spread(values: Sequence[float], form: str = "{:,.0f}") -> str:
 
 
 def cpu_seconds(work: Callable[[], object], at_least_s: float) -> float:
-    """Return the processor time of one call (s), called again until so much has been spent."""
+    """Return the processor time of one call (s); the call is repeated for at least the given time."""
     calls, began_s = 0, time.process_time()
     while (spent_s := time.process_time() - began_s) < at_least_s or not calls:
         work()

@@ -1,4 +1,4 @@
-"""Fly the main job for a minute, and say how near the vehicles came to each other."""
+"""Fly the main job for a minute, and print how near the vehicles came to each other."""
 
 import shoal
 

@@ -1,4 +1,4 @@
-"""Fly the separation law of `plugins/separation/steep.py` beside the built-in one."""
+"""Compare the separation law of `plugins/separation/steep.py` with the built-in one."""
 
 import os
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Open a run that was saved, a results folder or a bag, and draw the depth of every vehicle."""
+"""Open a saved run, a results folder or a bag, and draw the depth of every vehicle."""
 
 import sys
 import tempfile
@@ -24,7 +24,7 @@ def draw_depths(run: Path, file: Path) -> None:
 
 
 def main() -> None:
-    """Draw the run that the command line names, else one that is flown for it."""
+    """Draw the run in the command line, or else fly one."""
     file = Path("depths.png")
     if len(sys.argv) > 1:
         draw_depths(Path(sys.argv[1]), file)

@@ -1,6 +1,6 @@
-"""Command `./scripts/compare_trees`: do two checkouts fly the same scenarios to the same bytes?
+"""Command `./scripts/compare_trees`: compare the bags of two checkouts byte by byte.
 
-It needs nothing but Python: each checkout flies with its own environment, in a process of its own.
+It needs only Python: each checkout flies with its own environment, in a separate process.
 """
 
 from __future__ import annotations
@@ -29,10 +29,12 @@ SCENARIOS = (
     "ch6_obstacles",
     "compare_path_laws",
 )
-"""Laws, channels, navigations and media that differ from each other."""
+"""Scenarios with different laws, channels, navigations and media."""
 EQUAL, DIFFERENT, REFUSED = 0, 1, 2
 _FLOWN = (0, 4)
-"""Exit statuses of a flight of full length: 4 where hulls touched, as some laws of the thesis let them."""
+"""
+Exit statuses of a flight of full length: 4 means that hulls touched, which some laws of the thesis allow.
+"""
 _LIMIT_S = 900.0
 
 _EPILOG = """\
@@ -48,15 +50,15 @@ examples:
 
 
 class _OneLineParser(argparse.ArgumentParser):
-    """A parser whose complaints are one line, as those of the other commands."""
+    """A parser whose errors are one line, as in the other commands."""
 
     def error(self, message: str) -> NoReturn:
-        """End the program with a complaint."""
+        """End the program with an error line."""
         self.exit(REFUSED, f"error: {message} ({self.prog} --help says more)\n")
 
 
 class Flown(NamedTuple):
-    """What one flight left: the hash of its bag's file, and the processor time that the command took (s)."""
+    """The result of one flight: the hash of its bag's file, and the processor time of the command (s)."""
 
     sha256: str
     cpu_s: float

@@ -1,4 +1,4 @@
-# Where things are, and which ROS 2 is used. Sourced by `setup` and `activate.bash`; changes nothing.
+# Paths of the checkout, and the ROS 2 in use. Sourced by `setup` and `activate.bash`; changes nothing.
 #
 #   root        the checkout
 #   ros_kind    wheels: ROS 2 from PyPI, inside the venv;  jazzy: the ROS 2 Jazzy that is sourced in this shell
@@ -8,7 +8,8 @@
 
 root=$(cd -P -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd) || exit 1
 
-# An rclpy in a prefix that is no venv is an installed ROS 2; one in a venv is this set-up's own (or another checkout's).
+# An rclpy in a prefix that is no venv is an installed ROS 2; one in a venv belongs to this or another
+# checkout.
 find_sourced_ros() {
   local prefix module
   ros_kind=wheels ros_prefix='' ros_python=''

@@ -83,7 +83,7 @@ def _inline(text: str) -> str:
     text = re.sub(r"\[([^\]]+)\]\([^)]+\)", r"\1", text)
     pieces = text.split("`")
     if len(pieces) % 2 == 0:
-        return _escaped(text)  # code that goes on in the next line
+        return _escaped(text)  # code that continues in the next line
     return "".join(f"``{piece}``" if k % 2 else _escaped(piece) for k, piece in enumerate(pieces))
 
 
@@ -125,10 +125,10 @@ def released(markdown: str, version: str, date: str) -> str:
 
 
 class _OneLineParser(argparse.ArgumentParser):
-    """A parser whose complaints are one line, as those of the other commands."""
+    """A parser whose errors are one line, as in the other commands."""
 
     def error(self, message: str) -> NoReturn:
-        """End the program with a complaint."""
+        """End the program with an error line."""
         self.exit(BAD_INPUT, f"error: {message} ({self.prog} --help says more)\n")
 
 

@@ -1,8 +1,8 @@
-# What a plain `source install/setup.bash` must bring beside an installed ROS 2 Jazzy. Sourced by `setup`, after `places.bash`.
-#
-# There `ros2` runs under the Python of the system, which does not look into our venv. So the install folder gets one more
-# entry of the kind that colcon makes for each package, with the venv's site-packages for PYTHONPATH. All of setup.* and
-# local_setup.* read it, and a `colcon build` by hand leaves it alone. ROS 2 from PyPI lives in the venv and needs none.
+# Extends `source install/setup.bash` beside an installed ROS 2 Jazzy. Sourced by `setup`, after
+# `places.bash`.  There `ros2` runs under the Python of the system, which does not use our venv. So the
+# install folder gets an additional entry of the kind that colcon makes for each package, with the venv's
+# site-packages for PYTHONPATH. All of setup.* and local_setup.* read it, and a manual `colcon build` does not
+# change it. ROS 2 from PyPI is in the venv and needs no entry.
 
 venv_entry=$root/install/shoal_venv
 

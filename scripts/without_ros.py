@@ -1,7 +1,8 @@
 """
 Pytest plugin that hides ROS 2: `pytest -p without_ros`, with this folder on PYTHONPATH.
 
-The pure tests run under it, so that pure code which imports ROS by any detour fails there, on every machine.
+The pure tests run under it, so that pure code that imports ROS, even indirectly, fails there on every
+machine.
 """
 
 import sys

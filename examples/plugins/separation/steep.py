@@ -1,4 +1,4 @@
-"""Push with a strength that grows with the square of how far the other has come inside the spacing."""
+"""Repel with a strength that grows with the square of the other's depth inside the spacing."""
 
 from dataclasses import dataclass
 

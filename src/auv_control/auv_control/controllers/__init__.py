@@ -1,22 +1,22 @@
 """
 Controllers: they compute the command of one vehicle's actuators.
 
-To add one, write one file with ``Params`` and ``Controller(params, period_s)``.  The file's name is its
-``kind``.  The class says with ``command`` (``'wrench'`` or ``'velocity'``) what it gives, which must be what
-the vehicle's model takes, and with ``follows`` what it is fed:
+To add one, write one file with ``Params`` and ``Controller(params, period_s)``. The file's name is its
+``kind``. Its attribute ``command`` (``'wrench'`` or ``'velocity'``) is the kind of its output, which the
+vehicle's model must take. Its attribute ``follows`` is the kind of its input:
 
 ``follows = 'velocity'``
     The inner loop under a flocking law: a `VelocityController`, or one that can run in continuous time as
     well, a `ContinuousVelocityController`.
 
 ``follows = 'path'`` or ``'region'``
-    A law that goes from the `MotionView` of one instant straight to the wrench: a `MotionLaw` or a
-    `RegionLaw`. With ``'region'`` the view's path is None.  The law is pure, and what it remembers
-    (parameter estimates, integrals) is a tuple of floats that the caller keeps and integrates, so that the
-    sampled agent and the continuous-time runner use the same law.
+    A law that computes the wrench directly from the `MotionView` of one instant: a `MotionLaw` or a
+    `RegionLaw`. With ``'region'`` the view's path is None. The law is pure. Its state (parameter estimates,
+    integral states) is a tuple of floats that the caller keeps and integrates, so that the sampled agent and
+    the continuous-time runner use the same law.
 
-    ``Params`` has ``frame`` where the law can be told in which frame the plant lives (see
-    `models/four_dof.py`), and ``max_force_n`` where the law bounds what it asks along each axis (N).
+    ``Params`` has ``frame`` if the law supports several frames of the plant (see `models/four_dof.py`), and
+    ``max_force_n`` if the law limits the force along each axis (N).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from auv_core.params import Section
 
 
 class VelocityReference(NamedTuple):
-    """What a flocking law asks of its vehicle: velocity over ground (m/s; NED) and heading (rad)."""
+    """The command of a flocking law: velocity over ground (m/s; NED) and heading (rad)."""
 
     velocity: Vec3
     heading_rad: float
@@ -44,7 +44,7 @@ class VelocityReference(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class MotionView:
     """
-    What one vehicle knows at one instant.
+    The information of one vehicle at one instant.
 
     Own navigation, the path point (None for a law that follows no path), the positions of the neighbours
     (m; NED; as estimated) and the obstacles with their safety distances (m; NED).
@@ -70,22 +70,22 @@ class VelocityController(Protocol):
 
 @runtime_checkable
 class ContinuousVelocityController(VelocityController, Protocol):
-    """An inner loop whose integral of three numbers the caller can keep."""
+    """An inner loop whose integral state of three numbers the caller can keep."""
 
     def evaluate(
         self, attitude: Quat, nu: Vec6, integral: Vec3, reference: VelocityReference
     ) -> tuple[Vec6, Vec3]:
-        """Return the wrench at one instant (N, N m; body) and the rate of the integral."""
+        """Return the wrench at one instant (N, N m; body) and the rate of the integral state."""
 
 
 @runtime_checkable
 class MotionLaw(Protocol):
     """
-    A law that gives the wrench by itself.
+    A law that computes the wrench directly.
 
     `candidates` are the names of its Lyapunov candidates, and `shared_candidate` tells whether their values
-    are shares, whose sum over the vehicles is the candidate.  `proof_gap` says in one sentence why the
-    printed proof does not cover a run in which V rises.
+    are shares, whose sum over the vehicles is the candidate. `proof_gap` says in one sentence why the
+    printed proof does not cover a run in which V increases.
     """
 
     command: ClassVar[str]
@@ -95,13 +95,13 @@ class MotionLaw(Protocol):
     proof_gap: str
 
     def initial_state(self, view: MotionView) -> State:
-        """Return what the law remembers at the start, `()` if nothing."""
+        """Return the initial state of the law, `()` for a law without state."""
 
     def evaluate(self, state: State, view: MotionView) -> tuple[Vec6, State]:
         """Return the wrench (N, N m; body FRD) and the rate of `state` per second."""
 
     def constrained(self, state: State) -> State:
-        """Return `state` brought back to where it is allowed, after each step."""
+        """Return `state` projected to allowed values, after each step."""
 
     def lyapunov(
         self, state: State, view: MotionView, kinetic_energy: Callable[[Vec6], float]
@@ -136,7 +136,7 @@ def controller_class(kind: str) -> type[VelocityController] | type[MotionLaw]:
 
 
 def contract_of(kind: str) -> type:
-    """Return the protocol of a kind: what it follows decides."""
+    """Return the protocol of a kind, which depends on what it follows."""
     follows = controller_class(kind).follows
     return {"velocity": VelocityController, "region": RegionLaw}.get(follows, MotionLaw)
 
@@ -149,7 +149,9 @@ def make_controller(section: Section, period_s: float) -> Controller:
 
 
 def region_of(section: Section, period_s: float) -> Box | None:
-    """Return a box around the region that the controller of a section follows (m; NED), None for another."""
+    """
+    Return a box around the region that a section's controller follows (m; NED), None for other controllers.
+    """
     controller = make_controller(section, period_s)
     return controller.region if isinstance(controller, RegionLaw) else None
 
@@ -160,7 +162,7 @@ def frame_of(params: Any) -> str | None:
 
 
 def max_force_of(params: Any) -> float:
-    """Return the most that a controller with these parameters asks for along each axis (N; inf: no limit)."""
+    """Return the force limit along each axis of a controller with these parameters (N; inf: no limit)."""
     if isinstance(params, _Bounded) and params.max_force_n is not None:
         return params.max_force_n
     return math.inf

@@ -36,7 +36,7 @@ class ReferencePath(Protocol):
     period_s: float | None
 
     def at(self, t_s: float) -> PathPoint:
-        """Return the point of a time (s); its rates are the exact derivatives of its values."""
+        """Return the point at a time (s); its rates are the exact derivatives of its values."""
 
     def reach(self, duration_s: float) -> Box:
         """Return a box that the path does not leave in that time (m; NED)."""

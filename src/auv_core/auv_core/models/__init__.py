@@ -1,15 +1,15 @@
 """
-Vehicle models: the equations of motion.  One file per structure; the numbers are in ``presets/*.yaml``.
+Vehicle models: the equations of motion. One file per structure; the parameters are in ``presets/*.yaml``.
 
 To add a model with new equations, write one file here with
 
 1. ``Params``: a frozen dataclass made of `auv_core.params.param` fields, with at least ``hull_radius_m``;
-2. ``Model(params)``, a `VehicleModel`; a model that takes a wrench is a `WrenchModel`, of which
-   continuous-time runs make their own integration.
+2. ``Model(params)``, a `VehicleModel`; a model that takes a wrench is a `WrenchModel`, which continuous-time
+   runs integrate themselves.
 
-The file's name is its ``kind``.  ``Params`` has ``frame`` where nu can live in another frame than the body's
-(see `four_dof`).  To add a vehicle with new numbers, write one file ``presets/<name>.yaml`` with ``kind`` and
-``params``.  The conformance tests check every model and preset found: finite, deterministic, inputs not
+The file's name is its ``kind``. ``Params`` has ``frame`` if nu can be in another frame than the body's (see
+`four_dof`). To add a vehicle with new numbers, write one file ``presets/<name>.yaml`` with ``kind`` and
+``params``. The conformance tests check every model and preset found: finite, deterministic, inputs not
 changed.
 """
 
@@ -36,19 +36,19 @@ class VehicleModel(Protocol):
 
     @property
     def top_speed_mps(self) -> float:
-        """Speed that the actuators hold against the drag (m/s); inf where nothing limits it."""
+        """Speed that the actuators hold against the drag (m/s); inf without a limit."""
 
     def speed_held_mps(self, max_force_n: float) -> float:
-        """Return the same for a controller that asks for at most so much along each axis (N)."""
+        """Return the same for a controller with this limit along each axis (N)."""
 
     def initial_state(self, position: Vec3, heading_rad: float) -> State:
         """Return the state of a level vehicle at rest."""
 
     def limited_command(self, command: Vec6) -> Vec6:
-        """Return what the actuators make of a command, as `auv_core.messages.command_numbers` has it."""
+        """Return the actuators' output for a command, in the form of `auv_core.messages.command_numbers`."""
 
     def step(self, state: State, command: Vec6, current: Vec3, dt_s: float, steps: int = 1) -> State:
-        """Return the state after `steps` steps of `dt_s` (s), with the command as the actuators give it."""
+        """Return the state after `steps` steps of `dt_s` (s), with a constant output of the actuators."""
 
 
 @runtime_checkable
@@ -56,7 +56,7 @@ class WrenchModel(VehicleModel, Protocol):
     """A model that takes a wrench (N, N m; body)."""
 
     def derivative(self, state: State, tau: Vec6, current: Vec3) -> State:
-        """Return the rate of change of a state under a wrench and in a current (m/s; NED)."""
+        """Return the rate of change of a state for a wrench and a current (m/s; NED)."""
 
     def normalised(self, state: State) -> State:
         """Return the state with an attitude quaternion of length 1."""

@@ -1,6 +1,5 @@
 """
-Consensus filters: how a vehicle estimates the flocking centre from its own position and what its neighbours
-say.
+Consensus filters: they estimate the flocking centre from the own position and the neighbours' packets.
 
 To add one, write one file with ``Params``, which are `ConsensusParams`, and ``Consensus(params,
 fleet_size)``, a `ConsensusFilter`, or a `ContinuousFilter` if it can run in continuous time.  The file's
@@ -20,18 +19,18 @@ from auv_flocking.neighbours.estimates import Neighbours
 
 
 class ConsensusParams(Protocol):
-    """What a scenario must know of a filter."""
+    """Properties of a filter for the checks of a scenario."""
 
     @property
     def uses_flock_velocity(self) -> bool:
-        """Whether it looks at the flock's velocity: packets carry that, continuous time does not."""
+        """Whether it uses the flock's velocity, which needs packets."""
 
 
 class ConsensusFilter(Protocol):
     """
     The filter of one vehicle.
 
-    `shared_fields`: what it adds to every packet beside the centre and its rate, `()` for nothing.
+    `shared_fields`: fields that it adds to every packet besides the centre and its rate, `()` for none.
     """
 
     shared_fields: tuple[Field, ...]
@@ -45,19 +44,21 @@ class ConsensusFilter(Protocol):
 
     def advance(self, own: Vec3, heard: Neighbours, flock_velocity: Vec3, dt_s: float) -> Vec3:
         """
-        Move the memory on by one period of `dt_s`; called once per period, after `centre`.
+        Update the state by one period of `dt_s`; called once per period, after `centre`.
 
-        Returns the rate (m/s; NED) with which the others may carry the estimate on until they hear more.
-        `flock_velocity` is the flock's as this vehicle knows it (m/s; NED).
+        Returns the rate (m/s; NED) with which others extrapolate the estimate until the next packet.
+        `flock_velocity` is this vehicle's estimate (m/s; NED).
         """
 
     def shared(self) -> tuple[float, ...]:
-        """Return the numbers for the shared fields; called after `advance` when a packet is handed over."""
+        """Return the numbers for the shared fields; called after `advance` if a packet is sent."""
 
 
 @runtime_checkable
 class ContinuousFilter(ConsensusFilter, Protocol):
-    """A filter whose estimate the caller can keep; `reach_m`: it hears none from there on (m; inf: all)."""
+    """
+    A filter whose estimate the caller can keep; `reach_m`: range within which it hears others (m; inf: all).
+    """
 
     reach_m: float
 
@@ -75,7 +76,7 @@ def make_consensus(section: Section, fleet_size: int) -> ConsensusFilter:
 
 
 def consensus_params(section: Section) -> ConsensusParams:
-    """Return the parameters of a section as what every filter has."""
+    """Return the parameters of a section, typed as those of every filter."""
     params: ConsensusParams = fulfilled(section.params, ConsensusParams)
     return params
 

@@ -1,5 +1,5 @@
 """
-Flocking laws: from what a vehicle knows to the velocity that it asks of itself.
+Flocking laws: they compute a vehicle's velocity command from its information.
 
 To add one, write one file with ``Params``, which are `FlockingParams`, and ``Flocking(params, separation,
 is_leader)``, a `FlockingLaw`.  The file's name is its ``kind``.  `flock_velocity` and `velocity` change
@@ -22,9 +22,9 @@ from auv_flocking.separation import SeparationLaw
 
 class FlockVelocity(NamedTuple):
     """
-    A belief of the flock's velocity (m/s; NED), and when a leader made it (s).
+    An estimate of the flock's velocity (m/s; NED), and the time at which a leader set it (s).
 
-    It is passed on from vehicle to vehicle with its stamp; nobody's is stamped -inf.
+    Vehicles pass it on with its stamp; without a leader's value the stamp is -inf.
     """
 
     velocity: Vec3
@@ -36,10 +36,10 @@ NOTHING_HEARD = FlockVelocity((0.0, 0.0, 0.0), -math.inf)
 
 class View(NamedTuple):
     """
-    What one vehicle knows at one instant; positions in m, velocities in m/s, all NED.
+    The information of one vehicle at one instant; positions in m, velocities in m/s, all NED.
 
-    `neighbours` are the positions of `estimates`, in the same order; in continuous time, where everybody
-    knows everything, there are no estimates.
+    `neighbours` are the positions of `estimates`, in the same order; in continuous time, with perfect
+    information, there are no estimates.
     """
 
     position: Vec3
@@ -52,7 +52,7 @@ class View(NamedTuple):
 
 
 class FlockingParams(Protocol):
-    """What a scenario must know of a law, so that reports and actuators that cannot follow are refused."""
+    """Properties of a law for the checks of a scenario against reports and actuators."""
 
     @property
     def formation_spacing_m(self) -> float:
@@ -60,34 +60,34 @@ class FlockingParams(Protocol):
 
     @property
     def largest_correction_mps(self) -> float:
-        """Most that the law adds to the velocity of the path (m/s; inf for no limit)."""
+        """Largest speed that the law adds to the velocity of the path (m/s; inf for no limit)."""
 
     @property
     def uses_flock_velocity(self) -> bool:
-        """Whether `velocity` looks at the flock's velocity or at estimates: packets, not continuous time."""
+        """Whether `velocity` uses the flock's velocity or estimates, which needs packets."""
 
 
 class FlockingLaw(Protocol):
-    """From what a vehicle knows to the velocity that it asks of itself."""
+    """Computes the velocity command of a vehicle."""
 
     def hear(self, estimates: Neighbours, dt_s: float) -> None:
-        """Measure how old the information is; called first of all, once per control period of `dt_s`."""
+        """Measure the age of the information; called first, once per control period of `dt_s`."""
 
     def flock_velocity(
         self, t_s: float, path: PathPoint, centre: Vec3, own: FlockVelocity, estimates: Neighbours
     ) -> FlockVelocity:
         """
-        Return what this vehicle takes for the flock's velocity.
+        Return this vehicle's estimate of the flock's velocity.
 
         It follows from the path point (leaders use it, blind followers must not), the own estimate of the
         centre, the own latest value and those in the neighbours' estimates.
         """
 
     def velocity(self, view: View) -> Vec3:
-        """Return the velocity over ground that the law asks for (m/s; NED)."""
+        """Return the commanded velocity over ground (m/s; NED)."""
 
     def adapt(self, view: View, dt_s: float) -> None:
-        """Let a separation law learn; called after `velocity`, once per control period of `dt_s`."""
+        """Update an adaptive separation law; called after `velocity`, once per control period of `dt_s`."""
 
 
 def make_flocking(section: Section, separation: SeparationLaw, *, is_leader: bool) -> FlockingLaw:
@@ -98,6 +98,6 @@ def make_flocking(section: Section, separation: SeparationLaw, *, is_leader: boo
 
 
 def flocking_params(section: Section) -> FlockingParams:
-    """Return the parameters of a section as what every law has."""
+    """Return the parameters of a section, typed as those of every law."""
     params: FlockingParams = fulfilled(section.params, FlockingParams)
     return params

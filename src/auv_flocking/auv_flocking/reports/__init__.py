@@ -1,12 +1,12 @@
 """
-Formats of the report: how many bytes it takes and what is lost on the way.
+Formats of the report: its size, and the rounding errors of its numbers.
 
 To add one, write one file with ``Params`` and ``Format(params, shared)``, a `ReportFormat`, where `shared`
 is the sequence of `auv_flocking.codec.Field` that the consensus filter adds to every report.  The file's
 name is its ``kind``.
 
 Every format begins with its version in the four lowest (`exact`) or highest (`compact`) bits of the first
-byte and has another length, so that none is taken for another.  A flock's vehicles use one format.
+byte and has a different length, so that formats cannot be confused.  A flock's vehicles use one format.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ class Bounds(NamedTuple):
 
 class ReportFormat(Protocol):
     """
-    Bytes of a report.
+    Converts reports to bytes and back.
 
     Attributes
     ----------
     payload_bytes : int
-        Bytes of every payload, the same for all.
+        Size of every payload (bytes).
     carries : Bounds
-        What it carries without saturating: a scenario that reaches beyond is refused, and a vehicle of a
-        fleet whose position lies beyond holds.
+        Limits without saturation: a scenario that exceeds them is refused, and a vehicle of a fleet whose
+        position exceeds them holds.
     position_resolution_m, velocity_resolution_mps : float
-        Steps of the sender's position and velocity (0 where there are none to speak of), so that a filter
-        knows what rounding adds to its noise.
+        Steps of the sender's position and velocity (0 if negligible), so that a filter can add the rounding
+        error to its noise.
 
     """
 
@@ -58,7 +58,7 @@ class ReportFormat(Protocol):
 
     @property
     def saturated(self) -> int:
-        """How many values had to be bounded so far."""
+        """Number of values that were limited so far."""
 
     def encode(self, report: Report) -> bytes:
         """
@@ -73,13 +73,13 @@ class ReportFormat(Protocol):
 
     def decode(self, payload: bytes, now_s: float) -> Report:
         """
-        Return the report; `now_s` (s) tells which of the possible times a wrapped time tag means.
+        Return the report; `now_s` (s) selects the time of a wrapped time tag.
 
         Raises
         ------
         ReportError
-            And nothing else, for whatever is not a report of this format: another length, another version,
-            address 0, bits without a meaning.
+            The only exception, for any bytes that are not a report of this format: another length, another
+            version, address 0, undefined bits.
 
         """
 

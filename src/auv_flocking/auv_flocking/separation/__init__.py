@@ -1,12 +1,12 @@
 """
-Separation laws: what keeps two vehicles, or a vehicle and an obstacle, apart.
+Separation laws: they keep two vehicles, or a vehicle and an obstacle, apart.
 
 To add one, write one file with ``Params`` and ``Separation(params)``, a `SeparationLaw`.  The file's name is
-its ``kind``.  A law may be more than that:
+its ``kind``.  A law may have further protocols:
 
-* an `ObstacleLaw`, where obstacles are not treated as vehicles are;
-* a `PotentialLaw`: runs then say whether the flock's potential falls;
-* a `LearningLaw`, which has a memory and is refused in continuous time;
+* an `ObstacleLaw`, if obstacles are not treated like vehicles;
+* a `PotentialLaw`: the metrics of a run then tell whether the flock's potential decreases;
+* a `LearningLaw`, which has a state and is refused in continuous time;
 * a `CentralLaw`, which acts along the line between the two: it is then compiled with the loop over all
   pairs of a flock.
 """
@@ -23,7 +23,7 @@ from auv_flocking.central import Numbers, Strength
 
 
 class SeparationLaw(Protocol):
-    """What keeps two vehicles apart."""
+    """Keeps two vehicles apart."""
 
     def velocity(self, own: Vec3, other: Vec3, spacing_m: float) -> Vec3:
         """Return the velocity (m/s; NED, for unit gain) of the vehicle at `own` because of `other`."""
@@ -31,7 +31,7 @@ class SeparationLaw(Protocol):
 
 @runtime_checkable
 class ObstacleLaw(SeparationLaw, Protocol):
-    """A law that treats obstacles in another way than vehicles."""
+    """A law that treats obstacles differently from vehicles."""
 
     def obstacle_velocity(self, own: Vec3, obstacle: Vec3, spacing_m: float) -> Vec3:
         """Return the velocity (m/s; NED, for unit gain) of the vehicle at `own` because of an obstacle."""
@@ -39,7 +39,7 @@ class ObstacleLaw(SeparationLaw, Protocol):
 
 @runtime_checkable
 class PotentialLaw(SeparationLaw, Protocol):
-    """A law whose velocities are the fall of a potential."""
+    """A law whose velocities are the negative gradient of a potential."""
 
     def potential(self, distance_m: float, spacing_m: float) -> float:
         """Return the potential of a pair of vehicles (m^2/s)."""
@@ -50,10 +50,10 @@ class PotentialLaw(SeparationLaw, Protocol):
 
 @runtime_checkable
 class LearningLaw(SeparationLaw, Protocol):
-    """A law with a memory."""
+    """A law with a state."""
 
     def adapt(self, distances_m: Sequence[float], spacing_m: float, dt_s: float) -> None:
-        """Learn from the distances to the neighbours; called once per control period of `dt_s`."""
+        """Adapt to the distances to the neighbours; called once per control period of `dt_s`."""
 
 
 @runtime_checkable
@@ -61,7 +61,8 @@ class CentralLaw(SeparationLaw, Protocol):
     """
     A law that acts along the line between the two; see `auv_flocking.central`.
 
-    `strength` with `numbers` is `velocity`, `obstacle_strength` with `obstacle_numbers` is what obstacles do.
+    `strength` with `numbers` is `velocity`, `obstacle_strength` with `obstacle_numbers` is the effect of
+    obstacles.
     """
 
     strength: Strength
@@ -70,7 +71,7 @@ class CentralLaw(SeparationLaw, Protocol):
     obstacle_numbers: Numbers
 
     def reach_m(self, spacing_m: float) -> float:
-        """Return the distance from which on two vehicles do nothing to each other (m; inf: none)."""
+        """Return the distance at and beyond which two vehicles do not interact (m; inf: none)."""
 
 
 def make_separation(section: Section) -> SeparationLaw:
@@ -81,5 +82,5 @@ def make_separation(section: Section) -> SeparationLaw:
 
 
 def obstacle_velocity_of(law: SeparationLaw) -> Callable[[Vec3, Vec3, float], Vec3]:
-    """Return the function of an `ObstacleLaw`, or that for vehicles where obstacles are treated so."""
+    """Return the function of an `ObstacleLaw`, or that for vehicles if obstacles are treated alike."""
     return law.obstacle_velocity if isinstance(law, ObstacleLaw) else law.velocity

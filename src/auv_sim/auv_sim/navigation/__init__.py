@@ -1,9 +1,9 @@
 """
-Navigation: what a vehicle knows of its own motion.
+Navigation: a vehicle's estimate of its own motion.
 
 To add one, write one file with ``Params`` and ``Navigation(params, seed, address, period_s)``, an
-`OwnNavigation`.  The file's name is its ``kind``.  It may look at the truth of a tick and remember what came
-before, nothing else; randomness comes from `auv_sim.streams`.
+`OwnNavigation`. The file's name is its ``kind``. Its only inputs are the truth of the current and of earlier
+ticks; randomness comes from `auv_sim.streams`.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ class OwnNavigation(Protocol):
     """
     The navigation of one vehicle.
 
-    People and tools also see, on ``odom`` and ``/tf``: `odom_frame`, which takes up the jumps of the
-    estimate, `depth_sd_m`, and `velocity_sd_mps` along the body's three axes.
+    It also has, for ``odom`` and ``/tf``: `odom_frame`, which absorbs the jumps of the estimate,
+    `depth_sd_m`, and `velocity_sd_mps` along the body's three axes.
     """
 
     odom_frame: OdomFrame
@@ -31,9 +31,9 @@ class OwnNavigation(Protocol):
 
     def measured(self, state: VehicleState) -> VehicleState:
         """
-        Return what the navigation says when the truth is `state`; called once per control period.
+        Return the navigation for the true `state`; called once per control period.
 
-        It has the standard deviations that the navigation states of itself, and `is_valid` is false where it
+        It has the standard deviations that the navigation states of itself, and `is_valid` is false if it
         has no solution.
         """
 

@@ -1,10 +1,10 @@
 """
-Medium access: when a modem asks its vehicle for data, and when it puts them on the air.
+Medium access: when a modem asks its vehicle for data, and when it transmits them.
 
 To add one, write one file with ``Params`` and ``Mac(params, fleet_size, seed)``, a `MediumAccess`, or a
-`SensingAccess` if the modem listens before it transmits.  A modem that is on the air, or holds a packet,
-does not ask.  Random numbers come from `auv_sim.streams` and depend on nothing but the seed, the address,
-and the slot or packet.
+`SensingAccess` if the modem listens before it transmits. A modem that is transmitting, or has a packet, does
+not ask. Random numbers come from `auv_sim.streams` and depend only on the seed, the address, and the slot or
+packet.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class MediumAccess(Protocol):
 
     def opportunity_s(self, address: int, tick: int, period_s: float) -> float | None:
         """
-        Return when a modem would begin a transmission (s), or None; the same whenever it is asked.
+        Return when a modem would begin a transmission (s), or None; repeated calls give the same result.
 
         It is the first such time in the control period [tick, tick + 1).
         """
@@ -32,17 +32,17 @@ class MediumAccess(Protocol):
         Raises
         ------
         ValueError
-            With a message ``field: ...``, where that length does not fit the scheme.
+            With a message ``field: ...``, if the length does not fit the scheme.
 
         """
 
 
 @runtime_checkable
 class SensingAccess(MediumAccess, Protocol):
-    """A modem that listens at that time and, while it hears anything, waits with the same packet."""
+    """A modem that listens at that time and keeps the packet while it hears a signal."""
 
     def backoff_s(self, source: int, sequence: int, attempt: int) -> float:
-        """Return how long it waits (s, above zero) before it listens again, for the first attempt 1."""
+        """Return the wait (s, above zero) before it listens again; the first attempt is 1."""
 
 
 def make_mac(section: Section, fleet_size: int, seed: int) -> MediumAccess:

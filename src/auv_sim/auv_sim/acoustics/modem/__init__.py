@@ -1,8 +1,8 @@
 """
-Modems: how long a packet is on the air, how it is heard, and how much it holds.
+Modems: airtime, reception and size of a packet.
 
-To add one, write one file with ``Params`` and ``Modem(params)``, an `AcousticModem`: it recognises whatever
-is in range and has no bit errors.  One that knows levels is a `LevelModem`.
+To add one, write one file with ``Params`` and ``Modem(params)``, an `AcousticModem`: it recognises every
+signal in range and has no bit errors. A modem with sound levels is a `LevelModem`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class AcousticModem(Protocol):
 
 @runtime_checkable
 class LevelModem(AcousticModem, Protocol):
-    """A modem that knows levels; `frequency_khz` is its carrier, for the transmission loss (kHz)."""
+    """A modem with sound levels; `frequency_khz` is its carrier, for the transmission loss (kHz)."""
 
     frequency_khz: float
 
@@ -53,7 +53,7 @@ class LevelModem(AcousticModem, Protocol):
         """Return whether the start of a packet is recognised, for a ratio to noise and interference."""
 
     def bit_error_prob(self, snr_ratio: float) -> float:
-        """Return the probability of an error of one bit, likewise."""
+        """Return the bit error probability, for the same ratio."""
 
 
 def make_modem(section: Section) -> AcousticModem:

@@ -13,14 +13,14 @@ from auv_core.params import Section
 
 
 class PacketLoss(Protocol):
-    """Losses by no other cause."""
+    """Further random losses."""
 
     def lost(self, source: int, destination: int, sequence: int) -> bool:
         """
         Return whether a packet is lost on the way to a modem.
 
-        The answer depends on nothing else than the seed and these three, so that adding a vehicle does not
-        change the others' luck; `auv_sim.streams.uniform` gives the numbers.
+        The result depends only on the seed and these three, so that adding a vehicle does not change the
+        losses of the others; `auv_sim.streams.uniform` gives the numbers.
         """
 
 

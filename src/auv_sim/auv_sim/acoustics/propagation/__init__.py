@@ -1,9 +1,9 @@
 """
-Propagation: how long sound takes from one place to another, and what is left of it.
+Propagation: travel time and transmission loss of sound between two places.
 
-To add one, write one file with ``Params`` and ``Propagation(params)``, a `SoundPropagation`.  A file that
-calls what is no requirement of the project raises ValueError, ``propagation.kind: ...``, where that is
-missing. ``Params`` has ``water_depth_m`` where the water has a bottom.
+To add one, write one file with ``Params`` and ``Propagation(params)``, a `SoundPropagation`. A file that
+needs an optional dependency raises ValueError, ``propagation.kind: ...``, if that is missing. ``Params`` has
+``water_depth_m`` if the water has a bottom.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ class SoundPropagation(Protocol):
     """Sound between two places (m; NED)."""
 
     def delay_s(self, source: Vec3, receiver: Vec3) -> float:
-        """Return how long sound takes (s)."""
+        """Return the travel time (s)."""
 
     def loss_db(self, source: Vec3, receiver: Vec3, frequency_khz: float) -> float:
-        """Return the transmission loss (dB); only modems that know levels ask for it."""
+        """Return the transmission loss (dB); only modems with sound levels use it."""
 
 
 @runtime_checkable
@@ -39,5 +39,5 @@ def make_propagation(section: Section) -> SoundPropagation:
 
 
 def bottom_m(section: Section) -> float:
-    """Return the depth of the water (m; inf where there is no bottom)."""
+    """Return the depth of the water (m; inf without a bottom)."""
     return section.params.water_depth_m if isinstance(section.params, _WithBottom) else math.inf

@@ -1,5 +1,5 @@
 """
-Sonar: what a vehicle sees of other hulls by itself, with no packet.
+Sonar: a vehicle's detection of other hulls, without packets.
 
 To add one, write one file with ``Params`` and ``Sonar(params, seed)``, a `HullSonar`.  The file's name is its
 ``kind``.
@@ -22,11 +22,11 @@ class HullSonar(Protocol):
         self, address: int, tick: int, period_s: float, states: Sequence[VehicleState]
     ) -> tuple[SonarContact, ...]:
         """
-        Return what the vehicle with this address sees, and () in a tick without a ping.
+        Return the contacts of the vehicle with this address, () in a tick without a ping.
 
-        `states` are the truth, in the order of addresses.  A contact has no identity, so neither may the
-        order of contacts betray one.  Randomness comes from `auv_sim.streams` by observer, target and tick,
-        so that another vehicle does not change any other luck.
+        `states` are the truth, in the order of addresses. A contact has no identity, so the order of
+        contacts must not reveal one. Random numbers come from `auv_sim.streams` by observer, target and tick,
+        so that another vehicle does not change them.
         """
 
 
