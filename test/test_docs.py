@@ -154,17 +154,19 @@ def test_a_topic_of_ours_has_a_message_of_the_reference():
     assert ours <= {path.stem for path in MESSAGES}
 
 
-def is_of_a_topic(call):
-    """Tell whether a node is a call of `Topics.add` or of `Topic`."""
-    if not isinstance(call, ast.Call):
-        return False
-    return getattr(call.func, "attr", "") == "add" or getattr(call.func, "id", "") == "Topic"
+def topic_calls(path):
+    """Yield the calls of `Topics.add` and of `Topic` in a source file."""
+    for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(call, ast.Call) and (
+            getattr(call.func, "attr", "") == "add" or getattr(call.func, "id", "") == "Topic"
+        ):
+            yield call
 
 
 def topics_in_nodes():
     """Yield package, type, name and whether it is latched of each topic that a node names in its source."""
     for path in sorted(ROOT.glob("src/auv_*/auv_*/nodes/*.py")):
-        for call in filter(is_of_a_topic, ast.walk(ast.parse(path.read_text(encoding="utf-8")))):
+        for call in topic_calls(path):
             kinds = [each.id for each in call.args if isinstance(each, ast.Name) and each.id[0].isupper()]
             words = [each for each in call.args if isinstance(each, ast.Constant | ast.JoinedStr)]
             if kinds and words:
