@@ -1,6 +1,8 @@
 """
 Metrics: numbers that describe a run, all from its recording.
 
+`MEANINGS` of `auv_experiment.metrics.descriptions` says in words what each of them is.
+
 A file ``metrics/<name>.py`` in a folder of ``SHOAL_PLUGINS`` adds metrics of your own: to metrics.json, to
 the report, and to the table of a sweep. It is an `OwnMetrics`: it describes each metric and computes them
 all. `auv_experiment.metrics.own` describes what happens if it fails. docs/how_to/own_metrics.md

@@ -48,38 +48,9 @@ def acoustics_metrics(recording: Recording, *, formed_at_s: float = 0.0) -> dict
     Returns
     -------
     metrics : dict
-        Empty if none of these exists; None for a single quantity that does not exist. With a modem with
-        airtime:
-
-        packets_lost
-            packets that did not reach a receiver, for any cause;
-        packet_loss_<cause>_ratio
-            share of all packets at all receivers that was lost to outage, noise, collision, half_duplex (the
-            receiver was transmitting), range;
-        packet_delay_95pct_s
-            95 % quantile of the delay of delivered packets;
-        acoustic_bit_rate_bps
-            bits of payload on the air per second, all modems together;
-        acoustic_load_ratio
-            airtime of all modems together, per time of the run;
-        neighbour_age_95pct_s
-            95 % quantile of the age of the estimates for t > 100 s;
-        neighbour_nees_position_mean, neighbour_nees_mean
-            mean NEES of the relative position (3 expected), and of position and velocity (6 expected);
-        neighbour_nees_within_95_ratio
-            share of the former below its 95 % quantile (0.95 expected);
-        sonar_contacts
-            hulls seen by sonar, all pings of all vehicles.
-
-        If the navigation is not exact:
-
-        navigation_error_rms_m
-            root mean square of |navigation - true position| over all vehicles and the whole run;
-        navigation_error_final_m
-            the same over the vehicles at the end;
-        navigation_nees_mean
-            mean NEES of the horizontal position, with the standard deviation that the navigation states (2
-            expected). Drift errors persist, so this is a mean of few independent numbers.
+        As `MEANINGS` describes them, None for a quantity that does not exist. Metrics of packets and filters
+        exist with a modem with airtime, those of the navigation if it is not exact. Since errors of a drift
+        persist, `navigation_nees_mean` is a mean of few independent numbers.
 
     """
     metrics: dict[str, Any] = {}

@@ -49,18 +49,8 @@ def flock_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     Returns
     -------
     metrics : dict
-        Empty without a flocking law. Values are None if the law is not the thesis's, or a vehicle was lost.
-
-        consensus_rho_mps, consensus_rho_settled_mps
-            largest |phi_i| of the run, and for t > 100 s;
-        consensus_bound_holds, consensus_bound_margin_m2ps
-            whether V_dot stays below its bound (6.18) in the whole run, and the smallest margin;
-        consensus_bound_radius_settled_m, consensus_error_norm_settled_m
-            n rho / k and the largest |e|, stacked over the vehicles, for t > 100 s;
-        flock_lyapunov_thesis_*, flock_lyapunov_corrected_*
-            as `lyapunov_*` of single vehicles: falls, rise_ratio, first_rise_s, largest_rise_ratio;
-        flock_lyapunov_proof_gap
-            why the printed proof does not cover the run, if a candidate increases.
+        As `MEANINGS` describes them, empty without a flocking law. Values are None if the law is not the
+        thesis's, or a vehicle was lost. rho is the largest |phi_i|; the radius is n rho / k.
 
     """
     if scenario.agent.flocking is None:

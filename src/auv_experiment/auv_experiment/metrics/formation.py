@@ -46,29 +46,8 @@ def formation_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
     Returns
     -------
     metrics : dict
-        Empty unless the law is `adaptive` and the first vehicle has a path. Ranges are [smallest, largest];
-        yaw counts in rad and N m.
-
-        position_err_range_m, velocity_err_range_mps, force_range_n
-            of the first vehicle over all four axes and the whole run;
-        <axis>_settling_0p05_s
-            first time after which the error stays within 0.05 m (rad) to the end; None if there is none;
-        <axis>_overshoot_m, yaw_overshoot_rad
-            largest error with the opposite sign of the initial error;
-        x_force_late_n, y_force_late_n, z_force_late_n
-            largest magnitude for t > 100 s;
-        d12_range_m, d23_range_m, d12_minus_d23_range_m, d12_minus_d23_final_m
-            signed radii, see the module, for the first three vehicles;
-        d12_settling_0p05_s, d23_settling_0p05_s
-            first time after which the signed radius stays within 0.05 m of the paths' own;
-        d12_err_late_m, d23_err_late_m, d12_minus_d23_late_m
-            their largest deviation from the paths' own for t > 100 s;
-        d12_true_range_m, d23_true_range_m
-            distances of the hull centres;
-        estimate_names, estimates_final
-            names of the law's estimates, and for every vehicle their last recorded values (kg, N s/m, ...);
-        adaptation_frozen_s
-            time in which the law's own force limit kept the estimates constant, summed over the vehicles.
+        As `MEANINGS` describes them; empty unless the law is `adaptive` and the first vehicle has a path.
+        Ranges are [smallest, largest]; yaw counts in rad and N m.
 
     """
     section = scenario.agent.controller

@@ -44,20 +44,7 @@ def gathering_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
     Returns
     -------
     metrics : dict
-        collision, collision_at_s
-            whether and when two hulls first touched (distance below two hull radii);
-        pair_distance_min_m
-            smallest distance of any pair at any time, lost vehicles included;
-        formed_at_s
-            end of the first 10 s during which all pairs were within `formed_within_m`, NaN if there is none;
-        pair_distance_formed_min_m, pair_distance_formed_max_m
-            over all pairs of the flock for t >= formed_at_s;
-        pair_distance_settled_min_m, pair_distance_settled_max_m
-            over all pairs of the flock for t > 100 s;
-        pair_distance_min_after_150s_m, pair_distance_max_after_200s_m
-            over all pairs of the flock for t > 150 s and t > 200 s, by when any flock should have formed;
-        approach_time_2pct_s
-            first time after which every pair stays within 2 % of its own mean over t > 20 s.
+        As `MEANINGS` describes them; `formed_at_s` is NaN if the flock never formed.
 
     """
     t_s = recording.t_s

@@ -53,12 +53,7 @@ def packet_metrics(recording: Recording) -> dict[str, float | None]:
     Returns
     -------
     metrics : dict
-        packets_sent
-            packets passed to modems;
-        packet_delivery_ratio
-            receptions / (packets sent x other vehicles that were not lost at that time);
-        packet_delay_mean_s, packet_delay_max_s
-            from the start of transmission to the end of reception.
+        As `MEANINGS` describes them; a vehicle that was lost when a packet left does not count as a receiver.
 
     """
     expected, delivered = link_counts(recording)

@@ -53,14 +53,8 @@ def neighbour_metrics(recording: Recording) -> dict[str, float | None]:
     Returns
     -------
     metrics : dict
-        neighbour_position_rmse_m
-            root mean square of |estimate - truth|, relative to the own navigation, over ordered pairs for t
-            > 100 s;
-        neighbour_within_2sigma_ratio
-            share of the components of these errors within two of the filter's own standard deviations (0.954
-            for a consistent filter with Gaussian errors);
-        neighbour_age_mean_s, neighbour_age_max_s
-            age of the newest information in the estimates for t > 100 s.
+        As `MEANINGS` describes them, for t > 100 s. Errors are of estimates relative to the own navigation,
+        over ordered pairs.
 
     """
     if not recording.has_neighbours:

@@ -69,26 +69,10 @@ def network_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     Returns
     -------
     metrics : dict
-        Empty for a single vehicle and in continuous time, which has no packets. The instants, one per
-        second, with at least two vehicles left count.
-
-        graph_window_s
-            age up to which a packet counts as heard;
-        graph_connected_at_s
-            first time at which information from every vehicle could reach every other; None if never;
-        graph_disconnected_at_s
-            first time after that at which it could not; 0 if it never could, None if it always could;
-        graph_strongly_connected_ratio
-            share of all instants at which it could;
-        graph_algebraic_connectivity_mean, graph_algebraic_connectivity_min
-            lambda_2 of the mirror graph, N for N vehicles that all hear each other;
-        graph_degree_mean, graph_in_degree_min, graph_out_degree_min
-            mean number of neighbours that a vehicle hears, and the smallest numbers that a vehicle heard or
-            was heard by;
-        graph_parts_max
-            largest number of groups within which information can circulate.
-
-        The last six count after `graph_connected_at_s`, or over the whole run if that is None.
+        As `MEANINGS` describes them; empty for a single vehicle and in continuous time, which has no packets.
+        The instants, one per second, with at least two vehicles left count; for connectivity, degrees and
+        parts, those after `graph_connected_at_s`, or all if that is None. `graph_disconnected_at_s` is 0 if
+        the graph was never connected, None if it stayed so.
 
     """
     if recording.n_vehicles < 2 or scenario.sampling == "continuous":

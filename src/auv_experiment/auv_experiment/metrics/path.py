@@ -43,27 +43,9 @@ def path_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     Returns
     -------
     metrics : dict
-        Empty if no vehicle has a path. Settling times are the first times after which the error stays within
-        the band to the end of the run, or with obstacles to 60 s; None if there is no such time.
-
-        position_rms_m, position_rms_after_30s_m
-            root mean square of |path - position|, over the run and for t >= 30 s;
-        position_err_max_m
-            largest |path - position| for t > 30 s, when the vehicle has reached the path;
-        overshoot_x_m, undershoot_y_m
-            largest north error and smallest east error before 30 s;
-        velocity_err_x_peak_mps, velocity_err_y_peak_mps
-            largest magnitude of the north and the east velocity error;
-        x_settling_0p1m_s, y_settling_0p2m_s, y_settling_0p1m_s
-            of the north and the east position error;
-        position_settling_0p1m_s
-            of |path - position|;
-        velocity_settling_0p01mps_s
-            of the larger of the north and the east velocity error;
-        control_effort_n2s
-            sum of X^2 + Y^2 + Z^2 times the period, over all vehicles;
-        obstacle_clearance_m, obstacle_closest_at_s
-            for each obstacle the smallest distance of a hull centre to its centre, and when.
+        As `MEANINGS` describes them; empty if no vehicle has a path. Settling times are the first times after
+        which the error stays within the band to the end of the run, or with obstacles to 60 s; None if there
+        is no such time.
 
     """
     followers = path_followers(scenario)

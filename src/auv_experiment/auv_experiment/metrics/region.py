@@ -38,16 +38,7 @@ def region_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     Returns
     -------
     metrics : dict
-        pair_distance_min_at_s
-            time of the smallest distance of any pair;
-        ring_first_inside_s
-            first time inside the ring;
-        ring_reached_s
-            first time after which the distance to the ring stays <= 0.05 m to the end;
-        ring_distance_final_m, axis_distance_final_m, position_final_ned_m
-            at the end: distance to the ring (0 inside), to its axis, and position;
-        speed_max_mps, force_max_n
-            over all vehicles and times: largest speed, and largest magnitude of the commanded force.
+        As `MEANINGS` describes them; empty if the law steers to no ring.
 
     """
     ring = ring_of(scenario)

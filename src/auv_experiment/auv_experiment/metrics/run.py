@@ -55,22 +55,7 @@ def compute_metrics(
     Returns
     -------
     metrics : dict
-        Keys carry their units. Distances are between hull centres. In addition to these it has the metrics
-        of the other functions `..._metrics` of this package.
-
-        centroid_path_rms_m, centroid_path_rms_after_200s_m
-            root mean square of |mean of true positions - path| for t > 100 s and for t > 200 s;
-        consensus_error_max_m
-            largest |own estimate of the centre - mean of true positions| for t > 100 s;
-        obstacle_clearance_min_m
-            smallest distance from a hull centre to an obstacle's centre at any time;
-        hull_in_air_ratio, hull_in_air_height_m
-            see `auv_experiment.metrics.surface`;
-        safe_command_ratio
-            share of the control ticks, over all vehicles, in which an agent gave the safe command instead of
-            its law's;
-        safe_commands_...
-            these ticks by cause, see `safe_command_metrics`.
+        By key, as `auv_experiment.metrics.descriptions` describes them. Distances are between hull centres.
 
     """
     t_s = recording.t_s

@@ -7,13 +7,7 @@ from auv_flocking.holding import CAUSES
 
 
 def safe_command_metrics(recording: Recording) -> dict[str, float | int | None]:
-    """
-    Return how often agents gave the safe command instead of the law's.
-
-    ``safe_command_ratio`` is the share of the control ticks of all vehicles.
-    ``safe_commands_stale_navigation`` and similar keys count these ticks by cause: one key for each of
-    `auv_flocking.holding.CAUSES`.
-    """
+    """Return how often agents gave the safe command instead of the law's: a key for each of `CAUSES`."""
     holding = recording.holding
     counts = {
         f"safe_commands_{cause.replace(' ', '_')}": int((holding == number).sum())

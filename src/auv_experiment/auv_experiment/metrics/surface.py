@@ -16,13 +16,7 @@ if TYPE_CHECKING:
 
 
 def surface_metrics(recording: Recording, scenario: Scenario) -> dict[str, float | None]:
-    """
-    Return how long and how high hulls were in the air, without lost vehicles.
-
-    ``hull_in_air_ratio`` is the share of the states of all vehicles in which the whole hull is above the
-    surface; ``hull_in_air_height_m`` is the largest height of a hull's lowest point, None if no hull left
-    the water.
-    """
+    """Return how long and how high hulls were in the air, without lost vehicles."""
     height_m = -recording.position_ned_m[..., 2] - scenario.hull_radius_m
     is_in_air = (height_m > 0.0) & ~recording.is_gone
     return {
