@@ -55,8 +55,11 @@ def test_meanings_are_short_and_need_no_other() -> None:
 @pytest.mark.parametrize(
     ("key", "words"),
     [
-        ("lyapunov_energy_falls", "Lyapunov candidate energy falls in the whole run"),
-        ("flock_lyapunov_thesis_largest_rise_ratio", "largest rise of candidate thesis within one record"),
+        ("lyapunov_energy_falls", "Lyapunov candidate energy "),
+        (
+            "flock_lyapunov_thesis_largest_rise_ratio",
+            "largest increase of candidate thesis within one record",
+        ),
         ("x_err_5p4_m", "x error (path minus position) of the first vehicle at 5.4 s"),
         ("no_such_key_m", "no such key m"),
     ],
