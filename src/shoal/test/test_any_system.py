@@ -103,7 +103,7 @@ CHAPTER = """
 from auv_thesis.items import HOLDS, Claim, RunSpec, Verdict
 
 TITLE = "Mine"
-RUNS = (RunSpec("ch5_one_leader", duration_s=1.0), RunSpec("no_such_scenario"))
+RUNS = (RunSpec("flock_acoustic", duration_s=1.0), RunSpec("no_such_scenario"))
 CLAIMS = tuple(Claim("1", f"It flies {run}.", (run,), lambda runs: Verdict(HOLDS, "it did")) for run in RUNS)
 """
 
