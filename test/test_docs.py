@@ -210,3 +210,26 @@ def test_a_cell_is_shown_with_what_it_gave(tmp_path):
     shown = ["# A page", "```python\nprint(6 * 7)\n```", "```text\n42\n```", "```python\n[1, 2]\n```"]
     assert page.markdown == "\n\n".join([*shown, "```text\n[1, 2]\n```\n"])
     assert page.images == {}
+
+
+def test_files_that_pages_name_exist():
+    made_up = re.compile(r"/home/|.*\bgentle\.py|recording\.npz")
+    kept = [
+        path
+        for folder in ("benchmarks", "docs", "examples", "requirements", "scripts", "src", "test")
+        for path in (ROOT / folder).rglob("*.*")
+    ]
+    known = {path.relative_to(ROOT).parts for path in [*kept, *ROOT.glob("*.*")]}
+    tails = {"/".join(parts[first:]) for parts in known for first in range(len(parts))}
+    pages = [*ROOT.glob("[CRS]*.md"), *ROOT.glob("src/*/README.md"), *(ROOT / "docs").rglob("*.md")]
+    named = {
+        (page.name, file)
+        for page in pages
+        if page.name != "CHANGELOG.md"
+        for file in re.findall(
+            r"`([\w./-]+\.(?:bash|in|lock|md|msg|npz|py|rviz|toml|xml))`", page.read_text(encoding="utf-8")
+        )
+        if not made_up.match(file)
+    }
+    assert len(named) > 80
+    assert {(page, file) for page, file in named if file.removeprefix("./") not in tails} == set()
