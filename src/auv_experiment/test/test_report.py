@@ -155,6 +155,14 @@ def test_every_metric_that_has_a_value_is_shown_and_no_other(report: tuple[str, 
     assert not re.search(r"\b(nan|None|inf)\b|–</td>", page)
 
 
+def test_numbers_stay_on_a_line_and_long_texts_are_broken(tmp_path: Path) -> None:
+    scenario = make_scenario()
+    metrics = {"lyapunov_proof_gap": "why " * 40, "ring_reached_s": [1.0] * 40, "force_max_n": 1.0}
+    page, _ = read(write_report(make_results(tmp_path), scenario, metrics, SavedFigures()))
+    assert page.count("<td class='words'>") == 2
+    assert page.count("<td class='value'>") == 1
+
+
 def test_figures_come_before_numbers(report: tuple[str, Outline]) -> None:
     page, _ = report
     assert page.index("<h2>Result</h2>") < page.index("<h2>Figures</h2>") < page.index("<h2>Numbers</h2>")

@@ -201,7 +201,7 @@ class Result:
             mode=self.mode,
             real_time_factor=math.nan if factor is None else factor,
             formats=with_page_format(formats) if with_figures else (),
-            tell=lambda line: warnings.warn(line, stacklevel=3),
+            tell=lambda line: warnings.warn(line, stacklevel=4),
         )
         return place
 

@@ -31,6 +31,7 @@ caption { text-align: left; font-weight: 600; padding: .2rem 0; }
 th, td { text-align: left; vertical-align: top; padding: .3rem .7rem .3rem 0; border-bottom: 1px solid #ddd; }
 th[scope=row] { font-weight: 400; }
 td.value, th.value { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
+td.words { text-align: right; overflow-wrap: anywhere; }
 td.number { font-variant-numeric: tabular-nums; }
 .counts { width: auto; }
 .mark { white-space: nowrap; font-weight: 600; }

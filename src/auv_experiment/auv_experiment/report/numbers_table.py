@@ -54,7 +54,8 @@ def numbers_table(scenario: Scenario, metrics: dict[str, Any]) -> str:
             continue
         text = value_text(metrics[key], meaning.digits)
         cells = [f"<td>{html.escape(meaning.words)}</td>"]
-        cells.append(f"<td class='value'>{html.escape(text)}</td>")
+        kind = "words" if isinstance(metrics[key], str | list) else "value"
+        cells.append(f"<td class='{kind}'>{html.escape(text)}</td>")
         cells.append(f"<td>{html.escape(meaning.unit)}</td>")
         if references:
             reference, thesis = references.get(key, (None, ""))
