@@ -21,6 +21,7 @@ from auv_experiment.recording import Recording
 from auv_experiment.results import write_results
 from auv_experiment.run_key import source_version
 from auv_experiment.scenario.loading import load_scenario
+from auv_experiment.sweeps import table as sweep_table
 from auv_experiment.sweeps.plan import plan_runs
 from auv_experiment.sweeps.study import study_from_plain
 
@@ -233,3 +234,10 @@ def test_without_the_folder_nothing_is_left(own: OwnFolder, monkeypatch: pytest.
     monkeypatch.setenv("SHOAL_PLUGINS", "")
     assert own_metrics(at_rest(), SCENARIO) == {}
     assert meaning_of("depth_max_m").words == "depth max m"
+
+
+@pytest.mark.parametrize("key", sorted(sweep_table._TYPES))
+def test_no_own_metric_is_named_as_another_column_of_a_sweep(own: OwnFolder, key: str) -> None:
+    own.write("metrics", "own_column", DEPTH.replace("depth_max_m", key))
+    with pytest.raises(ConfigError, match=f"'{key}' is taken by Shoal"):
+        own_files_of_metrics()

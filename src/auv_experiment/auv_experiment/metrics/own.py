@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
 FAILED = "own_metrics_failed"
+_OF_SWEEPS = {"run", "key", "status", "error", "wall_s", "cpu_s"}
+"""Other columns of a sweep's table."""
 
 
 def own_files_of_metrics() -> dict[str, ModuleType]:
@@ -81,7 +83,7 @@ def failure_warning(metrics: Mapping[str, Any]) -> str:
 def _check(place: str, key: object, meaning: object, taken: Mapping[str, str]) -> None:
     if not isinstance(key, str) or not WORD.match(key):
         raise ConfigError(f"{place}: MEANINGS: {shown(key)} is not allowed; allowed: {WORDS}")
-    if key in MEANINGS or family_meaning(key) or key in taken:
+    if key in MEANINGS or family_meaning(key) or key in _OF_SWEEPS or key in taken:
         raise ConfigError(
             f"{place}: MEANINGS: {key!r} is taken by {taken.get(key, 'Shoal')}; allowed: another key"
         )

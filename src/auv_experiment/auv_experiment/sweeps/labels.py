@@ -23,17 +23,9 @@ def parameter_label(table: SweepTable, path: str) -> str:
     return word if words.count(word) == 1 else path
 
 
-def value_labels(table: SweepTable, path: str) -> dict[Any, str]:
-    """Return the labels of a parameter's values, by value as the table has it."""
-    values = (table.study.grid or {}).get(path, ())
-    label = (table.study.labels or {}).get(path)
-    texts = label.values if label is not None and label.values else short_values(values)
-    return {table.as_in_column(path, value): text for value, text in zip(values, texts, strict=True)}
-
-
 def value_label(table: SweepTable, path: str, value: Any) -> str:
     """Return the label of a value of a parameter, as the table has it."""
-    return value_labels(table, path).get(value) or _text(value)
+    return _value_labels(table, path).get(value) or _text(value)
 
 
 def metric_label(table: SweepTable, name: str) -> str:
@@ -71,6 +63,14 @@ def short_values(values: Sequence[Any]) -> list[str]:
 def _name(table: SweepTable, key: str) -> str | None:
     label = (table.study.labels or {}).get(key)
     return None if label is None else label.name
+
+
+def _value_labels(table: SweepTable, path: str) -> dict[Any, str]:
+    """Return the labels of a parameter's values, by value as the table has it."""
+    values = (table.study.grid or {}).get(path, ())
+    label = (table.study.labels or {}).get(path)
+    texts = label.values if label is not None and label.values else short_values(values)
+    return {table.as_in_column(path, value): text for value, text in zip(values, texts, strict=True)}
 
 
 def _leaves(value: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, str]]:
