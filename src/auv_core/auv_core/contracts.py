@@ -1,8 +1,8 @@
 """
 What the object of a plugin must have: the `Protocol` in the ``__init__.py`` of its folder.
 
-The classes of this tree inherit their protocol, so that mypy compares them.  A class of somebody else's
-folder need not: what it lacks is said in one line when it is made.
+The classes of this tree inherit their protocol, so that mypy compares them.  A class from another folder
+need not.  What it lacks is named in one line when it is made.
 """
 
 from __future__ import annotations
