@@ -7,12 +7,14 @@ need not.  What it lacks is named in one line when it is made.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, Protocol
 
 from auv_core.params import ConfigError
 from auv_core.plugins import find_plugin
 
 
+@cache
 def members(contract: type) -> list[str]:
     """Return the names that a protocol and those that it extends ask for, sorted."""
     asking = [

@@ -42,15 +42,17 @@ def vehicle_configs(scenario: Scenario) -> list[VehicleConfig]:
 def agent_configs(scenario: Scenario) -> list[AgentConfig]:
     """Return the configuration of every agent, in the order of addresses."""
     obstacles = scenario.environment.obstacles
+    settings = replace(scenario.agent, inputs=input_limits(scenario))
+    fleet_ids = tuple(vehicle.id for vehicle in scenario.vehicles)
     return [
         extended(
             AgentConfig,
-            replace(scenario.agent, inputs=input_limits(scenario)),
+            settings,
             scenario,
             vehicle_id=vehicle.id,
             address=index + 1,
             fleet_size=len(scenario.vehicles),
-            fleet_ids=tuple(each.id for each in scenario.vehicles),
+            fleet_ids=fleet_ids,
             is_leader=vehicle.id in scenario.leaders,
             obstacles_ned_m=tuple(x for obstacle in obstacles for x in obstacle.position_ned_m),
             obstacle_safety_distances_m=tuple(obstacle.safety_distance_m for obstacle in obstacles),

@@ -192,7 +192,8 @@ def _law(scenario: Scenario, is_leader: Sequence[bool]) -> FlockLaw:
     separation = make_separation(agent.separation)
     assert isinstance(separation, CentralLaw)
     consensus = thesis.Consensus(agent.consensus.params, len(is_leader))
-    laws = [potential.Flocking(agent.flocking.params, separation, leads) for leads in is_leader]
+    law_of = {leads: potential.Flocking(agent.flocking.params, separation, leads) for leads in (True, False)}
+    laws = [law_of[leads] for leads in is_leader]
     obstacles = tuple((o.position_ned_m, o.safety_distance_m) for o in scenario.environment.obstacles)
     return flock_law(laws, agent.flocking.params, separation, consensus, obstacles)
 
