@@ -1,4 +1,4 @@
-"""Every command says how it is used, and refuses what it does not know in one line."""
+"""Every command has a help text, and refuses unknown arguments in one line."""
 
 import os
 import subprocess

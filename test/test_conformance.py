@@ -1,4 +1,4 @@
-"""Claims about every plugin found in every plugin folder; a new file is tested here without a word."""
+"""Claims about every plugin of every plugin folder; a new file is tested here automatically."""
 
 import copy
 import importlib

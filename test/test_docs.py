@@ -72,7 +72,7 @@ def test_a_page_cannot_ask_for_what_is_not_made():
 
 
 def paths_of(plain, prefix=""):
-    """Yield the dotted paths of plain data as the reference writes them; what is of a plugin is left out."""
+    """Yield the dotted paths of plain data as in the reference, without those of plugins."""
     for name, value in plain.items():
         path = prefix + name
         if isinstance(value, list) and value and isinstance(value[0], dict):

@@ -1,4 +1,4 @@
-"""The list of equations, the chapters of the reproduction and what is written of them fit the source."""
+"""The list of equations, the chapters of the reproduction and the generated documents match the source."""
 
 from pathlib import Path
 

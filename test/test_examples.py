@@ -1,4 +1,4 @@
-"""The programs of `examples/` run, and say what they are for."""
+"""The programs of `examples/` run, and state their purpose."""
 
 import importlib.util
 from pathlib import Path

@@ -31,7 +31,7 @@ def _measured(golden):
 
 
 def _differences(golden, metrics):
-    """Return a line for every metric that is not what it was."""
+    """Return a line for every metric that has changed."""
     lines = []
     for key, expected in golden["metrics"].items():
         now, was = metrics[key], expected["value"]

@@ -51,7 +51,7 @@ def depended(package, *kinds):
 
 
 def imported(package):
-    """Return what the files of a package import, those of its launch files included, wherever in the file."""
+    """Return the imports of a package's files, including launch files and imports in functions."""
     folder = ROOT / "src" / package
     found = set()
     for path in [*(folder / package).rglob("*.py"), *folder.glob("launch/*.py")]:

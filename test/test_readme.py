@@ -1,4 +1,4 @@
-"""What the README shows works as it is printed."""
+"""The examples in the README work as printed."""
 
 import re
 import sys

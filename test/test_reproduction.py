@@ -1,4 +1,4 @@
-"""The chapters of the reproduction have everything the thesis shows, and ask for runs that exist."""
+"""The chapters of the reproduction cover all items of the thesis, and use runs that exist."""
 
 import re
 

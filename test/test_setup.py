@@ -1,4 +1,4 @@
-"""The set-up command says what a machine lacks, leaves nothing half-made, and does nothing twice."""
+"""The set-up command names what a machine lacks, leaves nothing half-made, and repeats no work."""
 
 import os
 import shutil
@@ -27,7 +27,7 @@ def run_setup(checkout: Path, *arguments: str, timeout_s: float = 60.0, **enviro
 
 @pytest.fixture
 def checkout(tmp_path):
-    """Return a fresh checkout: what set-up reads of this one."""
+    """Return a new checkout with the files of this one that set-up reads."""
     fresh = tmp_path / "shoal"
     for folder in ("scripts", "requirements"):
         shutil.copytree(ROOT / folder, fresh / folder, ignore=shutil.ignore_patterns("__pycache__"))

@@ -33,7 +33,10 @@ def names_of(target):
 
 
 def hides_names(value):
-    """Return whether the places of a value are all that one knows of it: a call's result, or a variable."""
+    """
+    Return whether the meaning of a value's items depends on their places only: a call's result, or a
+    variable.
+    """
     if isinstance(value, ast.Call):
         return ast.unparse(value.func) not in ("zip", "enumerate")
     return isinstance(value, ast.Name | ast.Subscript) and ast.unparse(value) != BODY_VELOCITY

@@ -1,4 +1,4 @@
-"""The prose of this project is plain English: turns that make readers stumble are found."""
+"""The prose of this project is plain English: this test finds turns that make readers stumble."""
 
 import io
 import re

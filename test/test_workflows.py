@@ -1,4 +1,4 @@
-"""The workflows and forms of the project's page, and CITATION.cff, are what their readers take."""
+"""The workflows and forms of the project's page, and CITATION.cff, match their published schemas."""
 
 import importlib.util
 import re

@@ -49,7 +49,7 @@ def library(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def library_without_waits(tmp_path_factory):
-    """Return the one that leaves waits where they are: one step makes them too short or endless."""
+    """Return the library that does not shift waits: one step makes them too short or endless."""
     return clock_library(tmp_path_factory.mktemp("clock"), "-DWITHOUT_WAITS")
 
 

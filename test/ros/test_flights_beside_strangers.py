@@ -1,4 +1,4 @@
-"""Whole flights beside strangers: they end as if nobody were there, and say who was."""
+"""Whole flights with foreign publishers: they end normally and name the publishers."""
 
 import json
 import os
@@ -63,7 +63,7 @@ def fly(scenario_file, name, *arguments):
 
 
 def finished(run):
-    """Wait for the end of a run; return its status and what it said."""
+    """Wait for the end of a run; return its status and its output."""
     try:
         said, _ = run.communicate(timeout=PATIENCE_S)
     finally:
@@ -112,7 +112,7 @@ def is_running(status):
 
 
 def forge_ends_during(at, run, state):
-    """Say all the time, as the clock of a run would, that a vehicle is lost, and that the run is over."""
+    """Publish repeatedly, like the clock of a run, that a vehicle is lost and that the run is over."""
     publisher = at.publisher(FlockStatus, "/flock/status", latched=True)
     heard = at.listen(FlockStatus, "/flock/status", latched=True)
     said = 0

@@ -1,4 +1,4 @@
-"""The frames of a run as a reader of its bag finds them: one tree, and known poses where they belong."""
+"""The frames of a run in its bag: one tree with known poses."""
 
 import math
 import subprocess

@@ -1,4 +1,4 @@
-"""The launcher with processes that behave well or badly in the place of nodes."""
+"""The launcher with fake nodes that behave well or badly."""
 
 import io
 import os

@@ -1,4 +1,4 @@
-"""A process of nodes leaves with its own status, however many signals it gets on the way out."""
+"""A node process ends with its own status, for any number of signals during the end."""
 
 import signal
 import subprocess

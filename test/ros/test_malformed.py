@@ -1,4 +1,4 @@
-"""Whatever bytes come under a message type's name, a node reads a record from them or leaves them out."""
+"""For any bytes under a message type's name, a node reads a record or drops them."""
 
 from contextlib import suppress
 

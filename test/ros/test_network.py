@@ -1,4 +1,6 @@
-"""Traffic of a run stays on this machine: to what sockets are bound, and who on another network finds it."""
+"""
+Traffic of a run stays on this machine: the addresses of its sockets, and discovery from another network.
+"""
 
 import os
 import subprocess
@@ -58,7 +60,7 @@ def test_every_socket_of_a_node_is_bound_to_the_loopback_interface():
 
 @contextmanager
 def networks():
-    """Give two network namespaces that reach each other; skip where that is not allowed."""
+    """Yield two network namespaces that reach each other; skip if that is not allowed."""
     names = [f"shoal{os.getpid()}{side}" for side in "ab"]
     try:
         for command in (

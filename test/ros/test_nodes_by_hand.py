@@ -1,4 +1,6 @@
-"""Nodes started by hand say for whom they wait, refuse what they do not know, and end with their run."""
+"""
+Nodes started by hand name the nodes that they wait for, refuse unknown parameters, and end with their run.
+"""
 
 import struct
 import subprocess
@@ -32,7 +34,7 @@ def by_hand(folder, role, *arguments, mode="lockstep"):
 
 
 def end_run(at, status, state):
-    """Say several times that a run goes on, as its clock does, and then that it is over."""
+    """Publish several times that a run goes on, like its clock, and then that it is over."""
     said = []
     timer = at.node.create_timer(0.1, lambda: said.append(status.publish(FlockStatus(state="running"))))
     at.until(lambda: len(said) > 5, "the clock speaks")

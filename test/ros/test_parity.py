@@ -1,4 +1,4 @@
-"""Two times, one truth: lock-step runs repeat to the byte, and give the numbers of the run in one process."""
+"""Lock-step runs repeat to the byte, and give the numbers of the run in one process."""
 
 import dataclasses
 import hashlib

@@ -1,4 +1,4 @@
-"""Claims about real time: one epoch, bags that replay, and the flight of lock-step but for some delay."""
+"""Claims about real time: one epoch, bags that replay, and the flight of lock-step except for some delay."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""The run command with its real nodes: flights that end well, and flights that somebody ends."""
+"""The run command with its real nodes: complete flights, and flights that a user or a signal ends."""
 
 import contextlib
 import fcntl
@@ -406,7 +406,7 @@ def test_a_stopped_writer_of_the_bag_is_named_and_does_not_hold_the_end(start):
 
 
 def shared_memory_of(pids):
-    """Return device and inode of every file of Fast DDS that processes have in their memory."""
+    """Return device and inode of every file of Fast DDS that processes have mapped."""
     found = set()
     for pid in pids:
         for line in Path(f"/proc/{pid}/maps").read_text().splitlines():

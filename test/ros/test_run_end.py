@@ -1,4 +1,4 @@
-"""Claim: who may end a node is the clock of its own run, whatever else arrives on /flock/status."""
+"""Claim: only the clock of its own run can end a node, whatever else arrives on /flock/status."""
 
 from functools import partial
 from typing import Any
@@ -28,7 +28,7 @@ def status(state, time_s, *, epoch_s=EPOCH_S, duration_s=30.0):
 
 
 def publish(at, publisher, seen, message):
-    """Publish a status and wait until everybody has it."""
+    """Publish a status and wait until all subscribers have it."""
     count = len(seen)
     publisher.publish(message)
     at.until(lambda: len(seen) > count, message.state)

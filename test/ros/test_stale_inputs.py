@@ -1,4 +1,4 @@
-"""In real time no node acts on what is old: it rests, says so at once, and goes on with what is fresh."""
+"""In real time no node acts on old inputs: it rests, reports that at once, and continues with fresh ones."""
 
 import json
 import os
@@ -60,7 +60,7 @@ class Watcher:
 
 
 def node(folder, role, epoch_s):
-    """Write the parameters of a node that waits for nobody; return what its process is started with."""
+    """Write the parameters of a node that does not wait for others; return its command."""
     flown = load_scenario("ch2_pfpd_corrected", overrides=["sampling=sampled"])
     (spec,) = [spec for spec in node_specs(flown, mode="realtime", bag_dir=None) if spec.role == role]
     spec.params["epoch_s"] = epoch_s

@@ -350,7 +350,7 @@ def test_a_sphere_filled_in_is_the_sphere_built():
 
 
 def assert_serialises_to(data, message):
-    """Hold bytes against what ROS makes of a message, but for the padding, where ROS leaves what it finds."""
+    """Compare bytes with the serialisation of ROS, except in the padding, which ROS does not set."""
     from rclpy.serialization import serialize_message
 
     from auv_bag.definitions import load_message_type

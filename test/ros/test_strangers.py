@@ -1,4 +1,4 @@
-"""Nothing that a stranger on the graph does holds a run, ends it or gets into it."""
+"""A foreign process on the graph can neither hold up nor end a run, and its messages do not get into it."""
 
 import os
 import signal
@@ -25,7 +25,7 @@ from auv_sim.nodes.link_reports import LinkReports
 pytestmark = pytest.mark.ros
 
 MESSAGES = 6 * OWN_DEPTH
-"""More than the 5000 that the middleware holds for a writer that keeps everything."""
+"""More than the 5000 that the middleware keeps for a writer that keeps all messages."""
 
 
 def test_a_reader_that_stalls_holds_no_writer(tmp_path):

@@ -1,4 +1,4 @@
-"""What a vehicle node publishes for people and tools, at which ticks, and from which side of the truth."""
+"""Topics of a vehicle node for people and tools: at which ticks, and whether truth or estimate."""
 
 from types import SimpleNamespace
 from typing import Any

@@ -44,7 +44,7 @@ acoustics: {preset: lossy}
 
 @dataclass
 class Trial:
-    """What is done to a run (`signal_name` to a process of the kind `victim`), and its outcome."""
+    """An attack on a run (`signal_name` to a process of the kind `victim`), and its outcome."""
 
     mode: str
     layout: str
@@ -66,7 +66,7 @@ class Trial:
 
 
 class HitRun:
-    """A run command, its processes, and what it says."""
+    """A run command, its processes, and its output."""
 
     def __init__(self, folder: Path, trial: Trial) -> None:
         folder.mkdir(parents=True)
@@ -189,7 +189,7 @@ def _strike_and_watch(run: HitRun, trial: Trial) -> None:
 
 
 def _names_of(words: str) -> list[str]:
-    """Return the words by which a process may be named, the first one for the table."""
+    """Return the names of a process, the first one for the table."""
     if words == "launcher":
         return ["launcher"]
     if EAR_MODULE in words:

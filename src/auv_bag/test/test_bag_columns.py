@@ -1,4 +1,4 @@
-"""Messages read by the column are the messages read one by one."""
+"""Messages read as columns equal the messages read one by one."""
 
 import numpy as np
 import pytest

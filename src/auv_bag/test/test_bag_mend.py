@@ -1,4 +1,4 @@
-"""A bag whose writer was killed gets the end that standard readers want."""
+"""A bag whose writer was killed is repaired, so that standard readers can read it."""
 
 import shutil
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The process that writes a bag, told what to do without ROS."""
+"""The process that writes a bag, used without ROS."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""The run command without ROS: what it refuses, what it writes, what it says."""
+"""The run command without ROS: refusals, files and output."""
 
 import importlib
 import json

@@ -1,4 +1,4 @@
-"""How commands end when something goes wrong."""
+"""How commands end after an error."""
 
 import errno
 import io

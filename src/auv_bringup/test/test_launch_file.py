@@ -112,7 +112,7 @@ def claims(launch_file, monkeypatch):
 
 @pytest.fixture
 def cleared(launch_file, monkeypatch):
-    """Grows by one whenever shared memory is cleared of what dead processes left."""
+    """Counts how often shared memory of dead processes is cleared."""
     times: list[Any] = []
     monkeypatch.setattr(launch_file, "clear_shared_memory", lambda: times.append(len(times)))
     return times

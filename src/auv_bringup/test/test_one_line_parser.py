@@ -1,4 +1,4 @@
-"""Claims about what replay and topic say of arguments that are not allowed: one line, and exit status 2."""
+"""Claims about replay and topic with arguments that are not allowed: one line, and exit status 2."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What the user's environment asks of ROS 2."""
+"""Checks of the user's ROS 2 environment."""
 
 import os
 import stat

@@ -1,4 +1,4 @@
-"""Claims about what a scenario reaches for: refused where actuators, water, modem or report end before."""
+"""Claims about the limits of actuators, water, modem and report: a scenario that exceeds them is refused."""
 
 import json
 import math
@@ -94,7 +94,7 @@ def test_points_at_4_mps_are_refused_with_compact_reports():
 
 
 def test_a_law_without_a_limit_is_judged_by_its_path():
-    """What its errors ask of a hull without a top speed is not known before it flies."""
+    """The demand of its errors on a hull without a top speed is not known before the flight."""
     load_scenario("ch5_one_leader", overrides=["sampling=sampled", "agent.report={kind: compact}"])
 
 

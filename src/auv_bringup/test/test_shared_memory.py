@@ -1,4 +1,4 @@
-"""What dead processes leave in shared memory goes; what living ones or other users have stays."""
+"""Shared memory of dead processes is removed; that of running processes and other users stays."""
 
 import fcntl
 import os

@@ -1,4 +1,4 @@
-"""A wait for messages is said every few seconds, and has an end."""
+"""A wait for messages is reported every few seconds, and is limited."""
 
 from auv_bringup.tools.silence import SAY_S, Silence
 

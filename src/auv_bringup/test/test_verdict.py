@@ -1,4 +1,4 @@
-"""What a recording says of its flight."""
+"""The verdict on a flight from its recording."""
 
 import math
 

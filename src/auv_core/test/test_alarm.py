@@ -1,4 +1,4 @@
-"""Claims about the lines of a trouble: one when it begins, one when it is over."""
+"""Claims about the lines of a problem: one when it begins, one when it is over."""
 
 from auv_core.alarm import Alarm
 

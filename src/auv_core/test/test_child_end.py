@@ -1,4 +1,4 @@
-"""What a child that has ended leaves to be read."""
+"""The log and the end of a child process."""
 
 from auv_core.machine.child_end import last_lines
 

@@ -1,4 +1,4 @@
-"""Claims about what is too old to be used, and about what a state can be."""
+"""Claims about inputs that are too old, and about valid states."""
 
 import math
 

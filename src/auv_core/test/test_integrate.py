@@ -1,4 +1,4 @@
-"""Claims about the integrator, held against equations with known solutions."""
+"""Claims about the integrator, compared with known solutions."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Messages of others do not steer the terminal."""
+"""Text from other programs cannot control the terminal."""
 
 import io
 

@@ -1,4 +1,4 @@
-"""Real children: good ones, stubborn ones, and what becomes of them when their parent is killed."""
+"""Real child processes: cooperative and stubborn ones, and their end when the parent is killed."""
 
 import os
 import select

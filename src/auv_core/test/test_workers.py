@@ -1,4 +1,6 @@
-"""Claims about worker processes: every call is made, whatever is killed or stopped, and every wait ends."""
+"""
+Claims about worker processes: every call is made even if workers are killed or stopped, and every wait ends.
+"""
 
 import contextlib
 import multiprocessing

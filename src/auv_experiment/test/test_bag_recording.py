@@ -233,7 +233,7 @@ def test_a_bag_of_before_the_times_were_stamps_reads_the_same(tmp_path, monkeypa
 
 
 class OldRealTimeRun(synthetic.SyntheticRun):
-    """A run in real time as it was recorded once: tick 0 has the stamp 0."""
+    """A run in real time in an older recording: tick 0 has the stamp 0."""
 
     def time_ns(self, tick):
         return super().time_ns(tick) if tick else 0
@@ -302,7 +302,9 @@ def test_a_topic_of_a_type_that_cannot_be_read_hides_no_other(tmp_path, definiti
 
 
 class Haunted(synthetic.SyntheticRun):
-    """A run into whose bag a stranger got, with ticks and vehicles that it does not have, and other bytes."""
+    """
+    A run whose bag has foreign messages: ticks and vehicles that the run does not have, and malformed bytes.
+    """
 
     def write(self, recorder, **options):
         super().write(recorder, **options)

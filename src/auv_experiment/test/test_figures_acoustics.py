@@ -33,7 +33,7 @@ SCENARIO: Any = SimpleNamespace(name="by_hand")
 def talking_fleet(
     n: int = 4, n_ticks: int = 300, period_s: float = 0.5, *, airtime_s: float = 0.1
 ) -> Recording:
-    """Vehicles at rest that drift in their own minds and send one packet a second each, some in vain."""
+    """Vehicles at rest whose navigations drift; each sends one packet per second, and some are lost."""
     rng = np.random.default_rng(5)
     r = Recording.empty([f"auv_{i + 1}" for i in range(n)], period_s * np.arange(n_ticks + 1))
     r.position_ned_m[:] = rng.normal(0.0, 3.0, (n, 3))

@@ -200,7 +200,7 @@ def test_a_blended_start_cures_the_ten_kilonewtons(blend_s, peak_n):
     ],
 )
 def test_the_start_moves_the_estimate_of_a_mass(vehicle, start, words, mass_kg):
-    """m22 is 108.5 kg; after 20 s it is believed to be anything, even negative."""
+    """m22 is 108.5 kg; after 20 s the estimate can have any value, even a negative one."""
     flight = beginning(10.0 * (vehicle + 1), start, words=words)
     assert flight.estimate("m22", 20.0) == pytest.approx(mass_kg, abs=0.15)
 

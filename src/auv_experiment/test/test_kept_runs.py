@@ -1,4 +1,4 @@
-"""Claims about runs that are kept: what was changed on disk is not believed, and holds nobody up."""
+"""Claims about kept runs: files that were changed on disk are not used, and do not block a sweep."""
 
 import json
 import os

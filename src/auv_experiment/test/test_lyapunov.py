@@ -1,4 +1,4 @@
-"""Claims about Lyapunov candidates as data: a rise is found, and the gap of the proof is told."""
+"""Claims about Lyapunov candidates as data: an increase is found, and the gap of the proof is named."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Every metric that a shipped scenario yields says in words what it means, and none is described in vain."""
+"""Every metric of every shipped scenario has a description, and every description has a metric."""
 
 from __future__ import annotations
 

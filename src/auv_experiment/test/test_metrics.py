@@ -1,4 +1,4 @@
-"""Metrics: values worked by hand, and what must not change them."""
+"""Metrics: values computed by hand, and invariances."""
 
 from __future__ import annotations
 

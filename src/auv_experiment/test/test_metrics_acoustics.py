@@ -24,7 +24,7 @@ from auv_experiment.recording import Recording
 
 
 def fleet(n_ticks: int = 200, n: int = 3, period_s: float = 1.0) -> Recording:
-    """Vehicles that go their ways at constant velocity and know where they are."""
+    """Vehicles with constant velocities and exact navigation."""
     rng = np.random.default_rng(1)
     recording = Recording.empty([f"auv_{i + 1}" for i in range(n)], period_s * np.arange(n_ticks + 1))
     start_m, velocity_mps = rng.normal(0.0, 5.0, (2, n, 3))
@@ -42,7 +42,9 @@ def with_events(recording: Recording, rows: list[tuple[int, ...]], airtime_s: fl
 
 
 def with_estimates(recording: Recording, covariance: np.ndarray, drift_m: Any = 0.0) -> Recording:
-    """Estimates that err as `covariance` says, in the frame of navigations that are off by `drift_m`."""
+    """
+    Estimates with errors according to `covariance`, in the frame of navigations with the error `drift_m`.
+    """
     rng = np.random.default_rng(2)
     k, n = recording.n_ticks, recording.n_vehicles
     error = rng.multivariate_normal(np.zeros(6), covariance, (k, n, n))

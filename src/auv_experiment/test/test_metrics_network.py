@@ -1,4 +1,4 @@
-"""Claims about the graph of who hears whom, against packets made by hand."""
+"""Claims about the communication graph, from packets made by hand."""
 
 from dataclasses import replace
 
@@ -77,7 +77,7 @@ def test_a_flock_in_two_halves_is_reported_and_not_hidden(scenario):
 
 
 def test_a_flock_that_falls_apart_is_reported_with_the_time(scenario):
-    """From 100 s on nobody hears auv_4; its packet of 90 s left at 89.5 s and counts to 119.5 s."""
+    """After 100 s no vehicle hears auv_4; its packet of 90 s was sent at 89.5 s and counts up to 119.5 s."""
     packets = _every_10_s(EVERYBODY, end_s=100.0) + _every_10_s(
         [link for link in EVERYBODY if link[0] != 4], start_s=100.0
     )

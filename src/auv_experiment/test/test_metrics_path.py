@@ -1,4 +1,4 @@
-"""Path metrics and figures on motions whose numbers can be said in advance."""
+"""Path metrics and figures for motions with known results."""
 
 import math
 from types import SimpleNamespace
@@ -42,7 +42,7 @@ def _scenario(*, n=1, obstacles=(), frame="body", paths=None):
 
 
 def _decaying(n=1, heading=0.0, duration_s=100.0):
-    """Vehicles that come to the line from 4 m behind it and 1, 2, 3 m east of it, and push with 2 N."""
+    """Vehicles that approach the line from 4 m behind it and 1, 2, 3 m east of it, with a force of 2 N."""
     ticks = round(duration_s / PERIOD_S)
     recording = Recording.empty([f"auv_{i + 1}" for i in range(n)], PERIOD_S * np.arange(ticks + 1))
     t_s = recording.t_s

@@ -1,4 +1,4 @@
-"""The report: complete, self-contained, and nothing in it is taken for HTML that is not ours."""
+"""The report: complete, self-contained, and foreign text in it is never interpreted as HTML."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Claim: whatever a scenario file holds, nothing but a one-line ConfigError leaves the loader."""
+"""Claim: for any content of a scenario file, the loader raises only a one-line ConfigError."""
 
 import copy
 import json

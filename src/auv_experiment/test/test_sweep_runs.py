@@ -77,7 +77,7 @@ in_processes = functools.partial(local.fly_here, n_workers=2)
 
 @contextlib.contextmanager
 def threads(n=1):
-    """Give a cluster of threads in this process."""
+    """Yield a cluster of threads in this process."""
     here = {"protocol": "tcp://", "host": "127.0.0.1", "dashboard_address": None}
     any_port = {"dashboard_address": "127.0.0.1:0"}
     with (
@@ -90,7 +90,7 @@ def threads(n=1):
 
 
 def sweep(folder, fly=in_threads, is_fresh=False, **changes):
-    """Fly a study; return its table as rows and what was said."""
+    """Fly a study; return its table as rows, and its output."""
     study = study_from_plain({**TINY, **changes})
     folder.mkdir(exist_ok=True)
     stream = io.StringIO()
@@ -335,7 +335,7 @@ def test_nobody_can_hand_a_run_to_a_sweep_on_this_machine(tmp_path):
 
 
 def is_open_to_others(found):
-    """Tell whether a socket has a name for others to connect to; those of a socket pair have none."""
+    """Return whether a socket has a name for others to connect to; those of a socket pair have none."""
     return bool(found.laddr) and not found.raddr
 
 
