@@ -168,7 +168,7 @@ class BareAgent(_BareNode):
 
 
 class BareRelay(_BareNode):
-    """The barrier: when all have answered, it begins the next tick; `on_tick` is told."""
+    """The barrier: when all have answered, it begins the next tick and calls `on_tick`."""
 
     def __init__(
         self, spec: NodeSpec, fleet: Sequence[str], on_tick: Callable[[int], None], *, is_lean: bool

@@ -39,8 +39,9 @@ FEW_VEHICLE_TICKS = 4000
 
 class FleetRun:
     """
-    `swarm` without its path, N vehicles on a cubic grid of 6 m, disturbed by up to half a metre, who hear to
-    10 m and keep 4 m apart; every block flies the same ten seconds from there, fewer than 40 vehicles longer.
+    `swarm` without its path, N vehicles on a cubic grid of 6 m, disturbed by up to half a metre, which hear
+    to 10 m and keep 4 m apart; every block flies the same ten seconds from there, fewer than 40 vehicles
+    longer.
     """
 
     def __init__(self, count: int, ticks: int | None = None) -> None:

@@ -1,4 +1,4 @@
-"""A flock as an environment to learn in: the methods are those of Gymnasium, which need not be installed."""
+"""A flock as a learning environment with the methods of Gymnasium, which need not be installed."""
 
 import math
 from typing import Any
@@ -16,14 +16,16 @@ Observation = NDArray[np.float64]
 
 
 class FlockEnvironment:
-    """One vehicle is steered by actions in [-1, 1], the others by their own laws; near the others is good."""
+    """
+    Actions in [-1, 1] steer one vehicle, its own laws steer each other one; the reward favours staying near.
+    """
 
     def __init__(self, vehicle_id: str, duration_s: float) -> None:
         self._id = vehicle_id
         self._simulation = shoal.Simulation("flock_acoustic", duration_s=duration_s)
 
     def reset(self, *, seed: int | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Begin an episode, without a seed that of the next seed; return what is observed."""
+        """Begin an episode, by default with the next seed; return the observation."""
         self._simulation.reset(self._simulation.scenario.seed + 1 if seed is None else seed)
         return self._observation(), {}
 
@@ -38,7 +40,7 @@ class FlockEnvironment:
         return self._observation(), reward, has_touched, self._simulation.is_done, {}
 
     def _observation(self) -> Observation:
-        """Return what the vehicle itself knows: position (m), attitude, velocities (m/s, rad/s)."""
+        """Return the vehicle's own estimate: position (m), attitude, velocities (m/s, rad/s)."""
         estimate = self._simulation.estimates[self._id]
         return np.array([*estimate.position, *estimate.attitude, *estimate.nu])
 
@@ -49,7 +51,7 @@ class FlockEnvironment:
 
 
 def main() -> None:
-    """Play an episode at random, and print what it was worth."""
+    """Play an episode with random actions, and print its total reward."""
     environment = FlockEnvironment("auv_2", duration_s=10.0)
     random = np.random.default_rng(1)
     observation, _ = environment.reset(seed=3)
@@ -59,7 +61,7 @@ def main() -> None:
         observation, reward, has_touched, is_late, _ = environment.step(action)
         total += reward
         is_over = has_touched or is_late
-    print(f"{len(observation)} numbers observed; an episode at random is worth {total:.0f}")
+    print(f"{len(observation)} numbers observed; total reward with random actions: {total:.0f}")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """
 Turn a venv that holds the ROS 2 wheels from PyPI into a prefix that colcon can build on.
 
-Run by the venv's own interpreter, after every installation into it; standard library only. Two mends, both
+Run by the venv's own interpreter, after every installation into it; standard library only. Two repairs, both
 idempotent:
 
 * The CMake files of the message packages name include folders of the machine that the wheels were made on.

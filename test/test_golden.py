@@ -1,5 +1,5 @@
 """
-Claims: what runs amount to does not change unnoticed, and no modem hears while it talks.
+Claims: metrics of runs do not change unnoticed, and no modem receives while it transmits.
 
 Each file of ``golden/`` is a run and the metrics that it gave, each with its tolerance and its origin.
 `python -m pytest test/test_golden.py --regen` writes today's values and shows what has changed; a new file
@@ -53,7 +53,7 @@ def test_a_run_amounts_to_what_it_did(path, request):
         for key, expected in golden["metrics"].items():
             expected["value"] = metrics[key]
         path.write_text(json.dumps(golden, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-        pytest.fail(f"{path.name} is written anew; say why in the commit:\n" + "\n".join(differences))
+        pytest.fail(f"{path.name} was written again; say why in the commit:\n" + "\n".join(differences))
     assert not differences, "\n".join(differences)
 
 

@@ -1,7 +1,7 @@
 """
-Parts of the documentation that are made from code, each time that the site is built.
+Parts of the documentation that are generated from code at each build of the site.
 
-A page asks for one with a comment, ``<!-- from code: topics -->``; `hook.py` puts it there.  A module makes
-one, as Markdown, from the place where the fact is stated: fields of dataclasses, message files, the topics of
-the recorder, the help of commands.
+A page includes one with a comment, ``<!-- from code: topics -->``, which `hook.py` replaces. A module makes
+one, as Markdown, from the source of the facts: fields of dataclasses, message files, the topics of the
+recorder, the help of commands.
 """

@@ -20,7 +20,7 @@ def topics() -> str:
 
 
 def when(topic: TopicSpec) -> str:
-    """Return when the messages of a topic come, in words."""
+    """Return a text that says when the messages of a topic come."""
     often = {0: "", 1: "every tick"}.get(topic.every_ticks, f"every {topic.every_ticks} ticks")
     return ", ".join(filter(None, [often, topic.comes]))
 

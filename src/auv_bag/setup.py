@@ -17,7 +17,7 @@ setup(
     zip_safe=False,
     maintainer="The Shoal authors",
     maintainer_email="shoal@example.org",
-    description="Bags of Shoal: rosbag2 in MCAP, written, read, compared and mended",
+    description="Bags of Shoal: rosbag2 in MCAP, written, read, compared and repaired",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [

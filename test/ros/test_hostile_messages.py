@@ -1,8 +1,8 @@
 """
 Broken and absurd messages from a writer that offers what the run's own offer end no node and no report.
 
-Strangers that offer less are not heard at all (test_strangers.py); what remains is another instance of our
-nodes, or somebody who means it.
+Foreign publishers that offer less are not heard at all (test_strangers.py); this test is about another
+instance of our nodes, or a deliberate attack.
 """
 
 import random

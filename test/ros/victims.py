@@ -212,7 +212,7 @@ def _judge_end(run: HitRun, trial: Trial, before: set[Path]) -> None:
         trial.faults.append(f"status {trial.status}, not {expected}: {run.said[-400:]}")
     if not until(lambda: not run.processes(), 5.0):
         trial.faults.append(f"left behind: {run.processes()}")
-    if trial.victim == "launcher":  # nobody is left who could clean up: the next run does
+    if trial.victim == "launcher":  # no process is left to clean up: the next run does
         scenario = run.out.parent / "pair.yaml"
         subprocess.run(
             _command(scenario, "--layout", "single", "--duration", 1, "--out", run.out.parent / "next"),

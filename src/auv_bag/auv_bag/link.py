@@ -3,7 +3,7 @@ The recorder's end of the connection to the process that writes its bag.
 
 That process (:mod:`auv_bag.process`) takes batches of raw messages and answers each with the current content
 of the bag, or with the error that ended it. The recorder waits only for space in the connection: answers are
-read when the next batch is sent. The process is started anew, not forked, since the recorder has the
+read when the next batch is sent. The process is started, not forked, since the recorder has the
 middleware's threads. It has its own session, so that no signal to the recorder reaches it: when the recorder
 ends, the process sees the end of the connection and closes the bag.
 """

@@ -376,7 +376,7 @@ def test_a_flight_whose_recorder_ends_first_is_lost(start, launch_file):
     flight = Flight(start())
     (relay,) = flight.nodes["acoustic_relay_node"]
     assert told(flight.end(*flight.nodes["recorder_node"])) == {relay, *flight.others}
-    assert flight.end(relay, 3) == []  # everybody is told only once
+    assert flight.end(relay, 3) == []  # each process is signalled only once
     for node in flight.others:
         done = flight.end(node)
     with pytest.raises(launch_file.BadEndError, match="recorder_node has ended with status 0"):

@@ -1,5 +1,5 @@
 """
-What the object of a plugin must have: the `Protocol` in the ``__init__.py`` of its folder.
+Checks that a plugin's object has all members of the `Protocol` in the ``__init__.py`` of its folder.
 
 The classes of this tree inherit their protocol, so that mypy compares them.  A class from another folder
 need not.  What it lacks is named in one line when it is made.
@@ -16,7 +16,7 @@ from auv_core.plugins import find_plugin
 
 @cache
 def members(contract: type) -> list[str]:
-    """Return the names that a protocol and those that it extends ask for, sorted."""
+    """Return the member names of a protocol and of those that it extends, sorted."""
     asking = [
         base for base in contract.__mro__ if getattr(base, "_is_protocol", False) and base is not Protocol
     ]
@@ -31,7 +31,7 @@ def class_of(folder: str, kind: str, name: str) -> Any:
     Raises
     ------
     ConfigError
-        When the file of the kind defines no such class.
+        If the file of the kind defines no such class.
 
     """
     module = find_plugin(folder, kind)
@@ -42,18 +42,18 @@ def class_of(folder: str, kind: str, name: str) -> Any:
 
 def fulfilled(made: Any, contract: type) -> Any:
     """
-    Return what a plugin made, if it has all that its protocol asks for.
+    Return the object of a plugin, if it has all members of its protocol.
 
     Raises
     ------
     ConfigError
-        With the names that it lacks.
+        With the missing names.
 
     """
     lacking = [name for name in members(contract) if not hasattr(made, name)]
     if lacking:
         raise ConfigError(
             f"{type(made).__module__}: {type(made).__name__} has no {', '.join(lacking)}; "
-            f"allowed: a class with all that {contract.__module__}.{contract.__name__} has"
+            f"allowed: a class with all members of {contract.__module__}.{contract.__name__}"
         )
     return made

@@ -189,7 +189,7 @@ def check_number(value: float, path: str, bounds: Mapping[str, Any], *, is_whole
 
 
 def allowed_range(bounds: Mapping[str, Any], *, is_whole: bool = False) -> str:
-    """Return the bounds of a `param` in words; those of a whole number to the last digit."""
+    """Return the bounds of a `param` as text; those of a whole number with all digits."""
     words = {"minimum": "at least", "above": "above", "maximum": "at most"}
     parts = [
         f"{word} {bounds[key] if is_whole else format(bounds[key], 'g')}"

@@ -1,4 +1,4 @@
-"""What all components of a run share; a scenario and their configurations take it from here."""
+"""Settings that all components of a run share; a scenario and the components' configurations use them."""
 
 from __future__ import annotations
 

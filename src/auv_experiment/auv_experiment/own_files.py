@@ -40,19 +40,19 @@ def load_own_files(folder: str) -> dict[str, ModuleType]:
     Raises
     ------
     ConfigError
-        When a file cannot be imported, or its name is not allowed or taken; one line.
+        If a file cannot be imported, or its name is not allowed or taken; one line.
 
     """
     return {path.stem: _load(folder, path) for path in own_files(folder)}
 
 
 def where(path: Path) -> str:
-    """Return an own file as messages name it: ``metrics/depth.py``."""
+    """Return the name of an own file in messages: ``metrics/depth.py``."""
     return f"{path.parent.name}/{path.name}"
 
 
 def failure_line(module: ModuleType, error: Exception) -> str:
-    """Return on one line what failed in an own file, and at which line of it if it was there."""
+    """Return on one line what failed in an own file, and at which of its lines."""
     path = Path(str(module.__file__))
     numbers = [
         frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
@@ -62,7 +62,7 @@ def failure_line(module: ModuleType, error: Exception) -> str:
 
 
 def read_only(recording: Recording) -> Recording:
-    """Return a recording with the same data, whose arrays cannot be changed: what a file gets."""
+    """Return a recording with the same data and read-only arrays, for an own file."""
     copied = copy(recording)
     for name, value in vars(recording).items():
         if isinstance(value, np.ndarray):

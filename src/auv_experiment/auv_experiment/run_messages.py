@@ -22,7 +22,7 @@ _END_OF_TIME = (2**64, 0)
 
 
 class _Taking(NamedTuple):
-    """What to do with messages of vehicle i: which are of this run, and where those go."""
+    """Handler of messages of vehicle i: which belong to this run, and where they are stored."""
 
     are_ours: Callable[[int, Batch], Flags]
     take: Callable[[int, Batch], None]
@@ -65,7 +65,7 @@ class RunMessages:
                 self.left_out[topic] += left_out
 
     def _takings(self) -> dict[str, _Taking]:
-        """Return what to do with messages, by topic."""
+        """Return the handlers of messages, by topic."""
         takings = {
             STATUS_TOPIC: _Taking(_all, self._take_status, 0),
             _EVENTS_TOPIC: _Taking(self._are_events_ours, self._take_events, 0),
@@ -93,7 +93,7 @@ class RunMessages:
         return self._time_line.has(self._time_line.ticks(batch.messages.header.stamp))
 
     def _are_on_time(self, i: int, batch: Batch) -> Flags:
-        """Return which states have a tick and a stamp of the run's one time line."""
+        """Return which states have a tick and a stamp on the run's time line."""
         ticks, stamp = batch.messages.tick, batch.messages.header.stamp
         are_known = self._time_line.has(ticks)
         late_ns = self._time_line.lateness_ns(np.where(are_known, ticks, 0), stamp)
@@ -216,12 +216,12 @@ class RunMessages:
 
     def _take_status(self, _: int, batch: Batch) -> None:
         latest = max(map(tuple, batch.order.tolist()))
-        if latest > self._lost_at:  # the clock repeats a loss: what the next one lacks is forged
+        if latest > self._lost_at:  # the clock repeats a loss: a loss that the next status lacks is forged
             self.lost, self._lost_at = set(batch.messages.lost_vehicles), latest
 
 
 def _take(taking: _Taking, batch: Batch) -> int:
-    """Take the messages of this run; return how many."""
+    """Take the messages of this run; return their number."""
     ours = taking.are_ours(taking.i, batch)
     if not ours.all():
         batch = batch.only(ours)
@@ -250,7 +250,7 @@ def _xyz(vector: Columns) -> tuple[FloatArray, ...]:
 
 
 def _rows(first: FloatArray, *others: Any) -> FloatArray:
-    """Return numbers as columns side by side; one number may stand for a column of it."""
+    """Return numbers as columns side by side; a single number becomes a constant column."""
     rows = np.empty((len(first), 1 + len(others)))
     for k, column in enumerate((first, *others)):
         rows[:, k] = column

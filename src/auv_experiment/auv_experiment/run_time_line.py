@@ -18,7 +18,7 @@ Flags = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
 _MORE_TICKS = 1000
-"""So many ticks before and after its own a run in real time can have: it ends when it wakes up."""
+"""Number of ticks that a run in real time can have before and after its own: it ends when it wakes up."""
 _EPOCH_STATES = 1000
 
 
@@ -29,9 +29,9 @@ class RunTimeLine:
     Parameters
     ----------
     bag : Bag
-        It tells the stamp of tick 0, which is wall time in a run in real time.
+        The bag, for the stamp of tick 0, which is wall time in a run in real time.
     vehicle_ids : sequence of str
-        Vehicles whose states tell it.
+        Vehicles whose states give this stamp.
     period_s : float
         Control period (s).
     most_ticks : int
@@ -45,21 +45,21 @@ class RunTimeLine:
         self._epoch_ns = self._find_epoch_ns(bag, vehicle_ids)
 
     def has(self, ticks: IntArray) -> Flags:
-        """Return which ticks the run can have."""
+        """Return which ticks are valid for the run."""
         flags: Flags = (ticks >= -_MORE_TICKS) & (ticks <= self._last_tick)
         return flags
 
     def ticks(self, stamp: Any) -> IntArray:
-        """Return the ticks that stamps are of."""
+        """Return the ticks of stamps."""
         ticks: IntArray = np.rint(self.scenario_s(stamp) / self._period_s).astype(np.int64)
         return ticks
 
     def scenario_s(self, stamp: Any) -> NDArray[np.float64]:
-        """Return the scenario time that stamps are of (s)."""
+        """Return the scenario times of stamps (s)."""
         return seconds(nanoseconds(stamp) - self._epoch_ns)
 
     def lateness_ns(self, ticks: IntArray, stamp: Any) -> IntArray:
-        """Return how much later stamps are than they should be at ticks that the run has (ns)."""
+        """Return the delay of stamps relative to their ticks (ns)."""
         return nanoseconds(stamp) - self._epoch_ns - self._since_epoch_ns(ticks)
 
     def _since_epoch_ns(self, ticks: Any) -> Any:
@@ -69,8 +69,8 @@ class RunTimeLine:
         """
         Return the stamp of tick 0 (ns).
 
-        It is what the first states say of most vehicles and ticks: some may come from a foreign process, and
-        older runs in real time stamped tick 0 with 0.
+        It is the value from most of the first states, since some may come from a foreign process, and older
+        runs in real time stamped tick 0 with 0.
         """
         epochs_ns: defaultdict[int, dict[tuple[str, int], int]] = defaultdict(dict)
         for message in islice(bag.messages({f"/{name}/state" for name in vehicle_ids}), _EPOCH_STATES):

@@ -1,4 +1,4 @@
-"""Numbers of a run in order, as a bag gives them: by tick with what holds in missed ticks, or row by row."""
+"""Numbers of a bag in order: by tick, with values for missed ticks, or row by row."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class TickSeries:
     Parameters
     ----------
     width : int
-        Least number of values in a tick. Where more are added, the shorter rows end in NaN.
+        Smallest number of values in a tick. If more are added, shorter rows end in NaN.
 
     """
 
@@ -35,7 +35,7 @@ class TickSeries:
 
     @property
     def last_tick(self) -> int:
-        """Last tick that there is a value of, -1 if there is none."""
+        """Last tick with a value, -1 if there is none."""
         ticks, _ = self.latest
         return int(ticks[-1]) if len(ticks) else -1
 
@@ -55,14 +55,14 @@ class TickSeries:
 
     def table(self, n_rows: int, *, held_to: int | None) -> FloatArray:
         """
-        Return (n_rows, width): missing rows hold the one before, NaN before the first.
+        Return (n_rows, width): missing rows repeat the one before, NaN before the first.
 
         Parameters
         ----------
         n_rows : int
             Number of ticks.
         held_to : int or None
-            Last tick that holds the one before; None for the last one with a value.
+            Last tick that repeats the one before; None for the last one with a value.
 
         """
         ticks, values = self.latest

@@ -87,7 +87,9 @@ def test_compiled_and_plain_are_one_source():
 
 
 def test_a_list_of_near_pairs_changes_no_number(monkeypatch):
-    """A flock that contracts by metres, so that the list is made anew, against all pairs; to the last bit."""
+    """
+    A flock that contracts by metres, so that the list is made again, compared with all pairs to the last bit.
+    """
     overrides = ("vehicles.count=7", "agent.consensus.params.reach_m=6.0", "dt_s=0.1",
                  "agent.flocking.params.path_gain_ps=0.2", "random_starts.radius_m=9.0")  # fmt: skip
     scenario = load_scenario("swarm", duration_s=8.0, overrides=overrides)

@@ -231,7 +231,7 @@ def test_after_an_hour_of_noise_only_the_box_and_leakage_hold():
     assert flights["leaking"].rms_m(2000.0) < flights["fixed"].rms_m(2000.0)
 
 
-# --- a force that nobody told the law of -----------------------------------------------------------------
+# --- a force that the law does not know ------------------------------------------------------------------
 
 
 def _pushed(words, duration_s=600.0, dt_s=0.2):

@@ -37,7 +37,8 @@ class Network:
         """
         Let the vehicles move by `velocity` and send in turn; return all errors (steps, n, 3).
 
-        `believed` gives the flock's velocity that the vehicle of an index believes; without it all know it.
+        `believed` gives the estimate of the flock's velocity by the index of the vehicle; without it all know
+        the true one.
         """
         errors = []
         for _ in range(steps):

@@ -1,4 +1,4 @@
-"""Claims about the separation that learns how hard to push."""
+"""Claims about the separation with adaptive repulsion."""
 
 import math
 

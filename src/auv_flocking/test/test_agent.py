@@ -1,4 +1,4 @@
-"""Claims about the agent, one vehicle's computer."""
+"""Claims about the agent, the software of one vehicle."""
 
 import math
 
@@ -55,7 +55,7 @@ def _step(agent, tick, *receptions, ready=False, nav=None):
 
 
 def _flight(agent, ticks=60):
-    """Return everything that the agent says over some ticks with changing neighbours."""
+    """Return all outputs of the agent over some ticks with changing neighbours."""
     said = []
     for tick in range(ticks):
         receptions = [_heard(tick, 2 + tick % 2, (3.0 + 0.01 * tick, 8.0, 10.5))] if tick % 5 == 1 else []
@@ -136,7 +136,7 @@ def test_its_first_belief_of_the_centre_is_its_own_place():
 
 
 def test_its_belief_of_the_centre_goes_to_the_middle_between_it_and_what_it_hears():
-    """At rest with one neighbour that believes b: c = (own + b) / 2."""
+    """At rest with one neighbour whose estimate is b: c = (own + b) / 2."""
     agent = Agent(_config(fleet_size=2))
     own = (0.0, 0.0, 10.0)
     for tick in range(400):

@@ -1,4 +1,4 @@
-"""Claims about the mean of what is believed."""
+"""Claims about the mean of estimated positions."""
 
 import numpy as np
 import pytest

@@ -114,7 +114,7 @@ def test_with_the_flocks_velocity_a_moving_flock_is_followed_without_a_lag(loss_
 
 
 def test_frames_that_differ_are_drawn_together():
-    """For 100 steps one vehicle alone believes that the flock moves."""
+    """For 100 steps only one vehicle estimates that the flock moves."""
     network = _network(follow_flock=True, loss_prob=0.5, seed=5)
     moving = (0.1, 0.0, 0.0)
     network.run(100, believed=lambda index: moving if index == 0 else (0.0, 0.0, 0.0))

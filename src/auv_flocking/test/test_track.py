@@ -281,7 +281,9 @@ def test_an_own_fix_does_not_move_what_the_sonar_sees():
 
 
 def test_a_track_that_cannot_be_true_is_begun_anew():
-    """A contact of somebody else was taken for this neighbour's for a while; its packets say otherwise."""
+    """
+    Contacts of another vehicle were associated with this neighbour for a while; its packets contradict them.
+    """
     track = _track(_heard(0.0, (4.0, 3.0, 1.0), sd_m=0.05, own_sd_m=0.05))
     for k in range(1, 21):
         track.see(_sighting(0.5 * k, (9.0, 3.0, 1.0)))

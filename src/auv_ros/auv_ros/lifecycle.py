@@ -39,7 +39,7 @@ _SWITCH_S = 1e-4
 """How long a thread waits before it requests Python's lock, see `auv_ros.steady_timer`."""
 _HAND_OVER_S = 5.0
 _HAND_OVER_LOST_S = 1.5
-"""The same in a run that was lost: what is dead never acknowledges."""
+"""The same in a lost run, since dead processes never acknowledge."""
 _LOST_STATUS = 3
 _HAND_OVER_UNSEEN_S = 0.5
 _HAND_OVER_LOOK = Duration(nanoseconds=100_000_000)

@@ -1,4 +1,4 @@
-"""Nodes that have fallen silent in real time, where no tick waits for an answer."""
+"""Silent nodes in real time, in which no tick waits for an answer."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ ROLES = ("agent_node", "vehicle_node")
 
 class Silences:
     """
-    When each node of a fleet was heard last; every `now_s` is a time of one steady clock (s).
+    The last time each node of a fleet was heard; every `now_s` is a time of one steady clock (s).
 
     Vehicles are counted from 0; a node is its role, one of `ROLES`, and its vehicle.
 
@@ -19,7 +19,7 @@ class Silences:
     count : int
         Number of vehicles.
     limit_s : float
-        Silence after which a node owes an answer (s).
+        Silence after which a node is overdue (s).
 
     """
 
@@ -29,7 +29,7 @@ class Silences:
         self._heard_at_s: dict[tuple[str, int], float] = {}
 
     def begin(self, now_s: float) -> None:
-        """Count from now on: no node is late when a run begins."""
+        """Start to count: no node is late when a run begins."""
         self._heard_at_s = dict.fromkeys(self._nodes, now_s)
 
     def hear(self, role: str, vehicle: int, now_s: float) -> None:
@@ -37,7 +37,7 @@ class Silences:
         self._heard_at_s[role, vehicle] = now_s
 
     def silent(self, now_s: float, *, without: Container[int]) -> list[tuple[str, int]]:
-        """Return the nodes that have been silent for too long, but for those of some vehicles."""
+        """Return the nodes that have been silent for too long, except those of some vehicles."""
         return [
             (role, vehicle)
             for (role, vehicle), heard_at_s in self._heard_at_s.items()

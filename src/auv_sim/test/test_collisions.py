@@ -1,4 +1,4 @@
-"""Claims about what a receiver makes of signals that meet there."""
+"""Claims about the reception of overlapping signals."""
 
 import math
 
@@ -146,7 +146,7 @@ def test_too_weak_to_be_recognised_is_lost_to_noise():
 
 
 def _share_of(outcome, modem, packets, *, range_m, rival_range_m=None, overlap_s=None):
-    """Return how many of many packets have an outcome, each at a receiver with a luck of its own."""
+    """Return how many of many packets have an outcome, each at a receiver with its own random numbers."""
     count = 0
     for sequence in range(packets):
         receiver = _receiver(modem)

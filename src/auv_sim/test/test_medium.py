@@ -44,7 +44,7 @@ def _line(count, spacing_m=50.0):
 
 def _chatter(medium, ticks, positions_at, *, size=40, talkers=None):
     """
-    Let everybody talk whenever the modem asks; return what was handed over and what came out.
+    Let all modems transmit whenever they ask; return the sent and the received packets.
 
     Returns (packets, receptions); receptions are (tick, address, Reception).
     """
@@ -138,7 +138,7 @@ def test_counters_add_up(network):
 
 
 def _listen(medium, first, count, positions):
-    """Return what still arrives when nobody talks any more."""
+    """Return packets that arrive after all modems have stopped transmitting."""
     return [
         (tick, address, reception)
         for tick in range(first, first + count)

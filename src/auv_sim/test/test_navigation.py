@@ -1,4 +1,4 @@
-"""Claims about what vehicles believe of their own motion."""
+"""Claims about the vehicles' own navigation."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Claims about dead reckoning: how far it drifts, what it says of itself, and what a fix does."""
+"""Claims about dead reckoning: its drift, its stated error, and the effect of a fix."""
 
 import math
 from typing import Any

@@ -1,4 +1,4 @@
-"""Claims about a run's state: who is overdue, when a run goes on without them, and how it ends."""
+"""Claims about a run's state: which nodes are overdue, when a run continues without them, and how it ends."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Claims about who has fallen silent in real time."""
+"""Claims about silent nodes in real time."""
 
 from auv_sim.silences import Silences
 

@@ -1,4 +1,4 @@
-"""Claims about what a sonar sees of other hulls."""
+"""Claims about the detection of other hulls by sonar."""
 
 import math
 

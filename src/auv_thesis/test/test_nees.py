@@ -71,7 +71,7 @@ def test_the_errors_are_as_large_as_the_filter_says_few_runs(name):
 def test_the_errors_are_as_large_as_the_filter_says(name):
     """
     Three times a hundred runs: instants of one run are not independent, so that the share of one hundred is a
-    matter of luck by a few per cent (0.89 to 0.98 have been seen).
+    random within a few per cent (0.89 to 0.98 were observed).
     """
     # After fixes the offset is reset as if its rate were not known from the fix: nearly consistent.
     least = 0.8 if "fixes" in name else 0.9

@@ -1,7 +1,7 @@
 """
 Layouts: the grouping of nodes into processes. Nodes, topics and numbers are the same in all of them.
 
-* `node`: every node in a process of its own (the relay's holds the clock too).
+* `node`: one process per node (that of the relay also has the clock).
 * `vehicle`: vehicle and agent of one AUV in one process.
 * `single`: all nodes in one process.
 """

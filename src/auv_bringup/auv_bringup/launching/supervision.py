@@ -33,7 +33,7 @@ RELAY_EXIT_GRACE_S = 1.0
 STOPPED_S = 2.0
 """A process that a signal (SIGSTOP) has stopped for this long is lost, even during the start."""
 SLOW_START_S = 15.0
-"""After this time the user is told which nodes the start waits for."""
+"""After this time the user gets the names of the nodes that the start waits for."""
 
 CLAIM_S = 1.5
 """Time for which the clock must repeat a loss, or a stall that ends the flight, before it counts."""

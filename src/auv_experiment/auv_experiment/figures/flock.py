@@ -2,7 +2,7 @@
 Draw the figures of a flock's run from its recording.
 
 Each `_draw_*` function of `flock_tracks` and `flock_histories` makes one figure from a `FlockRun` and returns
-it with its title and caption, or None where the data do not exist. To add a figure, write such a function and
+it with its title and caption, or None if the data do not exist. To add a figure, write such a function and
 name it in the table at the end of its module. Plan views have north up and east to the right; depth grows
 downwards. Vehicles differ in colour, line style and marker, so that the figures can be read in grey. Long
 records are reduced to the smallest and the largest value of every pixel column, so that no extreme is lost.

@@ -1,7 +1,7 @@
 """
 Metrics: numbers that describe a run, all from its recording.
 
-`MEANINGS` of `auv_experiment.metrics.descriptions` says in words what each of them is.
+`MEANINGS` of `auv_experiment.metrics.descriptions` describes each of them.
 
 A file ``metrics/<name>.py`` in a folder of ``SHOAL_PLUGINS`` adds metrics of your own: to metrics.json, to
 the report, and to the table of a sweep. It is an `OwnMetrics`: it describes each metric and computes them

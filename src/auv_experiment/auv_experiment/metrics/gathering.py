@@ -74,7 +74,7 @@ def gathering_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
 
 def formed_within_m(scenario: Scenario) -> float | None:
     """
-    Return the distance within which every pair of a formed flock is (m), None where nothing flocks.
+    Return the distance within which every pair of a formed flock is (m), None without a flock.
 
     It is twice the law's ``spacing_m``, the distance at which neighbours begin to repel; of a law without it,
     twice ``formation_spacing_m``.

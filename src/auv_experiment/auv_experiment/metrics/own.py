@@ -59,7 +59,7 @@ def own_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     """
     Return the own metrics of a run, and failures under ``own_metrics_failed``.
 
-    A file that raises, or returns what metrics.json cannot hold, leaves the values of its metrics out (None).
+    If a file raises, or returns values that metrics.json cannot store, its metrics are None.
     """
     metrics: dict[str, Any] = {}
     failures = []
@@ -75,7 +75,7 @@ def own_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
 
 
 def failure_warning(metrics: Mapping[str, Any]) -> str:
-    """Return one line for the user where own metrics failed, else nothing."""
+    """Return one line for the user if own metrics failed, otherwise an empty text."""
     failed = metrics.get(FAILED)
     return f"{failed}; the own metrics of that file have no value" if failed else ""
 
@@ -92,7 +92,7 @@ def _check(place: str, key: object, meaning: object, taken: Mapping[str, str]) -
 
 
 def _computed(module: ModuleType, recording: Recording, scenario: Scenario) -> dict[str, Any]:
-    """Return what a file computes; raise TypeError where it is not what the contract asks."""
+    """Return the values that a file computes; raise TypeError if they do not match the contract."""
     computed = module.compute(read_only(recording), scenario)
     if not isinstance(computed, Mapping):
         raise TypeError(f"compute returned {shown(computed)}; allowed: values by key")

@@ -1,4 +1,4 @@
-"""Metrics as people read them: unit, meaning and digits; as a table for a terminal."""
+"""Metrics as text: unit, meaning and digits, also as a table for a terminal."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ _TOLD_BEFORE = ("scenario", "seed", "mode", "vehicles")
 
 
 def shown_metrics(metrics: dict[str, Any]) -> Iterator[tuple[str, Meaning]]:
-    """Yield the keys that `metrics` has and what they say: in the order of `MEANINGS`, then the others."""
+    """Yield the keys of `metrics` and their meanings: in the order of `MEANINGS`, then the others."""
     for key in [*MEANINGS, *(key for key in metrics if key not in MEANINGS)]:
         if key in metrics:
             yield key, meaning_of(key)
 
 
 def meaning_of(key: str) -> Meaning:
-    """Return what a metric says; of an own one whose file is not there, the words of its key."""
+    """Return the meaning of a metric; for an own metric whose file is missing, the words of its key."""
     meaning = MEANINGS.get(key) or family_meaning(key) or own_meaning(key)
     return meaning or Meaning("", key.replace("_", " "), 4)
 
 
 def value_text(value: Any, digits: int) -> str:
-    """Return a metric as text; a dash for what does not exist."""
+    """Return a metric as text; a dash if it does not exist."""
     if value is None:
         return "–"
     if isinstance(value, bool):
@@ -44,8 +44,7 @@ def metrics_table(metrics: dict[str, Any]) -> str:
     """
     Return one line per metric that exists: value, unit, meaning; values aligned at the right.
 
-    Values of more than a few words or numbers, and causes of which there was no case, are left to
-    metrics.json and the report.
+    Long values, and causes that did not occur, are only in metrics.json and the report.
     """
     rows = [
         (value_text(metrics[key], meaning.digits), meaning.unit, meaning.words)

@@ -1,4 +1,6 @@
-"""Short labels of a sweep's parameters, values and metrics: those of the study, else made from the names."""
+"""
+Short labels of a sweep's parameters, values and metrics: those of the study, or else derived from the names.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,7 @@ _TELLING = ("kind", "preset")
 
 
 def parameter_label(table: SweepTable, path: str) -> str:
-    """Return the label of a parameter; its last word, or its whole path where two end in one word."""
+    """Return the label of a parameter: its last word, or its whole path if two have the same last word."""
     if name := _name(table, path):
         return name
     words = [other.rpartition(".")[2] for other in table.study.parameters]
@@ -24,7 +26,7 @@ def parameter_label(table: SweepTable, path: str) -> str:
 
 
 def value_label(table: SweepTable, path: str, value: Any) -> str:
-    """Return the label of a value of a parameter, as the table has it."""
+    """Return the label of a value of a parameter, as in the table."""
     return _value_labels(table, path).get(value) or _text(value)
 
 
@@ -39,17 +41,17 @@ def metric_label(table: SweepTable, name: str) -> str:
 
 
 def legend_title(table: SweepTable, paths: Sequence[str]) -> str:
-    """Return what a legend's entries are values of."""
+    """Return the title of a legend: the parameters of its entries."""
     return ", ".join(parameter_label(table, path) for path in paths)
 
 
 def group_label(table: SweepTable, group: Group) -> str:
-    """Return the values of a group in short; `legend_title` says of what."""
+    """Return a short label for the values of a group; `legend_title` has their parameters."""
     return ", ".join(value_label(table, path, value) for path, value in group.values.items())
 
 
 def short_values(values: Sequence[Any]) -> list[str]:
-    """Return a short text for each value; of mappings, what tells them from each other."""
+    """Return a short text for each value; for mappings only their differences."""
     if not all(isinstance(value, Mapping) for value in values):
         return [_text(value) for value in values]
     leaves = [dict(_leaves(value)) for value in values]
@@ -66,7 +68,7 @@ def _name(table: SweepTable, key: str) -> str | None:
 
 
 def _value_labels(table: SweepTable, path: str) -> dict[Any, str]:
-    """Return the labels of a parameter's values, by value as the table has it."""
+    """Return the labels of a parameter's values, by value as in the table."""
     values = (table.study.grid or {}).get(path, ())
     label = (table.study.labels or {}).get(path)
     texts = label.values if label is not None and label.values else short_values(values)
@@ -74,7 +76,7 @@ def _value_labels(table: SweepTable, path: str) -> dict[Any, str]:
 
 
 def _leaves(value: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, str]]:
-    """Yield the dotted path and the text of everything in a mapping."""
+    """Yield the dotted path and the text of every value in a mapping."""
     for key, inner in value.items():
         if isinstance(inner, Mapping) and inner:
             yield from _leaves(inner, f"{place}{key}.")

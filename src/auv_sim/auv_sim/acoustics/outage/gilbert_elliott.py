@@ -45,7 +45,7 @@ class Outage(PacketLoss):
     """
     A chain of two states per link, Gilbert (1960) and Elliott (1963).
 
-    With s = p_gb + p_bg <= 1 the chain is equivalent to this one: at every packet the state is drawn anew
+    With s = p_gb + p_bg <= 1 the chain is equivalent to this one: at every packet the state is drawn again
     with probability s, bad with probability p_gb / s, and stays otherwise. So the state at a packet is that
     of the last new draw, and depends on the link and the sequence number only, not on earlier calls.
     """
