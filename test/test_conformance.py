@@ -472,7 +472,7 @@ def test_a_plugin_that_lacks_something_is_refused_in_one_line():
         fulfilled(Modem(), AcousticModem)
     assert str(error.value) == (
         f"{__name__}: Modem has no airtime_s, max_range_m; "
-        "allowed: a class with all that auv_sim.acoustics.modem.AcousticModem has"
+        "allowed: a class with all members of auv_sim.acoustics.modem.AcousticModem"
     )
 
 

@@ -10,7 +10,7 @@ import auv_flocking.separation
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PROGRAMS = sorted(EXAMPLES.glob("*.py"))
 SAYS = {
-    "environment": "13 numbers observed; an episode",
+    "environment": "13 numbers observed; total reward",
     "fly": "smallest distance: 1.",
     "own_law": "steep: smallest distance",
     "plot_a_run": "written: depths.png",
