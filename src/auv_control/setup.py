@@ -18,6 +18,6 @@ setup(
     zip_safe=False,
     maintainer="The Shoal authors",
     maintainer_email="shoal@example.org",
-    description="What one vehicle's computer does in Shoal: references, control laws, avoidance, synthesis",
+    description="Control of a single vehicle in Shoal: references, control laws, avoidance, synthesis",
     license="Apache-2.0",
 )

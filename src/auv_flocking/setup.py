@@ -17,7 +17,7 @@ setup(
     zip_safe=False,
     maintainer="The Shoal authors",
     maintainer_email="shoal@example.org",
-    description="What the group does in Shoal: consensus, neighbour filters, flocking laws, the agent",
+    description="Control of the group in Shoal: consensus, neighbour filters, flocking laws, the agent",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [

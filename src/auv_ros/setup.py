@@ -17,6 +17,6 @@ setup(
     zip_safe=False,
     maintainer="The Shoal authors",
     maintainer_email="shoal@example.org",
-    description="What turns the pure objects of Shoal into ROS 2 nodes: life cycle, parameters, messages",
+    description="Turns the pure objects of Shoal into ROS 2 nodes: life cycle, parameters, messages",
     license="Apache-2.0",
 )

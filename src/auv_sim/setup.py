@@ -18,7 +18,7 @@ setup(
     zip_safe=False,
     maintainer="The Shoal authors",
     maintainer_email="shoal@example.org",
-    description="What the water does in Shoal: the true vehicle and the acoustic medium",
+    description="The simulator of Shoal: the true vehicle and the acoustic medium",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
