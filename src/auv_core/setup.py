@@ -18,6 +18,6 @@ setup(
     zip_safe=False,
     maintainer="The Shoal authors",
     maintainer_email="shoal@example.org",
-    description="Definitions that all packages of Shoal share: geometry, vehicle models, data between components",
+    description="Shared definitions of Shoal: geometry, vehicle models, data between components",
     license="Apache-2.0",
 )

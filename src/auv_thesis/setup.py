@@ -17,7 +17,7 @@ setup(
     zip_safe=False,
     maintainer="The Shoal authors",
     maintainer_email="shoal@example.org",
-    description="The reproduction of the thesis with Shoal: its figures, tables and claims, made from runs",
+    description="The thesis reproduced with Shoal: its figures, tables and claims, made from runs",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
