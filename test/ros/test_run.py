@@ -282,7 +282,7 @@ def test_a_frozen_node_is_named_and_stops_the_flight(start):
     assert "/auv_2/agent_node" in errors.splitlines()[-1]
 
 
-@pytest.mark.parametrize("layout", ["node", "vehicle"])
+@pytest.mark.parametrize("layout", ["node", pytest.param("vehicle", marks=pytest.mark.slow)])
 def test_a_flight_goes_on_without_a_killed_vehicle(start, layout):
     run = start("--set", "on_vehicle_loss=continue", "--duration", "150", "--layout", layout).wait_until_up()
     os.kill(run.node("auv_2.agent_node"), signal.SIGKILL)
