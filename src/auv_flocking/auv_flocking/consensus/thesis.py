@@ -89,7 +89,7 @@ class Consensus(ContinuousFilter):
         centre = self.centre(own, heard)
         centres = centres_within(self.reach_m, own, [(other.position, other.centre) for other in heard])
         rate = self.derivative(own, centre, centres, flock_velocity)
-        self._centre = self.step(own, centre, centres, flock_velocity, dt_s)
+        self._centre = self._moved(centre, rate, len(centres), dt_s)
         if self._states_own_rate:
             return rate
         f = self._follow
@@ -119,6 +119,10 @@ class Consensus(ContinuousFilter):
     ) -> Vec3:
         """Return the estimate `dt_s` later: the exact solution for held inputs, stable for every step."""
         rate = self.derivative(own, centre, neighbour_centres, flock_velocity)
-        pole_ps = self.rate_ps * (1 + len(neighbour_centres))
+        return self._moved(centre, rate, len(neighbour_centres), dt_s)
+
+    def _moved(self, centre: Vec3, rate: Vec3, neighbours: int, dt_s: float) -> Vec3:
+        """Return an estimate that moves at `rate` now (m/s; NED), `dt_s` later."""
+        pole_ps = self.rate_ps * (1 + neighbours)
         gain_s = -math.expm1(-pole_ps * dt_s) / pole_ps
         return (centre[0] + gain_s * rate[0], centre[1] + gain_s * rate[1], centre[2] + gain_s * rate[2])
