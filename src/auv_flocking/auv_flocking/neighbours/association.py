@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+from scipy.special import gammaincinv
 
 Matrix = NDArray[np.float64]
 
@@ -15,9 +17,7 @@ def chi_square_gate(probability: float) -> float:
     Return the squared Mahalanobis distance that a true contact (three numbers) does not exceed with this
     probability.
     """
-    from scipy.stats import chi2
-
-    return float(chi2.ppf(probability, 3))
+    return float(2.0 * gammaincinv(0.5 * 3, probability))
 
 
 def associate(
@@ -43,8 +43,6 @@ def associate(
     """
     if len(points) == 0 or len(predicted) == 0:
         return []
-    from scipy.optimize import linear_sum_assignment
-
     S = noises[:, None] + covariances[None]
     off = points[:, None] - predicted[None]
     squared = np.einsum("mni,mni->mn", off, np.linalg.solve(S, off[..., None])[..., 0])

@@ -108,7 +108,7 @@ class NeighbourTable:
         self._said: _Said = ([], [], np.empty(0, dtype=np.int64))
         self._stale: set[Track] = set()
         self._carried_to = fastest(carried_to)
-        self._gate: float | None = None
+        self._gate = chi_square_gate(config.gate_prob)
         self.outdated = 0
         self.contacts_used = 0
         self.contacts_unknown = 0
@@ -165,8 +165,6 @@ class NeighbourTable:
         ]
         known, pairs = self._carried(t_s), []
         if known:
-            if self._gate is None:
-                self._gate = chi_square_gate(config.gate_prob)
             rows = known.rows
             pairs = associate(
                 np.array([seen.point for seen in sightings]),
