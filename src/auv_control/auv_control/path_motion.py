@@ -19,7 +19,7 @@ from auv_core.integrate import State
 
 class Motion(NamedTuple):
     """
-    One instant: nu (body, or NED where the frame is flat), J by cosine and sine, path and errors (NED; m, rad
+    One instant: nu (body, or NED if the frame is flat), J by cosine and sine, path and errors (NED; m, rad
     and their rates).
     """
 

@@ -66,7 +66,7 @@ class Recording:
         State of each vehicle's law (such as parameter estimates; see the law); S is the largest size.
     holding : (K, N) array of int64
         Why the agent gave the safe command instead of the law's, see `auv_flocking.holding.cause_number`; 0
-        where the law acted.
+        if the law acted.
     neighbour_position_ned_m, neighbour_velocity_ned_mps : (K, N, N, 3) arrays
         These and the other arrays of neighbours have no rows if there are no neighbour estimates.
         Estimate [k, i, j] of vehicle j by vehicle i (m and m/s, NED).

@@ -248,7 +248,9 @@ def test_a_packet_to_one_modem_is_heard_by_that_one_only():
 
 def test_packets_out_of_turn_are_refused():
     medium = AcousticMedium(_config())
-    with pytest.raises(ValueError, match="modem 2 was handed a packet in tick 0, where it may not transmit"):
+    with pytest.raises(
+        ValueError, match="modem 2 was handed a packet in tick 0, in which it may not transmit"
+    ):
         medium.transmit({2: [Packet(0, 2, 0, 1, b"x")]}, _states(0, _line(4)))
 
 

@@ -291,7 +291,9 @@ def test_a_modem_that_is_on_the_air_refuses_another_packet():
     medium.exchange(0, states)
     medium.transmit({1: [Packet(0, 1, 0, 1, bytes(32))]}, states)
     assert not medium.exchange(1, states)[0].transmit_ready
-    with pytest.raises(ValueError, match="modem 1 was handed a packet in tick 1, where it still has another"):
+    with pytest.raises(
+        ValueError, match="modem 1 was handed a packet in tick 1, in which it still has another"
+    ):
         medium.transmit({1: [Packet(1, 1, 0, 2, bytes(32))]}, states)
 
 

@@ -37,7 +37,7 @@ tables with its numbers and ours side by side, and judge its claims by the resul
 _EPILOG = """\
 how it works:
   Each figure, table and claim names the runs that it needs. They are flown in one
-  process each, without ROS, in continuous time where the scenario says so; the longest
+  process each, without ROS, in continuous time if the scenario says so; the longest
   first, one per worker. A run that two figures need is flown once.
   Finished runs are kept in DIR/runs and reused until the scenario, a law, a model or
   the version of a numerical package changes; --fresh flies everything again.

@@ -45,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     call_commands("shoal ")
     command = COMMANDS[name]
     if command.needs_ros and importlib.util.find_spec("rclpy") is None and not set(_HELP_WORDS) & set(words):
-        needed = "allowed: where ROS 2 Jazzy and the workspace are sourced"
+        needed = "allowed: with ROS 2 Jazzy and the workspace sourced"
         return fail(BAD_INPUT, f"shoal {name}: rclpy cannot be imported; {needed}")
     status: int = importlib.import_module(command.module).main(words[1:])
     return status

@@ -106,7 +106,7 @@ class Model(WrenchModel):
         state : (13,) tuple
             NED position (m), quaternion body to NED (w, x, y, z; level), nu (m/s, rad/s).
         tau : (6,) tuple
-            Wrench of the actuators (N, N m; body, or NED where the frame is flat).
+            Wrench of the actuators (N, N m; body, or NED if the frame is flat).
         current : (3,) tuple
             Velocity of the water (m/s; NED).
 

@@ -89,7 +89,7 @@ class FleetState(NamedTuple):
 @record("int64, int64, float64, float64[:, :, ::1], int64[::1]")
 class Course(NamedTuple):
     """
-    How long to fly, and where.
+    Duration and path of a flight.
 
     ticks, steps, dt_s
         Control periods, RK4 steps in each of them, and the length of a step (s).
@@ -154,7 +154,7 @@ def run_fleet(
     fleet : FleetState
         State of the flock; updated.
     course : Course
-        How long to fly, and where.
+        Duration and path of a flight.
     log : FleetLog
         Output: log of the ticks.
 

@@ -98,8 +98,8 @@ def potential_series(recording: Recording, scenario: Scenario) -> dict[str, Floa
     """
     Return the flock's potential (m^2/s) at every tick by the candidate's name, each of shape (K,).
 
-    Empty where the law is not the thesis's (a leader that steers the centre, the flock's velocity fed
-    forward), where the separation law has no potential, and where a vehicle was lost.
+    Empty if the law is not the thesis's (a leader that steers the centre, feed-forward of the flock's
+    velocity), if the separation law has no potential, or if a vehicle was lost.
     """
     flocking, separation = scenario.agent.flocking, scenario.agent.separation
     if flocking is None or separation is None or np.isfinite(recording.lost_at_s).any():

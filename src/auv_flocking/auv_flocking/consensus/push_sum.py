@@ -91,7 +91,7 @@ def _wrapped(value: float, span: float) -> float:
 
 
 def _shared_fields(*, with_frame: bool) -> tuple[Field, ...]:
-    """Return the running sums of the shares to one receiver, and the own frame where it is sent too."""
+    """Return the running sums of the shares to one receiver, and the own frame if that is sent, too."""
     half_m, half_frame_m = 0.5 * _LENGTH_RANGE_M, 0.5 * _FRAME_RANGE_M
     given = [Field(f"given_{a}_m", -half_m, half_m, _LENGTH_STEP_M, wraps=True) for a in _AXES]
     weight = Field("given_weight", -0.5 * _WEIGHT_RANGE, 0.5 * _WEIGHT_RANGE, _WEIGHT_STEP, wraps=True)

@@ -209,7 +209,7 @@ class AcousticMedium:
         start_s = self._mac.opportunity_s(source, packet.tick, self._period_s)
         if start_s is None:
             raise ValueError(
-                f"modem {source} was handed a packet in tick {packet.tick}, where it may not transmit"
+                f"modem {source} was handed a packet in tick {packet.tick}, in which it may not transmit"
             )
         if size > self._modem.max_payload_bytes:
             raise ValueError(
@@ -219,7 +219,7 @@ class AcousticMedium:
             start_s = max(start_s, self._tick * self._period_s)
         if source in self._held or start_s < self._busy_until_s[source - 1] - TOUCH_S:
             raise ValueError(
-                f"modem {source} was handed a packet in tick {packet.tick}, where it still has another one"
+                f"modem {source} was handed a packet in tick {packet.tick}, in which it still has another one"
             )
         return start_s
 

@@ -224,7 +224,7 @@ CLAIMS = (
     ),
     Claim(
         "A.33",
-        "Sonar keeps relative positions within decimetres where navigations drift by metres (ours).",
+        "If navigations drift by metres, sonar keeps relative positions within decimetres (ours).",
         (DRIFTING["exact navigation"], DRIFTING["drift"], DRIFTING["drift, sonar"]),
         _judge_sonar,
     ),
