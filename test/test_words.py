@@ -48,20 +48,34 @@ PLAIN = {
     # slips
     rf"\b({DOUBLED})[\x20\n]+\1\b": "the word once",
 }
-# What pages for readers do not say either.
-PLAIN_PAGES = {
-    r"\b[Ss]trangers?\b": "another program, a foreign process",
-    r"\b(?:[Nn]o|[Ee]very|[Ss]ome|[Aa]ny)body\b": "no vehicle, every node, a person, any program",
-    r"\b[Bb]elie(?:ves?|ved|fs?)\b": "estimate, assume, accept",
-    r"\b[Mm]end(?:s|ed|ing)?\b": "repair, correct",
+# The changelog keeps the words of its time.
+PLAIN_TODAY = {
+    r"(?<!\t)\b(?:[Nn]o|[Ee]very|[Ss]ome|[Aa]ny)body\b(?!\t)": "no vehicle, every node, a person",
+    r"\b[Bb]eliev(?:es?|ed|ing)\b": "estimate, assume, accept",
+    r"\b[Mm]end(?:s|ed|ing)?\b(?!\.py|_)": "repair, correct",
+    r"\bamounts? to\b": "summary, metrics, result",
+    r"\bwhat (?:came|comes?|becomes?|became) of\b": "result, outcome",
+    r"\b(?:None|NaN|inf) where\b": "if",
+    r"\b[Rr]aises? \w+(?:, one line,)? where\b": "if",
+    r"\bwhole or not at all\b": "completely or not at all",
 }
+# Names in the source are still these.
+PLAIN_PAGES = {r"\b[Ss]trangers?\b": "another program, a foreign process", r"\b[Bb]eliefs?\b": "estimate"}
+KEPT_AS_WRITTEN = {"CHANGELOG.md", "CODE_OF_CONDUCT.md"}
 
 
 def compiled(turns):
     return {re.compile(turn.replace(" ", r"\s+")): better for turn, better in turns.items()}
 
 
-PATTERNS, PAGE_PATTERNS = compiled(PLAIN), compiled({**PLAIN, **PLAIN_PAGES})
+PATTERNS, PATTERNS_TODAY, PATTERNS_PAGES = compiled(PLAIN), compiled(PLAIN_TODAY), compiled(PLAIN_PAGES)
+
+
+def patterns_of(name):
+    """Return what to look for in a file."""
+    if name in KEPT_AS_WRITTEN:
+        return PATTERNS
+    return PATTERNS | PATTERNS_TODAY | (PATTERNS_PAGES if name.endswith(".md") else {})
 
 
 def files():
@@ -97,7 +111,12 @@ def prose_of_python(text):
         if name in {"COMMENT", "STRING", "FSTRING_MIDDLE"}:
             first = starts[token.start[0] - 1] + token.start[1]
             prose[first : first + len(token.string)] = unquoted(token.string)
-    return "".join(prose)
+    return without_code("".join(prose))
+
+
+def without_code(text):
+    """Return a text with tabs in place of the words in backticks."""
+    return re.sub(r"`[^`\n]*`", lambda found: "\t" * len(found[0]), text)
 
 
 def unquoted(token):
@@ -110,7 +129,7 @@ def unquoted(token):
 def prose_of_markdown(text):
     """Return a page with code blanked out."""
     text = re.sub(r"^```.*?^```", lambda found: blank(found[0]), text, flags=re.MULTILINE | re.DOTALL)
-    return re.sub(r"`[^`\n]*`", lambda found: blank(found[0]), text)
+    return without_code(text)
 
 
 def prose_of(name, text):
@@ -124,17 +143,13 @@ def prose_of(name, text):
 def slips(name, text):
     """Return a line for each turn in a text that has a plainer one."""
     prose = prose_of(name, text)
-    patterns = PAGE_PATTERNS if is_page(name) else PATTERNS
-    found = [(better, each) for pattern, better in patterns.items() for each in pattern.finditer(prose)]
+    found = [
+        (better, each) for pattern, better in patterns_of(name).items() for each in pattern.finditer(prose)
+    ]
     return [
         f"{name}:{prose.count(chr(10), 0, each.end()) + 1}: {turn_of(each)!r}; better: {better}"
         for better, each in found
     ]
-
-
-def is_page(name):
-    """Tell whether a file is a page about Shoal; the changelog keeps the words of its time."""
-    return name.endswith(".md") and name not in {"CHANGELOG.md", "CODE_OF_CONDUCT.md"}
 
 
 def turn_of(found):
@@ -162,6 +177,8 @@ def test_the_prose_is_plain_english():
         ("a.py", "f'{x} of the the run'\n", "the the"),
         ("scripts/a", "# This stands\n# in the file\n", "stands in"),
         ("docs/a.md", "A vehicle believes its navigation.\n", "believes"),
+        ("a.py", '"""Return the time, None where it is\n    unknown."""\n', "None where"),
+        ("a.py", "# Nobody waits.\n", "Nobody"),
     ],
 )
 def test_a_slip_is_found_at_its_place(name, text, turn):
@@ -172,6 +189,7 @@ def test_a_slip_is_found_at_its_place(name, text, turn):
     ("name", "text"),
     [
         ("a.py", "he = shall(his)\n"),
+        ("a.py", "mend_bag(nobody)\n"),
         ("a.md", "Call `he.shall()`.\n\n```python\nhe = 1\n```\n"),
         ("a.md", "A graph of who hears whom; it stands in for the thesis's.\n"),
     ],
