@@ -1,6 +1,7 @@
 """Command `./scripts/compare_trees`: compare the bags of two checkouts byte by byte.
 
-It needs only Python: each checkout flies with its own environment, in a separate process.
+Each checkout flies with its own environment, in a separate process. Where the files differ, the new checkout
+compares their messages: a bag also holds the definitions of its messages, comments included.
 """
 
 from __future__ import annotations
@@ -36,11 +37,20 @@ _FLOWN = (0, 4)
 Exit statuses of a flight of full length: 4 means that hulls touched, which some laws of the thesis allow.
 """
 _LIMIT_S = 900.0
+_COMPARE = """
+import sys
+from pathlib import Path
+
+from auv_bag.compare import compare_bags
+
+for line in compare_bags(Path(sys.argv[1]), Path(sys.argv[2])):
+    print(line)
+"""
 
 _EPILOG = """\
 exit status:
-  0    all bags are equal
-  1    some differ
+  0    all bags are equal, or differ in the text of message definitions only
+  1    some messages differ
   2    bad input, or a checkout does not fly a scenario
 
 examples:
@@ -58,10 +68,15 @@ class _OneLineParser(argparse.ArgumentParser):
 
 
 class Flown(NamedTuple):
-    """The result of one flight: the hash of its bag's file, and the processor time of the command (s)."""
+    """The result of one flight: the file of its bag, and the processor time of the command (s)."""
 
-    sha256: str
+    bag: Path
     cpu_s: float
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the bag's file."""
+        return hashlib.sha256(self.bag.read_bytes()).hexdigest()
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -77,10 +92,12 @@ def main(argv: Sequence[str] | None = None) -> int:
                     for side, tree in (("old", options.old), ("new", options.new))
                 )
                 ratios.append(new.cpu_s / old.cpu_s)
+                differences = _differences(options.new, old, new)
+                equal &= not differences
                 is_same = old.sha256 == new.sha256
-                equal &= is_same
-                verdict = "equal" if is_same else "DIFFERENT"
+                verdict = "DIFFERENT" if differences else "equal" if is_same else "equal messages"
                 print(f"{name}: {verdict}  {old.sha256[:16]}  {new.sha256[:16]}", flush=True)
+                print("".join(f"    {line}\n" for line in differences), end="", flush=True)
             print(
                 f"{name}: processor time of new over old: {median(ratios):.2f}, {len(ratios)} pairs",
                 flush=True,
@@ -128,7 +145,17 @@ def _fly(tree: Path, name: str, options: argparse.Namespace, out: Path) -> Flown
         sys.stderr.write(f"error: {tree}: {name} was not flown, status {done.returncode}: {last}\n")
         raise SystemExit(REFUSED)
     cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return Flown(hashlib.sha256(bags[0].read_bytes()).hexdigest(), cpu_s)
+    return Flown(bags[0], cpu_s)
+
+
+def _differences(tree: Path, old: Flown, new: Flown) -> list[str]:
+    """Return a line for each topic whose messages differ; the files are read with one checkout."""
+    if old.sha256 == new.sha256:
+        return []
+    folders = [str(flown.bag.parent) for flown in (old, new)]
+    command = [str(tree / ".venv" / "bin" / "python"), "-c", _COMPARE, *folders]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=_LIMIT_S, check=True)
+    return done.stdout.splitlines()
 
 
 if __name__ == "__main__":

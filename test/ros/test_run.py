@@ -30,7 +30,7 @@ from auv_experiment.scenario.loading import load_scenario
 pytestmark = pytest.mark.ros
 
 PATIENCE_S = 120.0
-SOME_TICKS_S = 0.2
+WORK_JIFFIES = 20
 RECORDED_BYTES = 300_000
 """More than the definitions at the head of a bag: chunks of the flight are on disk."""
 NODES = [
@@ -106,8 +106,22 @@ class Run:
             assert self.process.poll() is None, self.errors.read_text()
             pause.wait(0.02)
         self.watches = {pid: os.pidfd_open(pid) for pid in descendants_of(self.process.pid)}
-        pause.wait(SOME_TICKS_S)
+        done = self.worked_jiffies + WORK_JIFFIES
+        while self.worked_jiffies < done:
+            assert time.monotonic() < deadline_s, self.errors.read_text()
+            assert self.process.poll() is None, self.errors.read_text()
+            pause.wait(0.02)
         return self
+
+    @property
+    def worked_jiffies(self):
+        """Processor time of the processes that live: it grows by some ticks of flight for each jiffy."""
+        worked = 0
+        for pid in self.watches:
+            with contextlib.suppress(OSError):
+                words = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+                worked += int(words[11]) + int(words[12])
+        return worked
 
     def wait_for_word(self, word):
         pause, deadline_s = threading.Event(), time.monotonic() + PATIENCE_S
