@@ -141,9 +141,7 @@ def _fly(tree: Path, name: str, options: argparse.Namespace, out: Path) -> Flown
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     bags = sorted(out.glob("**/*.mcap"))
     if done.returncode not in _FLOWN or len(bags) != 1:
-        last = (done.stderr.strip().splitlines() or ["it said nothing"])[-1]
-        sys.stderr.write(f"error: {tree}: {name} was not flown, status {done.returncode}: {last}\n")
-        raise SystemExit(REFUSED)
+        _refuse(tree, f"{name} was not flown, status {done.returncode}", done.stderr)
     cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return Flown(bags[0], cpu_s)
 
@@ -153,9 +151,19 @@ def _differences(tree: Path, old: Flown, new: Flown) -> list[str]:
     if old.sha256 == new.sha256:
         return []
     folders = [str(flown.bag.parent) for flown in (old, new)]
-    command = [str(tree / ".venv" / "bin" / "python"), "-c", _COMPARE, *folders]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=_LIMIT_S, check=True)
+    activated = 'source "$0/scripts/activate.bash" && exec python -P -c "$@"'
+    command = ["bash", "-c", activated, str(tree), _COMPARE, *folders]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=_LIMIT_S, check=False)
+    if done.returncode:
+        _refuse(tree, "the bags were not compared", done.stderr)
     return done.stdout.splitlines()
+
+
+def _refuse(tree: Path, what: str, errors: str) -> NoReturn:
+    """End the program with an error line, whose end is the last line of a command's errors."""
+    last = (errors.strip().splitlines() or ["it said nothing"])[-1]
+    sys.stderr.write(f"error: {tree}: {what}: {last}\n")
+    raise SystemExit(REFUSED)
 
 
 if __name__ == "__main__":
