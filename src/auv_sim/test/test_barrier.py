@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from auv_sim.barrier import Barrier
+from auv_sim.relay.barrier import Barrier
 
 
 def _started(count):

@@ -1,6 +1,6 @@
 """Claims about silent nodes in real time."""
 
-from auv_sim.silences import Silences
+from auv_sim.relay.silences import Silences
 
 
 def test_a_node_is_silent_after_the_limit_and_not_once_its_vehicle_is_left_out():

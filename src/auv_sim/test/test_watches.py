@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from auv_core.freshness import Newest
 from auv_core.messages import VehicleState, Wrench
 from auv_sim.command_watch import BAD_COMMAND, STALE_COMMAND, CommandWatch
-from auv_sim.state_watch import StateWatch
+from auv_sim.relay.state_watch import StateWatch
 
 PERIOD_S = 0.1
 PUSH = Wrench((1.0, 0.0, 0.0, 0.0, 0.0, 0.0))

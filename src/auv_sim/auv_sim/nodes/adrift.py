@@ -28,11 +28,6 @@ class Adrift:
     ticks : TickClock
         The time of the run.
 
-    Attributes
-    ----------
-    lost : dict of int to Vehicle
-        The lost vehicles.
-
     """
 
     def __init__(self, topics: Topics, hulls: Mapping[int, VehicleConfig], ticks: TickClock) -> None:
@@ -43,24 +38,24 @@ class Adrift:
         }
         self._hulls = hulls
         self._ticks = ticks
-        self.lost: dict[int, Vehicle] = {}
+        self._lost: dict[int, Vehicle] = {}
 
     def lose(self, index: int, state: VehicleState) -> None:
         """Let a hull drift on from a state."""
         hull = Vehicle(self._hulls[index])
         hull.restore(state)
-        self.lost[index] = hull
+        self._lost[index] = hull
 
     def step(self, index: int) -> VehicleState:
         """Publish and return the next state of a hull."""
-        state = self.lost[index].step(None)
+        state = self._lost[index].step(None)
         self._states[index].publish(self._ticks.stamp_s(state.tick), *convert.state_numbers(state))
         return state
 
     def markers(self, states: Sequence[VehicleState], t_s: float) -> list[Marker]:
         """Return the hulls that are lost, in these states of the fleet, at the time `t_s` (s)."""
         markers = []
-        for index in sorted(self.lost):
+        for index in sorted(self._lost):
             hull = self._hulls[index]
             diameter_m = 2.0 * hull.model.params.hull_radius_m
             markers.append(sphere(hull.vehicle_id, 0, t_s, states[index].position, diameter_m, LOST_HULL))

@@ -93,7 +93,7 @@ class ClockNode(Node):
         static = TFMessage(transforms=[convert.map_to_map_ned()])
         Topic(self, TFMessage, "/tf_static", qos=LATCHED).publish(static)
         Hearing(self).listen_decoded(RecorderStatus, "/recorder/status", self._on_recorder, EVERY_TICK)
-        self.on_room: Callable[[], None] = _nothing
+        self.on_room: Callable[[], object] = _nothing
         SteadyTimer(self, LOOK_S, self._look)
 
     @property

@@ -17,7 +17,7 @@ from auv_ros.wire.acoustics import stats_bytes
 from auv_ros.wire.diagnostics import Status, diagnostics_bytes
 from auv_ros.wire.markers import LINK, MARKER_TICKS, LineList, lines
 from auv_sim.acoustics.links import DELAY_EDGES_S, LinkCounters
-from auv_sim.state_watch import StateWatch
+from auv_sim.relay.state_watch import StateWatch
 
 _NAMESPACE, _NUMBER = "acoustic links", 0
 

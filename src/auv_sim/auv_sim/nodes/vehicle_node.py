@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 
 from auv_core.alarm import Alarm
@@ -23,9 +23,10 @@ from auv_ros.qos import own_qos
 from auv_ros.run_config import VEHICLE_PHASE, RunConfig
 from auv_ros.topic import Topics
 from auv_ros.wire import conversions as convert
-from auv_ros.wire.diagnostics import Status, diagnostics_bytes
+from auv_ros.wire.diagnostics import diagnostics_bytes
 from auv_ros.wire.stencil import header_stamp_s
 from auv_sim.command_watch import CommandWatch
+from auv_sim.nodes.vehicle_diagnostics import command_status
 from auv_sim.nodes.vehicle_view import VehicleView
 from auv_sim.vehicle import DivergedError, Vehicle, VehicleConfig
 
@@ -130,21 +131,9 @@ class VehicleNode(Node):
         resting = self._watch.resting
         is_new = self._alarm.note(resting.partition(":")[0], resting, self._ticks.scenario_s(state.tick))
         if is_new or state.tick % _DIAGNOSTIC_TICKS == 0:
-            self._diagnostics.publish([self._status()], t_s)
-
-    def _status(self) -> Status:
-        watch, name = self._watch, self._config.vehicle_id
-        return Status(
-            level=DiagnosticStatus.ERROR if watch.resting else DiagnosticStatus.OK,
-            name=f"{name}/vehicle_node: command",
-            message=f"the actuators rest: {watch.resting}" if watch.resting else "acts",
-            hardware_id=name,
-            values=[
-                ("commands_dropped", str(watch.newest.dropped)),
-                ("last_dropped", watch.newest.dropped_words),
-                ("messages_malformed", str(self._hearing.malformed.total())),
-            ],
-        )
+            malformed = self._hearing.malformed.total()
+            status = command_status(self._config.vehicle_id, self._watch, malformed)
+            self._diagnostics.publish([status], t_s)
 
 
 def make_nodes(**options: Any) -> Sequence[Node]:

@@ -15,6 +15,8 @@ class StateWatch:
 
     Attributes
     ----------
+    vehicles : range
+        All vehicles.
     packets_unsent : int
         Number of packets that were not sent, since the position of the modem was not known.
     left_out : int
@@ -26,6 +28,7 @@ class StateWatch:
 
     def __init__(self, vehicle_ids: Sequence[str], max_age_s: float, period_s: float) -> None:
         self._ids = vehicle_ids
+        self.vehicles = range(len(vehicle_ids))
         limit_s = age_limit_s(max_age_s, period_s)
         self._newest: list[Newest[VehicleState]] = [Newest(limit_s, period_s) for _ in vehicle_ids]
         self.packets_unsent = 0
