@@ -23,7 +23,7 @@ from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 from visualization_msgs.msg import MarkerArray
 
-from auv_bag.nodes.recorder_node import TICKS_PER_BATCH
+from auv_bag.collector import TICKS_PER_BATCH
 from auv_bag.ros_types import message_class
 from auv_bag.topics import CLOCK_TOPIC, topics_of_graph
 from auv_bringup.launching.node_specs import NodeSpec

@@ -11,9 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from rclpy.node import Node
@@ -21,11 +19,13 @@ from rclpy.qos import HistoryPolicy
 from rclpy.subscription import Subscription
 from rclpy.time import Time
 
-from auv_bag.link import BagLink, Batch, Opening
+from auv_bag.collector import Collector
+from auv_bag.link import BagLink
+from auv_bag.recorder_config import RecorderConfig
 from auv_bag.ros_types import message_class
-from auv_bag.topics import CLOCK_TOPIC, LOG_TOPIC, RECORDER_TOPIC, TopicSpec, topics_of_graph
+from auv_bag.topics import CLOCK_TOPIC, LOG_TOPIC, RECORDER_TOPIC, TopicSpec
 from auv_bag.writer import BagError
-from auv_core.params import ConfigError, param
+from auv_core.params import ConfigError
 from auv_core.words import listed
 from auv_msgs.msg import RecorderStatus
 from auv_ros.lifecycle import main_loop
@@ -35,26 +35,9 @@ from auv_ros.steady_timer import SteadyTimer
 from auv_ros.wire.log import logger_of
 
 EXIT_INTERNAL = 1
-TICKS_PER_BATCH = 20
 CHECKPOINT_PERIOD_S = 1.0
 QUIET_BEFORE_CLOSE_S = 0.3
-_OWN_LOGGERS = ("acoustic_relay_node", "clock_node", "recorder_node")
 DRAIN_LIMIT_S = 20.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class RecorderConfig:
-    """The topics to record, and the bag."""
-
-    bag_dir: str = param("folder of the bag; it must not exist yet")
-    topics_vehicles: tuple[str, ...] = param("ids of the vehicles whose topics are recorded")
-    kinematic: bool = param("whether the vehicles take cmd_vel instead of cmd_wrench", default=False)
-    publishers: str = param(
-        "accepted publishers: own, the nodes of this run only; any, also modem drivers or navigations",
-        default="own",
-        choices=("own", "any"),
-    )
-    mode: str = param("how the run keeps time", default="realtime", choices=("lockstep", "realtime"))
 
 
 class RecorderNode(Node):
@@ -64,18 +47,13 @@ class RecorderNode(Node):
         super().__init__("recorder_node", **options)
         self.done = False
         self.exit_code = 0
-        config = declare_config(self, RecorderConfig)
+        self._config = declare_config(self, RecorderConfig)
         refuse_unknown_parameters([self])
-        self._admits_strangers = config.publishers == "any"
-        self._vehicle_ids = config.topics_vehicles
-        self._own_loggers = (*_OWN_LOGGERS, *(f"{name}." for name in config.topics_vehicles))
         self._status = self.create_publisher(RecorderStatus, RECORDER_TOPIC.name, LATCHED)
-        self._heard_ticks: list[bytes] = []
-        self._topics_met: set[str] = set()
-        lockstep = config.mode == "lockstep"
-        topics = topics_of_graph(config.topics_vehicles, kinematic=config.kinematic, lockstep=lockstep)
-        self._bag = BagLink(Opening(Path(config.bag_dir), tuple(topics), lockstep))
-        self._by_topic = {spec.name: self._subscription(spec) for spec in topics}
+        opening = self._config.opening
+        self._bag = BagLink(opening)
+        self._by_topic = {spec.name: self._subscription(spec) for spec in opening.topics}
+        self._collector = Collector({topic: self._taker(topic) for topic in self._by_topic})
         try:
             self._bag.wait_until_open()
         except BagError as error:
@@ -91,13 +69,8 @@ class RecorderNode(Node):
 
     def waits_for(self) -> str:
         """Return as text what the node waits for, or an empty text."""
-        return listed(
-            [
-                f"/{each}/vehicle_node"
-                for each in self._vehicle_ids
-                if f"/{each}/state" not in self._topics_met
-            ]
-        )
+        met, vehicles = self._collector.topics_met, self._config.topics_vehicles
+        return listed([f"/{name}/vehicle_node" for name in vehicles if f"/{name}/state" not in met])
 
     def on_stop(self) -> None:
         """Record all messages that have arrived, close the bag, and publish the status."""
@@ -108,15 +81,25 @@ class RecorderNode(Node):
 
     def _subscription(self, spec: TopicSpec) -> Subscription:
         """Subscribe to a topic, raw; the executor serves only that of the clock."""
-        kind = message_class(spec.type_name)
-        admits = self._admits_strangers or spec.name == LOG_TOPIC
-        qos = own_qos(latched=spec.latched, history=HistoryPolicy.KEEP_ALL, admits_strangers=admits)
-        return self.create_subscription(kind, spec.name, self._hear_clock, qos, raw=True)
+        qos = own_qos(
+            latched=spec.latched,
+            history=HistoryPolicy.KEEP_ALL,
+            admits_strangers=self._config.admits_strangers(spec),
+        )
+        return self.create_subscription(
+            message_class(spec.type_name), spec.name, self._hear_clock, qos, raw=True
+        )
+
+    def _taker(self, topic: str) -> Callable[[], list[bytes]]:
+        """Return the function that takes the waiting messages of a topic; of the log only the run's own."""
+        take, loggers = partial(_waiting, self._by_topic[topic]), self._config.own_loggers
+        if topic != LOG_TOPIC:
+            return take
+        return lambda: [line for line in take() if logger_of(line).startswith(loggers)]
 
     def _hear_clock(self, data: bytes) -> None:
         """Keep a tick, and once every few ticks record all messages and publish the recorder's progress."""
-        self._heard_ticks.append(data)
-        if len(self._heard_ticks) >= TICKS_PER_BATCH:
+        if self._collector.hear_tick(data):
             self._record()
             self._publish_status()
 
@@ -127,7 +110,7 @@ class RecorderNode(Node):
 
     def _record(self, *, is_checkpoint: bool = False) -> int:
         """Take all waiting messages and have them written; return their number."""
-        batch = self._batch(is_checkpoint)
+        batch = self._collector.batch(is_checkpoint=is_checkpoint)
         if batch.messages or is_checkpoint:
             self._guarded(lambda: self._bag.write(batch))
         return sum(map(len, batch.messages.values()))
@@ -141,21 +124,6 @@ class RecorderNode(Node):
                 quiet_at = time.monotonic() + QUIET_BEFORE_CLOSE_S
             else:
                 time.sleep(0.01)
-
-    def _batch(self, is_checkpoint: bool) -> Batch:
-        """Take all waiting messages, topic by topic."""
-        batch = Batch({}, is_checkpoint)
-        for topic, subscription in self._by_topic.items():
-            messages = _waiting(subscription)
-            if topic == LOG_TOPIC:
-                messages = [each for each in messages if logger_of(each).startswith(self._own_loggers)]
-            if topic == CLOCK_TOPIC:
-                messages = self._heard_ticks + messages
-                self._heard_ticks = []
-            if messages:
-                batch.messages[topic] = messages
-                self._topics_met.add(topic)
-        return batch
 
     def _guarded(self, write: Callable[[], None]) -> None:
         """Write; if that fails, end with one error. The file stays readable."""
