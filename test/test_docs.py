@@ -172,7 +172,7 @@ def topics_in_nodes():
             if kinds and words:
                 *_, last = getattr(words[0], "values", words)
                 name = last.value if isinstance(words[0], ast.Constant) else last.value.lstrip("/")
-                latched = any(getattr(each.value, "id", "") == "LATCHED" for each in call.keywords)
+                latched = any(getattr(each.value, "id", "").startswith("LATCHED") for each in call.keywords)
                 yield path.parts[-3], kinds[0].removesuffix("Msg"), name, latched
 
 

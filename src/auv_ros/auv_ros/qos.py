@@ -22,7 +22,11 @@ OWN_DEPTH = 1000
 
 
 def own_qos(
-    *, latched: bool = False, history: HistoryPolicy = HistoryPolicy.KEEP_LAST, admits_strangers: bool = False
+    *,
+    latched: bool = False,
+    depth: int | None = None,
+    history: HistoryPolicy = HistoryPolicy.KEEP_LAST,
+    admits_strangers: bool = False,
 ) -> QoSProfile:
     """
     Return the profile of a reader or writer of the run.
@@ -30,7 +34,9 @@ def own_qos(
     Parameters
     ----------
     latched : bool
-        Whether a reader that comes later gets the last message.
+        Whether a reader that comes later gets the last message, or as many as both sides keep.
+    depth : int, optional
+        Number of messages kept; by default 1 if latched, else `OWN_DEPTH`.
     history : HistoryPolicy
         KEEP_ALL is for readers only: see above.
     admits_strangers : bool
@@ -38,7 +44,7 @@ def own_qos(
 
     """
     return QoSProfile(
-        depth=1 if latched else OWN_DEPTH,
+        depth=depth or (1 if latched else OWN_DEPTH),
         history=history,
         reliability=ReliabilityPolicy.RELIABLE,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
@@ -48,7 +54,15 @@ def own_qos(
 
 EVERY_TICK = own_qos()
 LATCHED = own_qos(latched=True)
+LATCHED_SERIES = own_qos(latched=True, depth=OWN_DEPTH)
+"""
+For a writer of a latched topic whose messages change: the middleware sends a lost message again only while
+the writer keeps it.
+"""
+EVERY_MESSAGE = own_qos(history=HistoryPolicy.KEEP_ALL)
+"""
+For readers that must miss no message from now on, and want no earlier one: with a depth of 1, one writer's
+message replaces another's.
+"""
 EVERY_LATCHED = own_qos(latched=True, history=HistoryPolicy.KEEP_ALL)
-"""
-For readers of a latched topic that must miss no message: otherwise one writer's message replaces another's.
-"""
+"""The same for readers that also want the earlier messages."""

@@ -10,7 +10,7 @@ from rclpy.node import Node
 from auv_core.cdr import text_bytes
 from auv_msgs.msg import FlockStatus
 from auv_ros.hearing import Hearing, decoded
-from auv_ros.qos import EVERY_LATCHED
+from auv_ros.qos import EVERY_MESSAGE
 from auv_ros.run_identity import RunPoint, follows, is_of_run, run_point
 from auv_ros.steady_timer import SteadyTimer
 
@@ -51,7 +51,7 @@ class RunEnd:
         self._run: RunPoint | None = None
         self._doubts = False
         self._end_heard: tuple[RunPoint, float] | None = None
-        Hearing(nodes[0]).listen(FlockStatus, STATUS_TOPIC, self._hear, EVERY_LATCHED)
+        Hearing(nodes[0]).listen(FlockStatus, STATUS_TOPIC, self._hear, EVERY_MESSAGE)
 
     def is_past(self) -> bool:
         """Return whether the process must end, and log it once."""

@@ -18,7 +18,7 @@ from tf2_msgs.msg import TFMessage
 from auv_msgs.msg import FlockStatus, RecorderStatus
 from auv_ros.hearing import Hearing
 from auv_ros.joining import LOOK_S
-from auv_ros.qos import EVERY_TICK, LATCHED
+from auv_ros.qos import EVERY_TICK, LATCHED, LATCHED_SERIES
 from auv_ros.run_config import LAUNCHER_NODE, TickClock, WallWatch
 from auv_ros.run_watch import STATUS_TOPIC
 from auv_ros.steady_timer import SteadyTimer
@@ -85,7 +85,7 @@ class ClockNode(Node):
         hearers = [LAUNCHER_NODE] if watch.launched else []
         if not ticks.started:
             hearers += [*recorder, *followers]
-        self._status = Topic(self, FlockStatus, STATUS_TOPIC, heard_by=hearers, qos=LATCHED)
+        self._status = Topic(self, FlockStatus, STATUS_TOPIC, heard_by=hearers, qos=LATCHED_SERIES)
         if hearers:
             self.topics.append(self._status)
         self._said = FlockStatus()
