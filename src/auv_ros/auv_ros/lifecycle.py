@@ -41,7 +41,8 @@ _HAND_OVER_S = 5.0
 _HAND_OVER_LOST_S = 1.5
 """The same in a lost run, since dead processes never acknowledge."""
 _LOST_STATUS = 3
-_HAND_OVER_UNSEEN_S = 0.5
+_HAND_OVER_UNSEEN_S = 2.5
+"""The same after a step of the system clock: nothing tells when a message has come, and it may come late."""
 _HAND_OVER_LOOK = Duration(nanoseconds=100_000_000)
 
 
