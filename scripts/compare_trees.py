@@ -68,15 +68,11 @@ class _OneLineParser(argparse.ArgumentParser):
 
 
 class Flown(NamedTuple):
-    """The result of one flight: the file of its bag, and the processor time of the command (s)."""
+    """The result of one flight: its bag, the hash of its file, the processor time of its command (s)."""
 
     bag: Path
+    sha256: str
     cpu_s: float
-
-    @property
-    def sha256(self) -> str:
-        """Hash of the bag's file."""
-        return hashlib.sha256(self.bag.read_bytes()).hexdigest()
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -92,9 +88,9 @@ def main(argv: Sequence[str] | None = None) -> int:
                     for side, tree in (("old", options.old), ("new", options.new))
                 )
                 ratios.append(new.cpu_s / old.cpu_s)
-                differences = _differences(options.new, old, new)
-                equal &= not differences
                 is_same = old.sha256 == new.sha256
+                differences = [] if is_same else _differences(options.new, old.bag, new.bag)
+                equal &= not differences
                 verdict = "DIFFERENT" if differences else "equal" if is_same else "equal messages"
                 print(f"{name}: {verdict}  {old.sha256[:16]}  {new.sha256[:16]}", flush=True)
                 print("".join(f"    {line}\n" for line in differences), end="", flush=True)
@@ -143,16 +139,13 @@ def _fly(tree: Path, name: str, options: argparse.Namespace, out: Path) -> Flown
     if done.returncode not in _FLOWN or len(bags) != 1:
         _refuse(tree, f"{name} was not flown, status {done.returncode}", done.stderr)
     cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return Flown(bags[0], cpu_s)
+    return Flown(bags[0].parent, hashlib.sha256(bags[0].read_bytes()).hexdigest(), cpu_s)
 
 
-def _differences(tree: Path, old: Flown, new: Flown) -> list[str]:
-    """Return a line for each topic whose messages differ; the files are read with one checkout."""
-    if old.sha256 == new.sha256:
-        return []
-    folders = [str(flown.bag.parent) for flown in (old, new)]
+def _differences(tree: Path, old: Path, new: Path) -> list[str]:
+    """Return a line for each topic whose messages differ; both bags are read with one checkout."""
     activated = 'source "$0/scripts/activate.bash" && exec python -P -c "$@"'
-    command = ["bash", "-c", activated, str(tree), _COMPARE, *folders]
+    command = ["bash", "-c", activated, str(tree), _COMPARE, str(old), str(new)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=_LIMIT_S, check=False)
     if done.returncode:
         _refuse(tree, "the bags were not compared", done.stderr)

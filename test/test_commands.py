@@ -6,9 +6,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from from_code.commands import commands_of, python_path
 
 ROOT = Path(__file__).parents[1]
-SCRIPTS = sorted(path for path in (ROOT / "scripts").iterdir() if path.is_file() and os.access(path, os.X_OK))
+SCRIPTS = commands_of(ROOT)
 UNKNOWN = "--no-such-option"
 
 
@@ -26,11 +27,10 @@ COMMANDS = [
 
 
 def run(command, *arguments):
-    paths = os.pathsep.join(str(path.parent) for path in ROOT.glob("src/*/package.xml"))
     return subprocess.run(
         [*command, *arguments],
         cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([paths, os.environ.get("PYTHONPATH", "")])},
+        env={**os.environ, "PYTHONPATH": python_path(ROOT)},
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import nbformat
 import pytest
-from from_code.commands import commands_of
+from from_code.commands import commands_of, python_path
 from from_code.hook import on_page_markdown
 from from_code.keys import Key, keys_of, plugin_folders, scenario_keys, unit_of
 from from_code.messages import read_message
@@ -34,8 +34,7 @@ LOADED = re.compile(r"<(?:script|link|img|iframe)\b[^>]*?(?:src|href)=[\"']?(htt
 
 def built(place):
     """Build the site as ./scripts/docs does; return what the command said."""
-    packages = [str(path.parent) for path in ROOT.glob("src/*/package.xml")]
-    paths = os.pathsep.join([str(ROOT / "docs"), *packages, os.environ.get("PYTHONPATH", "")])
+    paths = os.pathsep.join([str(ROOT / "docs"), python_path(ROOT)])
     done = subprocess.run(
         [sys.executable, "-P", "-m", "mkdocs", "build", "--quiet", "--site-dir", str(place)],
         cwd=ROOT,

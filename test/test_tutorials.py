@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from from_code.commands import python_path
 
 ROOT = Path(__file__).parents[1]
 TUTORIALS = [
@@ -32,11 +33,10 @@ def environment(tmp_path):
     command.parent.mkdir()
     command.write_text('#!/bin/sh\nexec python -P -m shoal.commands "$@"\n', encoding="utf-8")
     command.chmod(0o755)
-    packages = [str(path.parent) for path in ROOT.glob("src/*/package.xml")]
     return {
         **os.environ,
         "PATH": os.pathsep.join([str(command.parent), str(Path(sys.executable).parent), os.environ["PATH"]]),
-        "PYTHONPATH": os.pathsep.join([*packages, os.environ.get("PYTHONPATH", "")]),
+        "PYTHONPATH": python_path(ROOT),
         "MPLBACKEND": "agg",
     }
 

@@ -38,7 +38,7 @@ def help_of(root: Path, words: Sequence[str]) -> str:
     done = subprocess.run(
         [*words, "--help"],
         cwd=root,
-        env={**os.environ, "COLUMNS": "100", "PYTHONPATH": _packages(root)},
+        env={**os.environ, "COLUMNS": "100", "PYTHONPATH": python_path(root)},
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
@@ -48,14 +48,15 @@ def help_of(root: Path, words: Sequence[str]) -> str:
     return done.stdout
 
 
+def python_path(root: Path) -> str:
+    """Return $PYTHONPATH with the packages of a checkout before what it has."""
+    folders = [str(manifest.parent) for manifest in sorted(root.glob("src/*/package.xml"))]
+    return os.pathsep.join([*folders, os.environ.get("PYTHONPATH", "")])
+
+
 def _words(path: Path) -> Sequence[str]:
     """Return the words that run a command: of one that ends in Python, without the set-up before it."""
     found = _RUNS_PYTHON.search(path.read_text(encoding="utf-8"))
     if found is None:
         return [str(path)]
     return [sys.executable, *([str(path.parent / found[2])] if found[2] else found[1].split())]
-
-
-def _packages(root: Path) -> str:
-    folders = [str(manifest.parent) for manifest in sorted(root.glob("src/*/package.xml"))]
-    return os.pathsep.join([*folders, os.environ.get("PYTHONPATH", "")])

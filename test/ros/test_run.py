@@ -119,7 +119,7 @@ class Run:
         worked = 0
         for pid in self.watches:
             with contextlib.suppress(OSError):
-                words = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+                words = stat_of(pid)
                 worked += int(words[11]) + int(words[12])
         return worked
 
@@ -171,11 +171,16 @@ def start(scenario_file):
         run.close()
 
 
+def stat_of(pid):
+    """Return the fields of a process in /proc that follow its name: state, parent, ..."""
+    return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+
+
 def descendants_of(parent):
     found = []
     for entry in Path("/proc").iterdir():
         with contextlib.suppress(OSError, ValueError):
-            if int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1]) == parent:
+            if int(stat_of(entry.name)[1]) == parent:
                 found += [int(entry.name), *descendants_of(int(entry.name))]
     return found
 
