@@ -27,7 +27,6 @@ from auv_experiment.figures.plotting import (
     new_canvas,
     round_step,
     thin_indices,
-    wilson_interval,
     wrap_words,
 )
 from auv_experiment.recording import Recording
@@ -177,12 +176,6 @@ def test_thinning_keeps_both_ends_and_every_extreme(values: np.ndarray, n_column
     if np.isfinite(values).any():
         assert np.nanmin(values[shown]) == np.nanmin(values)
         assert np.nanmax(values[shown]) == np.nanmax(values)
-
-
-def test_wilson_interval_as_printed_in_textbooks() -> None:
-    low, high = wilson_interval(np.array([0, 10, 80]), np.array([10, 10, 100]))
-    np.testing.assert_allclose(low, [0.0, 0.7225, 0.7112], atol=1e-4)
-    np.testing.assert_allclose(high, [0.2775, 1.0, 0.8666], atol=1e-4)
 
 
 @pytest.mark.parametrize(

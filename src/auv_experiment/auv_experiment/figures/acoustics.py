@@ -17,9 +17,10 @@ from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from auv_core.messages import Outcome
+from auv_experiment.confidence.binomial import wilson_interval
 from auv_experiment.figures import Drawer, Drawing
 from auv_experiment.figures.estimates import ESTIMATE_DRAWERS
-from auv_experiment.figures.plotting import legend_below, new_canvas, side_by_side, wilson_interval
+from auv_experiment.figures.plotting import legend_below, new_canvas, side_by_side
 from auv_experiment.metrics import acoustics as metrics_acoustics
 from auv_experiment.metrics.links import link_counts
 from auv_experiment.recording import IntArray, Recording

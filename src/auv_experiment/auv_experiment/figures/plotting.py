@@ -307,12 +307,3 @@ def _columns_that_fit(names: Sequence[str], most: int, width_em: float) -> int:
         if sum(_HANDLE_EM + _LETTER_EM * length for length in longest) <= width_em:
             return columns
     return 1
-
-
-def wilson_interval(successes: NDArray[Any], trials: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
-    """Return the 95 % score interval of a binomial share (Wilson 1927)."""
-    z = 1.959964
-    share = successes / trials
-    middle = (share + z * z / (2.0 * trials)) / (1.0 + z * z / trials)
-    half = z * np.sqrt(share * (1.0 - share) / trials + (z / (2.0 * trials)) ** 2) / (1.0 + z * z / trials)
-    return middle - half, middle + half

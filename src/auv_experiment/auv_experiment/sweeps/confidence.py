@@ -9,10 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student_t
 
-from auv_experiment.figures.plotting import wilson_interval
+from auv_experiment.confidence import CONFIDENCE
+from auv_experiment.confidence.binomial import wilson_interval
 from auv_experiment.recording import FloatArray
-
-CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
