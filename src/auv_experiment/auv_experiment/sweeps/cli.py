@@ -217,12 +217,13 @@ def _summarise(folder: Path, formats: Sequence[str]) -> int:
     from auv_experiment.sweeps.figures import write_figures
     from auv_experiment.sweeps.page import failed_rows, write_page
     from auv_experiment.sweeps.runner import FAILURES_FILE
-    from auv_experiment.sweeps.summary import shown_metrics_of, write_summary
+    from auv_experiment.sweeps.summary import shown_metrics_of, write_differences, write_summary
     from auv_experiment.sweeps.table import TABLE_FILE, read_table
 
     table = read_table(folder)
     metrics = shown_metrics_of(table)
     write_summary(folder, table)
+    write_differences(folder, table)
     figures = write_figures(folder / FIGURES, table, metrics, formats)
     page = write_page(folder, table, metrics, figures)
     for line, count in Counter(filter(None, table.columns.get(OWN_FAILED, ()))).items():

@@ -3,7 +3,7 @@ Figures of a sweep, one per metric, drawn from its table alone.
 
 Against a parameter of the grid: the mean at each value with its 95 % interval, one line per value of the
 other parameters. Against a sampled parameter: every run, and mean and interval over groups of equally many
-runs. Without parameters: the distribution over the seeds with its interval.
+draws. Without parameters: the distribution over the seeds with its interval.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from auv_experiment.figures.files import draw_files
 from auv_experiment.figures.formats import FORMATS, PAGE_FORMAT
 from auv_experiment.figures.plotting import colour, legend_below, marker, new_canvas, vehicle_style
 from auv_experiment.metrics.wording import meaning_of
-from auv_experiment.sweeps.confidence import Summary, distribution_band
 from auv_experiment.sweeps.labels import group_label, legend_title, metric_label, parameter_label, value_label
+from auv_experiment.sweeps.statistics import Summary, distribution_band
 from auv_experiment.sweeps.study import is_number
 from auv_experiment.sweeps.summary import Group, groups_by, metric_of
 from auv_experiment.sweeps.table import PREFIX, SweepTable
@@ -31,7 +31,7 @@ _DPI = 130
 _BAND_OPACITY = 0.13
 _EDGE_OPACITY = 0.6
 _MAX_LINES = 12
-_RUNS_PER_MEAN = 8
+_DRAWS_PER_MEAN = 8
 _MOST_MEANS = 10
 
 
@@ -71,12 +71,14 @@ def _draw_into(axes: Any, table: SweepTable, name: str) -> None:
     lines = [group for group in groups_by(table, line_parameters(table)) if _has(table, name, group)]
     is_drawn = table.study.sample is not None and x in table.study.sample.parameters
     is_numeric = all(is_number(value) for value in table.columns[PREFIX + x])
+    found: list[Summary] = []
     for index, line in enumerate(lines[:_MAX_LINES]):
         if is_drawn and is_numeric:
-            _draw_cloud(axes, table, name, x, line, index)
+            found += _draw_cloud(axes, table, name, x, line, index)
         else:
-            _draw_means(axes, table, name, x, line, index, n_lines=len(lines[:_MAX_LINES]))
-    axes.set_xlabel(parameter_label(table, x))
+            found += _draw_means(axes, table, name, x, line, index, n_lines=len(lines[:_MAX_LINES]))
+    words = _interval_words(found, is_truth=any(isinstance(value, bool) for value in table.columns[name]))
+    axes.set_xlabel(f"{parameter_label(table, x)}\n{words}")
     if not is_numeric:
         values = _values_along(table, x)
         axes.set_xticks(range(len(values)), [value_label(table, x, value) for value in values])
@@ -96,6 +98,14 @@ def line_parameters(table: SweepTable) -> tuple[str, ...]:
     return tuple(path for path in table.study.grid or {} if path != axis_parameter(table))
 
 
+def _interval_words(summaries: Sequence[Summary], *, is_truth: bool) -> str:
+    """Return what the intervals of a figure are: of what, and over which clusters."""
+    clusters = list(dict.fromkeys(summary.clusters for summary in summaries if summary.method))
+    if not clusters:
+        return "no intervals"
+    return f"95 % intervals of the {'share' if is_truth else 'mean'} over {' or '.join(clusters[:3])}"
+
+
 def _has(table: SweepTable, name: str, group: Group) -> bool:
     return metric_of(table, name, group).n > 0
 
@@ -106,7 +116,7 @@ def _values_along(table: SweepTable, path: str) -> list[Any]:
 
 def _draw_means(
     axes: Any, table: SweepTable, name: str, x: str, line: Group, index: int, *, n_lines: int
-) -> None:
+) -> list[Summary]:
     """
     Draw mean and interval at each value of a parameter; values that are no numbers are placed side by side.
     """
@@ -122,12 +132,13 @@ def _draw_means(
     found.sort(key=lambda pair: pair[0])
     if is_numeric:
         _draw_band(axes, found, group_label(table, line), index)
-        return
+        return [summary for _, summary in found]
     places, summaries = zip(*found, strict=True)
     means = np.array([summary.mean for summary in summaries], dtype=np.float64)
     bounds = np.array([_bounds(summary) for summary in summaries])
     style = {"color": colour(index), "marker": marker(index), "linestyle": "none", "capsize": 3.0}
     axes.errorbar(places, means, np.abs(bounds.T - means), label=group_label(table, line), **style)
+    return list(summaries)
 
 
 def _draw_band(axes: Any, found: Sequence[tuple[float, Summary]], label: str, index: int) -> None:
@@ -145,20 +156,23 @@ def _bounds(summary: Summary) -> tuple[float, float]:
     return (mean if summary.low is None else summary.low, mean if summary.high is None else summary.high)
 
 
-def _draw_cloud(axes: Any, table: SweepTable, name: str, x: str, line: Group, index: int) -> None:
-    """Draw every run, and mean and interval over groups of equally many neighbours along the axis."""
+def _draw_cloud(axes: Any, table: SweepTable, name: str, x: str, line: Group, index: int) -> list[Summary]:
+    """Draw every run, and mean and interval over groups of equally many draws along the axis."""
     along = table.columns[PREFIX + x]
     rows = sorted((row for row in line.rows if table.columns[name][row] is not None), key=along.__getitem__)
     heights = [float(table.columns[name][row]) for row in rows]
     axes.plot([along[row] for row in rows], heights, ".", color=colour(index), alpha=0.35, markersize=3.5)
-    n_means = int(np.clip(len(rows) // _RUNS_PER_MEAN, 1, _MOST_MEANS))
-    edges = np.linspace(0, len(rows), n_means + 1).round().astype(int)
+    ordered = list(dict.fromkeys(map(table.draw_of, rows)))
+    n_means = int(np.clip(len(ordered) // _DRAWS_PER_MEAN, 1, _MOST_MEANS))
+    edges = np.linspace(0, len(ordered), n_means + 1).round().astype(int)
     found = []
     for first, last in pairwise(edges.tolist()):
-        part = tuple(rows[first:last])
+        chosen = set(ordered[first:last])
+        part = tuple(row for row in rows if table.draw_of(row) in chosen)
         place = float(np.mean([along[row] for row in part]))
         found.append((place, metric_of(table, name, Group({}, part))))
     _draw_band(axes, found, group_label(table, line), index)
+    return [summary for _, summary in found]
 
 
 def _draw_distribution(axes: Any, table: SweepTable, name: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from auv_core.machine.whole_files import write_text
@@ -16,7 +16,15 @@ from auv_experiment.scenario.strict_yaml import to_yaml
 from auv_experiment.sweeps.figures import axis_parameter, line_parameters
 from auv_experiment.sweeps.labels import parameter_label, value_label
 from auv_experiment.sweeps.plan import override_texts
-from auv_experiment.sweeps.summary import Group, grid_groups, metric_of, n_failed
+from auv_experiment.sweeps.statistics import Difference, Summary
+from auv_experiment.sweeps.summary import (
+    Group,
+    difference_of,
+    grid_groups,
+    metric_of,
+    n_failed,
+    neighbouring_groups,
+)
 from auv_experiment.sweeps.table import DONE, SweepTable
 
 PAGE_FILE = "index.html"
@@ -80,9 +88,14 @@ def _how_to_read(table: SweepTable) -> str:
     x, lines = axis_parameter(table), line_parameters(table)
     pooled = [path for path in table.study.parameters if path != x and path not in lines]
     words = (
-        "Mean and 95 % confidence interval: Student's t over runs; of shares, Wilson's score interval. "
+        "Intervals are 95 % confidence intervals; the last column names the method and what counts as "
+        "independent. Runs with one seed, or with one draw of the sampled parameters, are one cluster. "
         "A metric's statistics leave out runs that failed and runs without the metric."
     )
+    if table.study.grid:
+        words += (
+            " Differences are between runs with the same seed and draw; their intervals follow from them."
+        )
     if pooled:
         words += f" Figures pool the runs over {', '.join(parameter_label(table, path) for path in pooled)}."
     return f"<p>{html.escape(words)}</p>"
@@ -97,33 +110,82 @@ def _metric(table: SweepTable, name: str, figure: Path | None) -> str:
     heading = html.escape(words[:1].upper() + words[1:])
     return (
         f"<section><h2>{heading}</h2>\n<p><code>{html.escape(name)}</code></p>\n{image}\n"
-        f"<div class='scroll'>\n{_metric_table(table, name)}\n</div></section>"
+        f"<div class='scroll'>\n{_metric_table(table, name)}\n</div>{_differences(table, name)}</section>"
     )
 
 
 def _metric_table(table: SweepTable, name: str) -> str:
-    groups = grid_groups(table)
-    words = ("runs", "failed", "counted", "mean", "95 % from", "to", "smallest", "median", "largest")
-    cells = "".join(
-        f"<th scope='col'>{html.escape(parameter_label(table, path))}</th>" for path in table.study.grid or {}
-    )
-    cells += "".join(f"<th scope='col' class='value'>{word}</th>" for word in words)
-    rows = [f"<tr>{cells}</tr>", *(_group(table, name, group) for group in groups[:_MOST_GROUPS])]
-    more = len(groups) - _MOST_GROUPS
+    words = ("runs", "failed", "counted", "mean", "95 % from", "to", "smallest", "median", "95 % from", "to")
+    rows = [
+        ([*_labels(table, group)], [*_numbers(table, name, group)], _method(metric_of(table, name, group)))
+        for group in grid_groups(table)[:_MOST_GROUPS]
+    ]
+    more = len(grid_groups(table)) - _MOST_GROUPS
     note = f"\n<p>{more} more points are in summary.csv.</p>" if more > 0 else ""
-    return f"<table>\n{chr(10).join(rows)}\n</table>{note}"
+    return _table(_parameters(table), (*words, "largest"), rows) + note
 
 
-def _group(table: SweepTable, name: str, group: Group) -> str:
-    summary, digits = metric_of(table, name, group), meaning_of(name).digits
-    digits = max(digits, 2)
-    counts = (len(group.rows), n_failed(table, group), summary.n)
-    numbers = (summary.mean, summary.low, summary.high, summary.smallest, summary.median, summary.largest)
-    texts = [*(str(count) for count in counts), *(metric_text(number, digits) for number in numbers)]
-    values = "".join(
-        f"<td>{html.escape(value_label(table, path, value))}</td>" for path, value in group.values.items()
+def _numbers(table: SweepTable, name: str, group: Group) -> Iterator[str]:
+    summary = metric_of(table, name, group)
+    yield from map(str, (len(group.rows), n_failed(table, group), summary.n))
+    around_mean = (summary.mean, summary.low, summary.high)
+    around_median = (summary.median, summary.median_low, summary.median_high)
+    for number in (*around_mean, summary.smallest, *around_median, summary.largest):
+        yield metric_text(number, _digits(name))
+
+
+def _differences(table: SweepTable, name: str) -> str:
+    """Return the paired differences between points that differ in one parameter, '' if there are none."""
+    neighbours = neighbouring_groups(table)
+    rows = []
+    for path, group, base in neighbours[:_MOST_GROUPS]:
+        found = difference_of(table, name, group, base)
+        numbers = (metric_text(number, _digits(name)) for number in (found.difference, found.low, found.high))
+        labels = [
+            *_labels(table, group),
+            f"{parameter_label(table, path)} {value_label(table, path, base.values[path])}",
+        ]
+        rows.append((labels, [str(found.pairs), *numbers], _method(found)))
+    if not rows:
+        return ""
+    more = len(neighbours) - _MOST_GROUPS
+    note = f"\n<p>{more} more are in differences.csv.</p>" if more > 0 else ""
+    heads = ("pairs", "difference", "95 % from", "to")
+    cells = _table([*_parameters(table), "less that with"], heads, rows)
+    return (
+        "\n<details><summary>Paired differences from the first value of a parameter</summary>\n"
+        f"<div class='scroll'>\n{cells}{note}\n</div></details>"
     )
-    return f"<tr>{values}{''.join(f'<td class=value>{html.escape(text)}</td>' for text in texts)}</tr>"
+
+
+def _table(
+    labels: Sequence[str], numbers: Sequence[str], rows: Sequence[tuple[Sequence[str], Sequence[str], str]]
+) -> str:
+    """Return a table: labels and numbers under their headings, and the method of the interval."""
+    head = "".join(f"<th scope='col'>{html.escape(label)}</th>" for label in labels)
+    head += "".join(f"<th scope='col' class='value'>{number}</th>" for number in numbers)
+    lines = [f"<tr>{head}<th scope='col'>interval</th></tr>"]
+    for texts, values, method in rows:
+        cells = "".join(f"<td>{html.escape(text)}</td>" for text in texts)
+        cells += "".join(f"<td class=value>{html.escape(value)}</td>" for value in values)
+        lines.append(f"<tr>{cells}<td>{html.escape(method)}</td></tr>")
+    return f"<table>\n{chr(10).join(lines)}\n</table>"
+
+
+def _parameters(table: SweepTable) -> list[str]:
+    return [parameter_label(table, path) for path in table.study.grid or {}]
+
+
+def _labels(table: SweepTable, group: Group) -> list[str]:
+    return [value_label(table, path, value) for path, value in group.values.items()]
+
+
+def _method(found: Summary | Difference) -> str:
+    return f"{found.method}, {found.clusters}" if found.method else "–"
+
+
+def _digits(name: str) -> int:
+    return max(meaning_of(name).digits, 2)
 
 
 def _failures(table: SweepTable) -> str:

@@ -79,6 +79,11 @@ class SweepTable:
         """Number of rows."""
         return len(self.columns["run"])
 
+    def draw_of(self, row: int) -> int:
+        """Return the number of a row's random point, from 0; 0 in a study without a sample."""
+        count = self.study.sample.count if self.study.sample else 1
+        return int(self.columns["run"][row]) // len(self.study.seeds) % count
+
     def parameters(self, row: int) -> dict[str, Any]:
         """Return the values of the parameters in a row, by dotted path, as in the study."""
         values = {path: self.columns[PREFIX + path][row] for path in self.study.parameters}
