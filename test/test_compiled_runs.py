@@ -11,7 +11,7 @@ from auv_experiment.recording import Recording
 # Between them these use every function that is compiled: both filters, sonar, bursts, levels, every model.
 RUNS = {
     "flock_acoustic": ("dt_s=0.02",),
-    "flock_drift": (),
+    "flock_drift": ("acoustics.preset=micromodem_fdp",),
     "ch6_obstacles": ("sampling=sampled",),
     "medium_access": (),
 }

@@ -335,10 +335,12 @@ def _use_modem(module, params, _inputs):
     assert heard == sorted(heard, reverse=True)
     assert heard[0]
     assert not heard[-1]
-    errors = [modem.bit_error_prob(snr) for snr in snrs]
-    assert errors == sorted(errors)
-    assert 0.0 <= errors[0] <= errors[-1] <= 0.5
-    return [*airtimes, *snrs, *errors]
+    logs = [modem.log_success(snr, 32) for snr in snrs]
+    assert logs == sorted(logs, reverse=True)
+    assert logs[-1] < math.log(1e-3)
+    assert logs[0] <= 0.0
+    assert all(modem.log_success(snr, 64) <= log for snr, log in zip(snrs, logs, strict=True))
+    return [*airtimes, *snrs, *logs]
 
 
 def _use_mac(module, params, _inputs):

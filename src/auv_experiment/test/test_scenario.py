@@ -39,6 +39,7 @@ def _changed(tmp_path, **changes):
     [
         ("ideal", "potential"),
         *((p, "communication_aware") for p in ("lossy", "fast", "micromodem_psk", "evologics_s2c")),
+        ("micromodem_fdp", "communication_aware"),
     ],
 )
 def test_who_names_no_law_gets_the_one_for_his_modem(tmp_path, preset, law):

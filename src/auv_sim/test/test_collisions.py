@@ -14,7 +14,6 @@ from auv_sim.acoustics.modem import fixed_rate, noise_limited
 from auv_sim.acoustics.outage import none
 from auv_sim.acoustics.propagation import straight
 from auv_sim.acoustics.receiver import Receiver, Transmission
-from auv_sim.acoustics.water import packet_error_prob
 
 MODERATE = settings(max_examples=60, deadline=None)
 ME, HERE = 9, (0.0, 0.0, 10.0)
@@ -181,11 +180,11 @@ def test_losses_to_noise_lie_in_the_band_of_the_packet_error_probability(modulat
     assert low <= lost <= high
 
 
-def _snr_db_of(modem, share, bits=256.0):
+def _snr_db_of(modem, share):
     low_db, high_db = -20.0, 30.0
     for _ in range(60):
         middle_db = 0.5 * (low_db + high_db)
-        value = packet_error_prob(modem.bit_error_prob(10.0 ** (0.1 * middle_db)), bits)
+        value = -math.expm1(modem.log_success(10.0 ** (0.1 * middle_db), 32))
         low_db, high_db = (middle_db, high_db) if value > share else (low_db, middle_db)
     return low_db
 
@@ -193,10 +192,10 @@ def _snr_db_of(modem, share, bits=256.0):
 @pytest.mark.parametrize("part", [0.1, 0.5, 1.0])
 def test_only_the_bits_that_overlap_suffer(part):
     modem = _noisy(acquisition_db=-10.0)
-    near_m, rival_m = _range_with(modem, 25.0), _range_with(modem, 20.0)
+    near_m, rival_m = _range_with(modem, 25.0), _range_with(modem, 27.0)
     overlap_s = part * modem.airtime_s(32) - 1e-6
-    sinr = 10.0**2.5 / (1.0 + 10.0**2.0)
-    share = packet_error_prob(modem.bit_error_prob(sinr), 256.0 * part)
+    sinr = 10.0**2.5 / (1.0 + 10.0**2.7)
+    share = -math.expm1(part * modem.log_success(sinr, 32))
     lost = _share_of(
         Outcome.COLLISION, modem, 400, range_m=near_m, rival_range_m=rival_m, overlap_s=overlap_s
     )
@@ -257,6 +256,8 @@ def test_nothing_is_remembered_longer_than_needed():
             "carrier_hz": st.floats(10.0, 1e6),
             "bandwidth_hz": st.floats(1.0, 1e6),
             "modulation": st.sampled_from(["bpsk", "fsk"]),
+            "code": st.sampled_from(["none", "convolutional_1_2_k9"]),
+            "frame_bytes": st.sampled_from([1, 32]),
             "bit_rate_bps": st.floats(1e-3, 1e9),
             "preamble_s": st.floats(0.0, 10.0),
             "wind_mps": st.floats(0.0, 100.0),

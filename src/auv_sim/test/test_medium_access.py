@@ -307,8 +307,8 @@ def test_delays_are_counted_from_the_start_of_a_transmission_to_the_end_of_its_r
 @pytest.mark.parametrize(
     ("preset", "guarded_m"),
     [
-        ("lossy", 298.0), ("fast", 131.0), ("micromodem_fsk", 2250.0), ("micromodem_psk", 970.0),
-        ("evologics_s2c", 504.0),
+        ("lossy", 298.0), ("fast", 131.0), ("micromodem_fsk", 2250.0), ("micromodem_psk", 1050.0),
+        ("micromodem_fdp", 621.0), ("evologics_s2c", 506.0),
     ],
 )  # fmt: skip
 def test_the_slots_of_the_presets_hold_a_report_and_guard_what_they_say(preset, guarded_m):

@@ -2,13 +2,14 @@
 The medium against a second, slow derivation: from the transmissions of a whole run alone.
 
 Vehicles rest, so that every arrival can be written down at once; each receiver's arrivals are then gone
-through in order, without ticks.
+through in order, without ticks. Bit errors are counted bit by bit, from Eb/N0 = SINR x band / bit rate.
 """
 
 import math
 import random
 from collections import Counter
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import pytest
@@ -19,8 +20,10 @@ from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
 from auv_sim.acoustics.modem import noise_limited
 from auv_sim.acoustics.talk import talk
 from auv_sim.acoustics.water import transmission_loss_db
+from auv_sim.streams import Purpose, uniform
 
 SOUND_MPS, RANGE_M = 1500.0, 900.0
+BIT_RATE_BPS, BANDWIDTH_HZ, PREAMBLE_S, BITS = 1500.0, 5000.0, 0.02, 256
 MACS = (
     {"kind": "aloha", "params": {"mean_interval_s": 0.7}},
     {"kind": "csma", "params": {"mean_interval_s": 0.4}},
@@ -44,9 +47,9 @@ class _Arrival:
 
 
 def _network(draw, capture, has_levels):
-    common = {"bit_rate_bps": 1500.0, "preamble_s": 0.02, "capture": capture}
+    common = {"bit_rate_bps": BIT_RATE_BPS, "preamble_s": PREAMBLE_S, "capture": capture}
     kind, own = (
-        ("noise_limited", {"source_level_db": 158.0})
+        ("noise_limited", {"source_level_db": 158.0, "bandwidth_hz": BANDWIDTH_HZ})
         if has_levels
         else ("fixed_rate", {"max_range_m": RANGE_M})
     )
@@ -62,8 +65,12 @@ def _network(draw, capture, has_levels):
     return load(MediumConfig, raw, "medium")
 
 
-def _expected(arrivals, own, modem, capture):
-    """Return {key: outcomes that may be} of one receiver; `own` are its transmissions, (start, end) in s."""
+def _expected(arrivals, own, modem, capture, luck_of):
+    """
+    Return {key: outcomes that may be} of one receiver.
+
+    `own` are its transmissions, (start, end) in s; `luck_of` gives its random number for a packet.
+    """
     locked, lock = set(), None
     for arrival in arrivals:
         t_s = arrival.start_s
@@ -74,21 +81,50 @@ def _expected(arrivals, own, modem, capture):
         if lock is None and is_clear and not any(s <= t_s + 1e-9 < e for s, e in own):
             lock = arrival
             locked.add(arrival)
-    return {a.key: _may_be(a, arrivals, own, modem, capture, a in locked) for a in arrivals}
+    found = {}
+    for arrival in arrivals:
+        certain = _certain(arrival, arrivals, own, modem, capture)
+        if certain is None and arrival not in locked:
+            certain = Outcome.COLLISION
+        if certain is None and modem is None:
+            certain = Outcome.DELIVERED
+        found[arrival.key] = {certain} if certain else _by_luck(arrival, arrivals, luck_of(arrival.key))
+    return found
 
 
-def _may_be(arrival, arrivals, own, modem, capture, is_locked):
+def _certain(arrival, arrivals, own, modem, capture):
+    """Return the outcome of an arrival that needs no luck, as far as it does not depend on locks, or None."""
     if any(arrival.meets(*interval) for interval in own):
-        return {Outcome.HALF_DUPLEX}
+        return Outcome.HALF_DUPLEX
     if modem is not None and not modem.acquires(arrival.level):
-        return {Outcome.NOISE}
+        return Outcome.NOISE
     rivals = [a for a in arrivals if a is not arrival and a.meets(arrival.start_s, arrival.end_s)]
     heard = [a for a in rivals if modem is None or modem.acquires(a.level)]
-    if not is_locked or (heard and not capture):
-        return {Outcome.COLLISION}
-    if modem is None:
-        return {Outcome.DELIVERED}
-    return {Outcome.DELIVERED, Outcome.NOISE} | ({Outcome.COLLISION} if rivals else set())
+    return Outcome.COLLISION if heard and not capture else None
+
+
+def _by_luck(arrival, arrivals, luck):
+    """Return what a random number makes of a packet; two outcomes if it is a close call."""
+    others = [a for a in arrivals if a is not arrival]
+    quiet, loud = _error_prob(arrival, []), _error_prob(arrival, others)
+    return {
+        Outcome.NOISE if near < quiet else Outcome.COLLISION if near < loud else Outcome.DELIVERED
+        for near in (luck - 0.01, luck, luck + 0.01)
+    }
+
+
+def _error_prob(arrival, others):
+    success = 1.0
+    for bit in range(BITS):
+        t_s = arrival.start_s + PREAMBLE_S + (bit + 0.5) / BIT_RATE_BPS
+        sinr = arrival.level / (1.0 + sum(other.level for other in others if other.is_at(t_s)))
+        success *= 1.0 - 0.5 * math.erfc(math.sqrt(sinr * BANDWIDTH_HZ / BIT_RATE_BPS))
+    return 1.0 - success
+
+
+def _luck(seed, receiver, key):
+    source, sequence = key
+    return uniform(seed, Purpose.NOISE, source, receiver, sequence)
 
 
 @pytest.mark.parametrize("case", range(10))
@@ -120,7 +156,8 @@ def test_every_outcome_follows_from_the_transmissions(case, capture, has_levels)
             arrivals.append(_Arrival(event.start_s + delay_s, event.end_s + delay_s, key, level))
         arrivals.sort(key=lambda arrival: (arrival.start_s, arrival.key))
         own = [(event.start_s, event.end_s) for event in sent if event.source == receiver]
-        expected.update(_expected(arrivals, own, modem, capture))
+        luck_of = partial(_luck, config.seed, receiver)
+        expected.update(_expected(arrivals, own, modem, capture, luck_of))
         for event in log:
             if event.outcome is not Outcome.SENT and event.destination == receiver:
                 assert event.outcome in expected[event.source, event.sequence], event

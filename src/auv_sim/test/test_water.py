@@ -15,20 +15,24 @@ MODERATE = settings(max_examples=60, deadline=None)
 KHZ = st.floats(0.1, 200.0)
 
 
-def _desert(wind_mps):
-    """The modem of the swarm sample of DESERT: 156 dB, 40 kHz, 5 kHz of band, 200 bit/s, BPSK."""
+def _desert(wind_mps, bit_rate_bps=5e3):
+    """
+    Return the modem of the swarm sample of DESERT: 156 dB, 40 kHz, 5 kHz of band, BPSK.
+
+    DESERT puts the ratio within the band where Eb/N0 belongs, whatever the bit rate (its sample: 200 bit/s).
+    That is right for as many bits per second as the band has hertz.
+    """
     return Modem(
         Params(
-            source_level_db=156.0, carrier_hz=40e3, bandwidth_hz=5e3, bit_rate_bps=200.0, modulation="bpsk",
-            wind_mps=wind_mps, shipping_ratio=0.5,
+            source_level_db=156.0, carrier_hz=40e3, bandwidth_hz=5e3, bit_rate_bps=bit_rate_bps,
+            modulation="bpsk", wind_mps=wind_mps, shipping_ratio=0.5,
         )
     )  # fmt: skip
 
 
 def _packet_error_prob(modem, range_m, *, spreading_exponent, payload_bytes=32):
     loss_db = water.transmission_loss_db(range_m, modem.frequency_khz, spreading_exponent)
-    bit_error_prob = modem.bit_error_prob(modem.snr_ratio(loss_db))
-    return water.packet_error_prob(bit_error_prob, 8 * payload_bytes)
+    return -math.expm1(modem.log_success(modem.snr_ratio(loss_db), payload_bytes))
 
 
 @pytest.mark.parametrize(("frequency_khz", "db_per_km"), [(10.0, 1.187), (25.0, 6.105)])
@@ -101,9 +105,13 @@ def test_bit_errors_fall_from_a_coin_toss_to_nothing(bit_error_prob):
     assert values[-1] == 0.0
 
 
-def test_bpsk_needs_less_than_fsk_and_both_are_textbook():
-    assert water.bpsk_bit_error_prob(10.0**0.96) == pytest.approx(1e-5, rel=0.1)
-    assert water.fsk_bit_error_prob(10.0**1.335) == pytest.approx(1e-5, rel=0.1)
+@pytest.mark.parametrize(
+    ("bit_error_prob", "ebn0_db"),
+    [(water.bpsk_bit_error_prob, 9.59), (water.fsk_bit_error_prob, 13.35)],
+)
+def test_one_bit_in_100000_is_wrong_at_the_textbooks_ebn0(bit_error_prob, ebn0_db):
+    """Proakis, Digital Communications: coherent BPSK at 9.6 dB, non-coherent binary FSK at 13.35 dB."""
+    assert bit_error_prob(10.0 ** (0.1 * ebn0_db)) == pytest.approx(1e-5, rel=0.02)
 
 
 @MODERATE
@@ -120,6 +128,15 @@ def test_the_cliff_of_deserts_sample_lies_where_it_should(wind_mps, heard_m, los
     modem = _desert(wind_mps)
     assert _packet_error_prob(modem, heard_m, spreading_exponent=1.75) < 0.01
     assert _packet_error_prob(modem, lost_m, spreading_exponent=1.75) > 0.99
+
+
+def test_deserts_sample_reaches_farther_with_the_energy_that_its_bits_have():
+    """200 bit/s in 5 kHz gain 14 dB, so the cliff lies where the level is 14 dB lower."""
+    slow, fast = _desert(0.0, bit_rate_bps=200.0), _desert(0.0)
+    assert _packet_error_prob(slow, 3000.0, spreading_exponent=1.75) < 0.01
+    for range_m in (2300.0, 2400.0, 2500.0):
+        weaker = fast.snr_ratio(water.transmission_loss_db(range_m, 40.0, 1.75)) / 25.0
+        assert slow.log_success(weaker, 32) == pytest.approx(fast.log_success(25.0 * weaker, 32), rel=1e-9)
 
 
 def test_no_level_carries_sound_without_end():
@@ -140,7 +157,7 @@ def test_packets_fail_by_bits_not_bytes():
     one = _packet_error_prob(modem, range_m, spreading_exponent=1.75, payload_bytes=1)
     bit_error_prob = 1.0 - (1.0 - one) ** (1.0 / 8.0)
     loss_db = water.transmission_loss_db(range_m, 40.0, 1.75)
-    assert bit_error_prob == pytest.approx(modem.bit_error_prob(modem.snr_ratio(loss_db)))
+    assert bit_error_prob == pytest.approx(water.bpsk_bit_error_prob(modem.snr_ratio(loss_db)))
 
 
 def test_a_source_level_comes_from_decibels_or_watts():

@@ -8,9 +8,9 @@ arrives determines the end time. The transmitter's position is that of the momen
 1. A receiver locks on to a signal if it recognises the start above noise and interference, and is neither
    transmitting nor locked on to another signal. It keeps the first one (capture).
 2. While it transmits it receives nothing: a signal that overlaps with its own transmission is lost.
-3. Signals that overlap with the payload add to the noise during the overlap. The packet error probability
-   follows from all bits, each at its momentary ratio. One random number per packet and receiver decides, and
-   also tells whether noise alone would have caused the loss.
+3. Signals that overlap with the payload add to the noise during the overlap. Each stretch of equal ratio
+   counts with its share of the payload in the packet error probability. One random number per packet and
+   receiver decides, and also tells whether noise alone would have caused the loss.
 4. A modem without capture loses all signals that overlap with another signal that it could have locked on to.
 """
 
@@ -26,7 +26,6 @@ from auv_core.messages import Outcome, Packet
 from auv_sim.acoustics.modem import AcousticModem, LevelModem
 from auv_sim.acoustics.outage import PacketLoss
 from auv_sim.acoustics.propagation import SoundPropagation
-from auv_sim.acoustics.water import packet_error_prob
 from auv_sim.streams import Purpose, uniform
 
 # Signals that touch, or overlap by rounding only, do not count as overlapping (s).
@@ -261,10 +260,10 @@ def _order(signal: Signal) -> tuple[float, int, int]:
 
 
 def _packet_error_prob(modem: LevelModem, signal: Signal, rivals: Sequence[Signal]) -> float:
-    """Return the probability of at least one bit error, with interfering signals while they overlap."""
-    bits = 8.0 * len(signal.transmission.packet.payload)
+    """Return the probability of at least one error, with interfering signals while they overlap."""
+    size = len(signal.transmission.packet.payload)
     if not rivals:
-        return packet_error_prob(modem.bit_error_prob(signal.snr_ratio), bits)
+        return -math.expm1(modem.log_success(signal.snr_ratio, size))
     begin_s, end_s = signal.start_s + modem.preamble_s, signal.end_s
     edges_s = {begin_s, end_s}
     for rival in rivals:
@@ -274,7 +273,6 @@ def _packet_error_prob(modem: LevelModem, signal: Signal, rivals: Sequence[Signa
     for from_s, to_s in pairwise(times_s):
         middle_s = 0.5 * (from_s + to_s)
         noise = 1.0 + sum(r.snr_ratio for r in rivals if r.start_s <= middle_s < r.end_s)
-        error_prob = modem.bit_error_prob(signal.snr_ratio / noise)
         share = (to_s - from_s) / (end_s - begin_s)
-        log_success += bits * share * math.log1p(-error_prob)
+        log_success += share * modem.log_success(signal.snr_ratio / noise, size)
     return -math.expm1(log_success)

@@ -7,6 +7,9 @@ Sources: Mackenzie, J. Acoust. Soc. Am. 70 (1981) 807; Thorp, J. Acoust. Soc. Am
 Underwater Acoustic Systems (1990), in the form of Stojanovic, On the relationship between capacity and
 distance in an underwater acoustic communication channel, ACM SIGMOBILE 11 (2007) 34; Proakis, Digital
 Communications.
+
+Eb/N0 is the energy of a bit of data over the noise in 1 Hz. From the signal to noise ratio in a band of B Hz
+it follows as SNR x B / R with R bits of data per second: a slow signal in a wide band gains.
 """
 
 from __future__ import annotations
@@ -74,14 +77,14 @@ def source_level_db(power_w: float, directivity_db: float = 0.0) -> float:
     return 170.8 + 10.0 * math.log10(power_w) + directivity_db
 
 
-def bpsk_bit_error_prob(snr_ratio: float) -> float:
-    """Return the bit error probability of coherent binary phase-shift keying, 0.5 erfc(sqrt(SNR))."""
-    return 0.5 * math.erfc(math.sqrt(snr_ratio))
+def bpsk_bit_error_prob(ebn0_ratio: float) -> float:
+    """Return the bit error probability of coherent binary phase-shift keying, 0.5 erfc(sqrt(Eb/N0))."""
+    return 0.5 * math.erfc(math.sqrt(ebn0_ratio))
 
 
-def fsk_bit_error_prob(snr_ratio: float) -> float:
-    """Return the bit error probability of non-coherent binary frequency-shift keying, 0.5 exp(-SNR/2)."""
-    return 0.5 * math.exp(-0.5 * snr_ratio)
+def fsk_bit_error_prob(ebn0_ratio: float) -> float:
+    """Return the bit error probability of non-coherent binary frequency-shift keying, 0.5 exp(-Eb/(2 N0))."""
+    return 0.5 * math.exp(-0.5 * ebn0_ratio)
 
 
 def packet_error_prob(bit_error_prob: float, bits: float) -> float:

@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 from matplotlib.figure import Figure as Canvas
 from scipy.stats import binom, binomtest
@@ -22,7 +23,7 @@ import auv_sim.acoustics
 from auv_core.messages import Outcome
 from auv_core.params import load
 from auv_experiment.figures.plotting import colour, marker
-from auv_sim.acoustics import water
+from auv_sim.acoustics import codes, water
 from auv_sim.acoustics.event_log import half_duplex_violations
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
 from auv_sim.acoustics.talk import talk
@@ -40,9 +41,9 @@ from auv_thesis.items import (
     Verdict,
 )
 
-PRESETS = ("ideal", "lossy", "fast", "micromodem_fsk", "micromodem_psk", "evologics_s2c")
-RANGES_M = (50.0, 100.0, 250.0, *(250.0 * i for i in range(2, 21)))
-TABLE_RANGES_M = (50.0, 500.0, 1000.0, 2000.0, 3000.0, 4000.0, 5000.0)
+PRESETS = ("ideal", "lossy", "fast", "micromodem_fsk", "micromodem_psk", "micromodem_fdp", "evologics_s2c")
+RANGES_M = (50.0, 100.0, *(250.0 * i for i in range(1, 33)))
+TABLE_RANGES_M = (50.0, 1000.0, 2000.0, 3000.0, 3500.0, 4000.0, 5000.0, 6000.0, 7000.0)
 PACKETS = 500
 PAYLOAD_BYTES = 32
 CONFIDENCE = 0.95
@@ -103,9 +104,24 @@ def expected_delivery(config: MediumConfig, range_m: float) -> float:
     snr_db = level_db - loss_db - noise_db - 10.0 * math.log10(modem.bandwidth_hz)
     if snr_db < modem.acquisition_db:
         return 0.0
+    frames = math.ceil(PAYLOAD_BYTES / modem.frame_bytes)
+    if modem.frame_error_snr_db:
+        error_prob = np.interp(snr_db, modem.frame_error_snr_db, modem.frame_error_probs)
+        return luck * float(1.0 - error_prob) ** frames
+    return luck * (1.0 - _closed_form(modem, snr_db)) ** (8 * modem.frame_bytes * frames)
+
+
+def _closed_form(modem: Any, snr_db: float) -> float:
+    """Return the error probability of a bit of data from Eb/N0 = SNR x B / R, modulation and code."""
     bit_errors = {"bpsk": water.bpsk_bit_error_prob, "fsk": water.fsk_bit_error_prob}[modem.modulation]
-    bit_error_prob = bit_errors(10.0 ** (0.1 * snr_db))
-    return luck * (1.0 - water.packet_error_prob(bit_error_prob, 8.0 * PAYLOAD_BYTES))
+    ebn0 = 10.0 ** (0.1 * snr_db) * modem.bandwidth_hz / modem.bit_rate_bps
+    if modem.code == "none":
+        return bit_errors(ebn0)
+    on_air = max(bit_errors(0.5 * ebn0), 1e-9)  # SciPy's density overflows far below
+    distances, paths = (np.array(column) for column in zip(*codes.PATHS_K9.items(), strict=True))
+    more_than_half = binom.sf(distances // 2, distances, on_air)
+    tie = binom.pmf(distances // 2, distances, on_air)
+    return min(float(paths @ (more_than_half + 0.5 * tie)), 0.5)
 
 
 def measured(preset: str, range_m: float, seed: int) -> Cell:
@@ -135,11 +151,12 @@ def sweep() -> tuple[Cell, ...]:
 
 def _draw(canvas: Canvas, runs: list[Run]) -> None:
     del runs
-    grid = canvas.subplots(2, 3, sharex=True, sharey=True).flat
-    for index, (axes, preset) in enumerate(zip(grid, PRESETS, strict=True)):
+    grid = canvas.subplots(2, 4, sharex=True, sharey=True).flat
+    grid[len(PRESETS)].set_visible(False)
+    for index, (axes, preset) in enumerate(zip(grid, PRESETS, strict=False)):
         cells = [cell for cell in sweep() if cell.preset == preset]
         config = medium_config(preset, fleet_size=2)
-        fine_m = [50.0 * 100.0 ** (i / 400.0) for i in range(401)]
+        fine_m = np.linspace(RANGES_M[0], RANGES_M[-1], 801).tolist()
         axes.plot(
             [0.001 * x for x in fine_m],
             [expected_delivery(config, x) for x in fine_m],
@@ -157,10 +174,11 @@ def _draw(canvas: Canvas, runs: list[Run]) -> None:
         )  # fmt: skip
         axes.set_title(preset)
         axes.set_ylim(-0.05, 1.05)
-        if index % 3 == 0:
+        if index % 4 == 0:
             axes.set_ylabel("delivery ratio")
-        if index >= 3:
+        if index >= len(PRESETS) - 4:
             axes.set_xlabel("range (km)")
+            axes.tick_params(labelbottom=True)
         if index == 0:
             axes.legend(loc="lower left")
 
@@ -248,7 +266,7 @@ def _judge_reach(runs: list[Run]) -> Verdict:
         f"{'nothing' if ends else 'something'} arrives at 100 km and beyond"
     )
     return Verdict(
-        HOLDS if ends and all(0.0 < r < 5000.0 for r in reach.values()) else DOES_NOT_HOLD, evidence
+        HOLDS if ends and all(0.0 < r < RANGES_M[-1] for r in reach.values()) else DOES_NOT_HOLD, evidence
     )
 
 
@@ -259,8 +277,8 @@ FIGURES = (
         (),
         _draw,
         "Two modems at rest, packets of 32 bytes, 5 m/s of wind where noise is modelled. Grey: analytic. "
-        "Without fading the edge is a cliff, as in every model of this kind; losses at shorter range are "
-        "what `outage` is for.",
+        "Without echoes and fading the edge is a cliff, as in every model of this kind, and lies farther out "
+        "than at sea; losses at shorter range are what `outage` is for.",
     ),
 )
 

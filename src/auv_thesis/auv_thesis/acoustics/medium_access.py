@@ -3,7 +3,7 @@ Medium access compared: one modem, 2 to 16 vehicles at rest within half a kilome
 
 First modems alone in many fleets, then eight vehicles with agents, as a scenario.
 
-The modem is the preset `evologics_s2c` (32 bytes: 0.164 s on the air); slots of 0.5 s guard 504 m, the
+The modem is the preset `evologics_s2c` (32 bytes: 0.362 s on the air); slots of 0.7 s guard 506 m, the
 vehicles lie within 433 m of each other. Every vehicle always has a fresh report; the schemes differ in when
 they request it. Slotted ALOHA transmits with probability 1/N per slot, ALOHA offers half a packet per airtime
 (where its throughput is greatest), carrier sense one.
@@ -28,6 +28,7 @@ from auv_experiment.figures.plotting import marker, vehicle_style
 from auv_experiment.recording import acoustic_log
 from auv_sim.acoustics.event_log import half_duplex_violations
 from auv_sim.acoustics.medium import AcousticMedium
+from auv_sim.acoustics.modem import make_modem
 from auv_sim.acoustics.talk import talk
 from auv_thesis.acoustics.medium import medium_config
 from auv_thesis.items import (
@@ -50,10 +51,10 @@ PRESET = "evologics_s2c"
 SCHEMES = ("tdma", "slotted_aloha", "aloha", "csma")
 FLEETS = (2, 4, 8, 16)
 SEEDS = (1, 2)
-DURATION_S, PERIOD_S, SLOT_S = 300.0, 0.25, 0.5
+DURATION_S, PERIOD_S, SLOT_S = 300.0, 0.25, 0.7
 BOX_M = 250.0
 PAYLOAD_BYTES = 32
-AIRTIME_S = 0.1 + 8 * PAYLOAD_BYTES / 4000.0
+AIRTIME_S = make_modem(medium_config(PRESET, fleet_size=2).modem).airtime_s(PAYLOAD_BYTES)
 _CAUSES = (Outcome.COLLISION, Outcome.HALF_DUPLEX, Outcome.NOISE, Outcome.OUTAGE, Outcome.RANGE)
 
 TEXTBOOK_LOADS = ((4, 0.5), (4, 1.0), (8, 1.0), (8, 2.0))

@@ -52,8 +52,12 @@ class LevelModem(AcousticModem, Protocol):
     def acquires(self, snr_ratio: float) -> bool:
         """Return whether the start of a packet is recognised, for a ratio to noise and interference."""
 
-    def bit_error_prob(self, snr_ratio: float) -> float:
-        """Return the bit error probability, for the same ratio."""
+    def log_success(self, snr_ratio: float, payload_bytes: int) -> float:
+        """
+        Return the logarithm of the probability that a packet has no error, from minus infinity to 0.
+
+        The ratio is the same one, and lasts for the whole packet.
+        """
 
 
 def make_modem(section: Section) -> AcousticModem:
