@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from auv_control.controllers import max_force_of, region_of
@@ -18,7 +19,7 @@ from auv_core.geometry import Box, Vec3, distance
 from auv_core.models import make_model
 from auv_flocking.agent_config import report_format
 from auv_flocking.flocking import flocking_params
-from auv_flocking.reports import Bounds
+from auv_flocking.reports import Bounds, ReportFormat
 from auv_sim.acoustics.modem import AcousticModem, LevelModem, make_modem
 from auv_sim.acoustics.propagation import SoundPropagation, bottom_m, make_propagation
 
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
 _PATH_SAMPLES = 64
+# A link that carries fewer reports than one in a hundred, with ambient noise alone, is none.
+_LEAST_LOG_SUCCESS = math.log(0.01)
 _AXES = ("north", "east", "down")
 
 
@@ -163,11 +166,12 @@ def _check_hearing(scenario: Scenario) -> None:
         make_modem(scenario.acoustics.modem),
         make_propagation(scenario.acoustics.propagation),
     )
+    hears = partial(_hears, modem, propagation, _report_format(scenario).payload_bytes)
     deaf = set(range(1, len(starts)))
     heard = [0]
     while heard and deaf:
         speaker = starts[heard.pop()]
-        reached = {index for index in deaf if _is_audible(modem, propagation, speaker, starts[index])}
+        reached = {index for index in deaf if hears(speaker, starts[index])}
         deaf -= reached
         heard += sorted(reached)
     if deaf:
@@ -178,14 +182,17 @@ def _check_hearing(scenario: Scenario) -> None:
         )
 
 
-def _is_audible(modem: AcousticModem, propagation: SoundPropagation, source: Vec3, receiver: Vec3) -> bool:
-    """Return whether a modem recognises a packet in ambient noise alone."""
+def _hears(
+    modem: AcousticModem, propagation: SoundPropagation, payload_bytes: int, source: Vec3, receiver: Vec3
+) -> bool:
+    """Return whether a modem recognises packets and gets some of them right, in ambient noise alone."""
     if distance(source, receiver) > modem.max_range_m:
         return False
     if not isinstance(modem, LevelModem):
         return True
     loss_db = propagation.loss_db(source, receiver, modem.frequency_khz)
-    return modem.acquires(modem.snr_ratio(loss_db))
+    snr_ratio = modem.snr_ratio(loss_db)
+    return modem.acquires(snr_ratio) and modem.log_success(snr_ratio, payload_bytes) > _LEAST_LOG_SUCCESS
 
 
 def _places(scenario: Scenario) -> list[tuple[str, Box]]:
@@ -238,5 +245,9 @@ def _starts(scenario: Scenario) -> list[Vec3]:
 
 
 def _bounds(scenario: Scenario) -> Bounds:
+    return _report_format(scenario).carries
+
+
+def _report_format(scenario: Scenario) -> ReportFormat:
     agent = scenario.agent
-    return report_format(agent.report, agent.consensus, len(scenario.vehicles)).carries
+    return report_format(agent.report, agent.consensus, len(scenario.vehicles))
