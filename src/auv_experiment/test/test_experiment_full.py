@@ -65,7 +65,7 @@ def test_the_main_job_holds_its_bars(seed):
     assert metrics["formed_at_s"] <= 200.0
     assert metrics["pair_distance_formed_min_m"] >= 1.0
     assert metrics["pair_distance_formed_max_m"] <= 4.0
-    assert metrics["centroid_path_rms_after_200s_m"] <= 2.5
+    assert metrics["centroid_path_formed_rms_m"] <= 2.5
     assert metrics["packet_delivery_ratio"] == pytest.approx(0.80, abs=0.03)
     assert metrics["obstacle_clearance_min_m"] >= 0.5
     assert not metrics["collision"]

@@ -103,7 +103,7 @@ def test_a_square_at_rest() -> None:
     assert metrics["formed_at_s"] == 10.0
     assert metrics["approach_time_2pct_s"] == 0.0
     assert metrics["centroid_path_rms_m"] == pytest.approx(math.sqrt(2.0))
-    assert metrics["centroid_path_rms_after_200s_m"] == pytest.approx(math.sqrt(2.0))
+    assert metrics["centroid_path_formed_rms_m"] == pytest.approx(math.sqrt(2.0))
     assert metrics["collision"] is False
     assert metrics["collision_at_s"] is None
     assert metrics["lost_vehicles"] == []
@@ -152,6 +152,16 @@ def test_formed_at_the_end_of_the_first_ten_near_seconds() -> None:
     assert (metrics["pair_distance_formed_min_m"], metrics["pair_distance_formed_max_m"]) == (1.5, 6.0)
 
 
+def test_the_path_error_counts_from_when_the_flock_has_formed() -> None:
+    recording = at_rest(SQUARE, duration_s=60.0)
+    recording.position_ned_m[:5, :, 0] += 100.0 * np.arange(4)
+    late = metrics_of(recording)
+    assert late["formed_at_s"] == 15.0
+    assert late["centroid_path_formed_rms_m"] == pytest.approx(math.sqrt(2.0))
+    recording.position_ned_m[20:, 0, 0] += 4.0 * math.sqrt(2.0)
+    assert metrics_of(recording)["centroid_path_formed_rms_m"] > math.sqrt(2.0)
+
+
 @pytest.mark.parametrize(
     ("params", "within_m"),
     [
@@ -184,6 +194,7 @@ def test_never_formed() -> None:
     assert metrics["formed_at_s"] is None
     assert metrics["pair_distance_formed_min_m"] is None
     assert metrics["pair_distance_formed_max_m"] is None
+    assert metrics["centroid_path_formed_rms_m"] is None
     assert metrics["pair_distance_min_m"] == 2.0
 
 

@@ -28,7 +28,7 @@ def _run(spec, ever_m=1.5, formed_m=1.6, late_m=3.0, path_m=0.05):
         "pair_distance_min_m": ever_m,
         "pair_distance_min_after_150s_m": formed_m,
         "pair_distance_max_after_200s_m": late_m,
-        "centroid_path_rms_after_200s_m": path_m,
+        "centroid_path_formed_rms_m": path_m,
     }
     nothing: Any = None
     return Run(spec, nothing, nothing, metrics)
@@ -60,6 +60,15 @@ def test_worst_cell_may_lose_three_of_a_hundred(far, verdict):
     assert summary.n_far == far
     assert summary.keeps(study.BARS[study.WORST]) == (verdict == AGREES)
     assert f"over 10 m in {far}" in summary.remark
+
+
+def test_a_flock_that_never_formed_is_not_near_its_path():
+    specs = study.OURS[study.USUAL]
+    runs = [_run(spec, path_m=None if k < 6 else 0.05) for k, spec in enumerate(specs)]
+    summary = study.summary_of(runs)
+    assert not summary.keeps(study.BARS[study.USUAL])
+    assert "never formed in 6" in summary.remark
+    assert study.summary_of(runs[2:]).path_p95_m == 0.05
 
 
 def test_studies_shrink_with_the_seeds_and_say_what_was_not_flown():

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from shoal.runs import run, sweep
     from shoal.scenario import Scenario, load, scenarios
     from shoal.simulation import Simulation
+    from shoal.summaries import summarise
 
 __all__ = [
     "ConfigError",
@@ -39,6 +40,7 @@ __all__ = [
     "open",
     "run",
     "scenarios",
+    "summarise",
     "sweep",
 ]
 
@@ -55,6 +57,7 @@ _PLACES = {
     "open": "shoal.result:open_result",
     "run": "shoal.runs",
     "scenarios": "shoal.scenario",
+    "summarise": "shoal.summaries",
     "sweep": "shoal.runs",
 }
 """Modules of the names; each is imported at first use, so that the command starts quickly."""

@@ -20,10 +20,11 @@ from auv_experiment.sweeps.local import fly_here
 from auv_experiment.sweeps.plan import plan_runs
 from auv_experiment.sweeps.runner import run_sweep
 from auv_experiment.sweeps.study import Study, load_study, study_from_plain
-from auv_experiment.sweeps.table import read_table
+from auv_experiment.sweeps.table import PREFIX, read_table
 from shoal.plain import plain
 from shoal.result import Result
 from shoal.scenario import Scenario, load, resolve
+from shoal.summaries import DRAW, GRID
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -105,7 +106,9 @@ def sweep(
     Returns
     -------
     table : pandas.DataFrame
-        One row for each run: ``param.<key>``, ``seed``, ``status``, ``error``, and every metric.
+        One row for each run: ``scenario.<key>``, ``seed``, ``status``, ``error``, and every metric; of a
+        study with a sample also ``draw``, the number of the draw. `summarise` gives means and their
+        intervals.
 
     Raises
     ------
@@ -143,7 +146,12 @@ def sweep(
         runs = plan_runs(study)
         with Tally("runs", io.StringIO()) as tally:
             run_sweep(study, runs, place, partial(fly_here, n_workers=count), tally=tally)
-        return pd.DataFrame(read_table(place).columns).drop(columns=["key"])
+        found = read_table(place)
+        table = pd.DataFrame(found.columns).drop(columns=["key"])
+        if study.sample:
+            table.insert(0, DRAW, [found.draw_of(row) for row in range(found.n_runs)])
+        table.attrs[GRID] = [PREFIX + path for path in study.grid or {}]
+        return table
 
 
 def _study_of(

@@ -194,6 +194,15 @@ def test_a_sweep_gives_the_runs_of_its_grid(tmp_path):
     assert list(table["seed"]) == [1, 2, 1, 2]
     assert set(table["status"]) == {"done"}
     assert (tmp_path / "runs.parquet").is_file()
+    summary = shoal.summarise(table)
+    nearest = summary[summary["metric"] == "pair_distance_min_m"]
+    assert list(nearest[f"scenario.{LOSS}"]) == [0.0, 1.0]
+    assert list(nearest["mean"]) == list(table.groupby(f"scenario.{LOSS}")["pair_distance_min_m"].mean())
+    assert set(nearest["clusters"]) == {"2 seeds"}
+    pooled = shoal.summarise(table, by=[])
+    assert set(pooled[pooled["metric"] == "pair_distance_min_m"]["clusters"]) == {"2 seeds"}
+    with pytest.raises(shoal.ConfigError, match="by: law is not allowed"):
+        shoal.summarise(table, by=["law"])
     with pytest.raises(shoal.ConfigError, match="workers: 0 is not allowed"):
         shoal.sweep("flock_acoustic", seeds=[1], workers=0)
     with pytest.raises(shoal.ConfigError, match="seeds: missing"):

@@ -132,8 +132,8 @@ MEANINGS = {
         "s", "first time after which every pair stays within 2 % of its own mean over t > 20 s", 1
     ),
     "centroid_path_rms_m": Meaning("m", "distance of the vehicles' mean to the path, rms after 100 s", 4),
-    "centroid_path_rms_after_200s_m": Meaning(
-        "m", "distance of the vehicles' mean to the path, rms after 200 s", 4
+    "centroid_path_formed_rms_m": Meaning(
+        "m", "distance of the vehicles' mean to the path, rms once the flock has formed", 4
     ),
     "consensus_error_max_m": Meaning(
         "m", "largest error of a vehicle's estimate of the flocking centre after 100 s", 4

@@ -28,7 +28,7 @@ from auv_experiment.metrics.network import network_metrics
 from auv_experiment.metrics.own import own_metrics
 from auv_experiment.metrics.safety import safe_command_metrics
 from auv_experiment.metrics.surface import surface_metrics
-from auv_experiment.metrics.windows import LATE_AFTER_S, SETTLED_AFTER_S, after
+from auv_experiment.metrics.windows import SETTLED_AFTER_S, TIME_TOLERANCE_S, after
 from auv_experiment.recording import Recording
 
 if TYPE_CHECKING:
@@ -60,6 +60,7 @@ def compute_metrics(
     """
     t_s = recording.t_s
     gathering = gathering_metrics(recording, scenario)
+    formed_at_s = gathering["formed_at_s"]
     is_flock = scenario.agent.flocking is not None
     path_error_m = centroid_path_error_m(recording, scenario)
     metrics: dict[str, Any] = {
@@ -72,13 +73,13 @@ def compute_metrics(
         "lost_vehicles": [recording.vehicle_ids[i] for i in np.flatnonzero(np.isfinite(recording.lost_at_s))],
         **gathering,
         "centroid_path_rms_m": rms(path_error_m[after(t_s, SETTLED_AFTER_S)]),
-        "centroid_path_rms_after_200s_m": rms(path_error_m[after(t_s, LATE_AFTER_S)]),
+        "centroid_path_formed_rms_m": rms(path_error_m[t_s >= formed_at_s - TIME_TOLERANCE_S]),
         "consensus_error_max_m": largest(consensus_error_m(recording)[after(t_s[:-1], SETTLED_AFTER_S)]),
         "obstacle_clearance_min_m": smallest(obstacle_distances_m(recording, scenario)),
         **surface_metrics(recording, scenario),
         **neighbour_metrics(recording),
         **packet_metrics(recording),
-        **acoustics_metrics(recording, formed_at_s=gathering["formed_at_s"] if is_flock else 0.0),
+        **acoustics_metrics(recording, formed_at_s=formed_at_s if is_flock else 0.0),
         **network_metrics(recording, scenario),
         **safe_command_metrics(recording),
         **law_metrics(recording, scenario),

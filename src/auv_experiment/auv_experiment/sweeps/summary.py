@@ -26,7 +26,7 @@ _USUAL = (
     "pair_distance_min_m",
     "pair_distance_min_after_150s_m",
     "pair_distance_max_after_200s_m",
-    "centroid_path_rms_after_200s_m",
+    "centroid_path_formed_rms_m",
     "position_rms_m",
     "obstacle_clearance_min_m",
     "packet_delivery_ratio",

@@ -42,6 +42,8 @@ _TYPES = {
     "error": pa.types.is_string,
     **dict.fromkeys(WALL_CLOCK_COLUMNS, lambda found: pa.types.is_float64(found) or pa.types.is_null(found)),
 }
+FIXED_COLUMNS = tuple(_TYPES)
+"""Columns that are neither parameters nor metrics."""
 _SCALARS = (
     pa.types.is_int64,
     pa.types.is_float64,

@@ -132,9 +132,12 @@ def _flying_rows(runs: list[Run]) -> list[Row]:
     rows = []
     for name, run in zip(FLYING, runs, strict=True):
         m = run.metrics
+        path_m = m["centroid_path_formed_rms_m"]
+        path = (
+            "none, since the flock never formed" if path_m is None else f"{path_m:.2f} m (rms, once formed)"
+        )
         ours = (
-            f"smallest distance {m['pair_distance_min_m']:.2f} m, path "
-            f"{m['centroid_path_rms_after_200s_m']:.2f} m (rms, t > 200 s), worst estimate of the centre "
+            f"smallest distance {m['pair_distance_min_m']:.2f} m, path {path}, worst estimate of the centre "
             f"{_m(m['consensus_error_max_m'])} (t > 100 s)"
         )
         rows.append(Row(name, "not given", ours, NO_NUMBER, "collision" if m["collision"] else ""))

@@ -3,8 +3,8 @@ Safety of a flock on a modem: distances and path error over slot lengths, losses
 
 Four numbers summarise the runs of one case: the smallest distance of any pair at any time; the smallest for
 t > 150 s, when the flock has gathered; the largest for t > 200 s, each over all runs; and the 95th percentile
-of the runs' rms path errors for t > 200 s. docs/explanation/safe_flocking.md explains the law and has the
-whole study.
+of the runs' rms path errors, each from the time at which its flock has formed.
+docs/explanation/safe_flocking.md explains the law and has the whole study.
 """
 
 from __future__ import annotations
@@ -201,7 +201,7 @@ FIGURES = (
     ),
 )
 
-_FORM = "smallest distance, for t > 150 s, largest for t > 200 s, path error (95th percentile)"
+_FORM = "smallest distance, for t > 150 s, largest for t > 200 s, path error once formed (95th percentile)"
 _FOUR = "the same four numbers"
 TABLES = (
     Table("A.41", f"Safety of the law for a modem: {_FORM}", _ALL_OURS, _rows_of(OURS, BARS), "limits"),

@@ -152,15 +152,14 @@ class Summary:
     formed_m: float
     late_m: float
     path_p95_m: float
-    path_mean_m: float
     n_touching: int
     n_far: int
+    n_never_formed: int
 
     def __str__(self) -> str:
         """Return it as text for a table, in the order of `Bars`."""
-        return (
-            f"{self.ever_m:.2f} m, {self.formed_m:.2f} m, {self.late_m:.1f} m, path {self.path_p95_m:.2f} m"
-        )
+        path = f"{self.path_p95_m:.2f} m" if np.isfinite(self.path_p95_m) else "never reached"
+        return f"{self.ever_m:.2f} m, {self.formed_m:.2f} m, {self.late_m:.1f} m, path {path}"
 
     @property
     def remark(self) -> str:
@@ -170,6 +169,8 @@ class Summary:
             words.append(f"hulls touch in {self.n_touching}")
         if self.n_far:
             words.append(f"over {FAR_M:g} m in {self.n_far}")
+        if self.n_never_formed:
+            words.append(f"never formed in {self.n_never_formed}")
         return ", ".join(words)
 
     def keeps(self, bars: Bars) -> bool:
@@ -180,25 +181,31 @@ class Summary:
 
 
 def summary_of(runs: Sequence[Run]) -> Summary:
-    """Return the summary of the runs, of which there must be at least one."""
+    """
+    Return the summary of the runs, of which there must be at least one.
+
+    A flock that never formed has no path error, and counts as infinitely far from its path.
+    """
     ever_m, formed_m, late_m, path_m = (
         np.array([run.metrics[key] for run in runs], dtype=np.float64)
         for key in (
             "pair_distance_min_m",
             "pair_distance_min_after_150s_m",
             "pair_distance_max_after_200s_m",
-            "centroid_path_rms_after_200s_m",
+            "centroid_path_formed_rms_m",
         )
     )
+    has_formed = np.isfinite(path_m)
+    path_m = np.where(has_formed, path_m, np.inf)
     return Summary(
         len(runs),
         float(ever_m.min()),
         float(formed_m.min()),
         float(late_m.max()),
-        float(np.quantile(path_m, 0.95)),
-        float(path_m.mean()),
+        float(np.quantile(path_m, 0.95, method="higher")),
         int((ever_m < HULLS_TOUCH_M).sum()),
         int((late_m > FAR_M).sum()),
+        int((~has_formed).sum()),
     )
 
 
