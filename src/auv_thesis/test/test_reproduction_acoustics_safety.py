@@ -59,7 +59,7 @@ def test_worst_cell_may_lose_three_of_a_hundred(far, verdict):
     summary = study.summary_of(runs)
     assert summary.n_far == far
     assert summary.keeps(study.BARS[study.WORST]) == (verdict == AGREES)
-    assert f"over 10 m in {far}" in summary.remark
+    assert f"over 10 m in {far} of 100 (" in summary.remark
 
 
 def test_a_flock_that_never_formed_is_not_near_its_path():
@@ -67,7 +67,7 @@ def test_a_flock_that_never_formed_is_not_near_its_path():
     runs = [_run(spec, path_m=None if k < 6 else 0.05) for k, spec in enumerate(specs)]
     summary = study.summary_of(runs)
     assert not summary.keeps(study.BARS[study.USUAL])
-    assert "never formed in 6" in summary.remark
+    assert "never formed in 6 of 100 (2.2 to 13 %)" in summary.remark
     assert study.summary_of(runs[2:]).path_p95_m == 0.05
 
 
@@ -111,7 +111,7 @@ def test_law_without_a_part_is_compared_in_the_same_seeds():
     part = next(iter(study.PARTS))
     runs = [_run(spec) for spec in study.OURS[study.USUAL][:20]]
     runs += [_run(spec) for spec in study.ABLATED[study.USUAL, part][:3]]
-    assert _table("A.44").rows(runs)[0].note == "3 runs"
+    assert _table("A.44").rows(runs)[0].note.startswith("hulls touch in none of 3 (under 64 %)")
 
 
 def test_claims_count_cells_and_contacts():
@@ -119,7 +119,7 @@ def test_claims_count_cells_and_contacts():
     assert ours.judge(_runs(study.OURS)).holds == HOLDS
     verdict = thesis.judge(_runs(study.THESIS, ever_m=0.2))
     assert verdict.holds == DOES_NOT_HOLD
-    assert "hulls touch in 600" in verdict.evidence
+    assert "hulls touch in all 600 (over 99.5 %)" in verdict.evidence
     assert "limits kept in 0 of 6 cells" in verdict.evidence
 
 

@@ -3,7 +3,8 @@ Safety of a flock on a modem: distances and path error over slot lengths, losses
 
 Four numbers summarise the runs of one case: the smallest distance of any pair at any time; the smallest for
 t > 150 s, when the flock has gathered; the largest for t > 200 s, each over all runs; and the 95th percentile
-of the runs' rms path errors, each from the time at which its flock has formed.
+of the runs' rms path errors, each from the time at which its flock has formed, with its 95 % confidence
+interval. Shares have 95 % exact bounds, which take runs as independent: the cells share their 100 starts.
 docs/explanation/safe_flocking.md explains the law and has the whole study.
 """
 
@@ -14,6 +15,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
+from auv_experiment.confidence.binomial import share_words
 from auv_experiment.metrics.distances import pair_distances_m
 from auv_thesis.acoustics.safety_runs import (
     ABLATED,
@@ -167,7 +169,7 @@ def _words(summaries: Sequence[Summary]) -> str:
     touching, count = sum(s.n_touching for s in summaries), sum(s.n for s in summaries)
     return (
         f"smallest distance over {count} runs {ever_m:.2f} m, {formed_m:.2f} m for t > 150 s; "
-        f"hulls touch in {touching}"
+        f"hulls touch in {share_words(touching, count)}"
     )
 
 

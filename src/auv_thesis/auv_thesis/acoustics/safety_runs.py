@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from auv_experiment.confidence.binomial import share_words
+from auv_experiment.confidence.clusters import NO_INTERVAL, Interval, percentile_interval
 from auv_thesis.items import Run, RunSpec
 
 FIRST_SEED = 3001
@@ -152,25 +154,30 @@ class Summary:
     formed_m: float
     late_m: float
     path_p95_m: float
+    path_p95_interval: Interval
     n_touching: int
     n_far: int
     n_never_formed: int
 
     def __str__(self) -> str:
         """Return it as text for a table, in the order of `Bars`."""
+        low, high = (
+            "–" if bound is None else f"{bound:.2f}"
+            for bound in (self.path_p95_interval.low, self.path_p95_interval.high)
+        )
         path = f"{self.path_p95_m:.2f} m" if np.isfinite(self.path_p95_m) else "never reached"
-        return f"{self.ever_m:.2f} m, {self.formed_m:.2f} m, {self.late_m:.1f} m, path {path}"
+        distances = f"{self.ever_m:.2f} m, {self.formed_m:.2f} m, {self.late_m:.1f} m"
+        return f"{distances}, path {path} [{low}, {high}]"
 
     @property
     def remark(self) -> str:
-        """Return the number of runs, and how many of them went badly."""
-        words = [f"{self.n} run{'s' if self.n != 1 else ''}"]
-        if self.n_touching:
-            words.append(f"hulls touch in {self.n_touching}")
-        if self.n_far:
-            words.append(f"over {FAR_M:g} m in {self.n_far}")
+        """Return how many of the runs went badly, with the exact bounds of these shares."""
+        words = [
+            f"hulls touch in {share_words(self.n_touching, self.n)}",
+            f"over {FAR_M:g} m in {share_words(self.n_far, self.n)}",
+        ]
         if self.n_never_formed:
-            words.append(f"never formed in {self.n_never_formed}")
+            words.append(f"never formed in {share_words(self.n_never_formed, self.n)}")
         return ", ".join(words)
 
     def keeps(self, bars: Bars) -> bool:
@@ -203,6 +210,7 @@ def summary_of(runs: Sequence[Run]) -> Summary:
         float(formed_m.min()),
         float(late_m.max()),
         float(np.quantile(path_m, 0.95, method="higher")),
+        percentile_interval(path_m, 0.95) if has_formed.all() else NO_INTERVAL,
         int((ever_m < HULLS_TOUCH_M).sum()),
         int((late_m > FAR_M).sum()),
         int((~has_formed).sum()),
