@@ -22,6 +22,8 @@ from scipy.stats import binom, binomtest
 import auv_sim.acoustics
 from auv_core.messages import Outcome
 from auv_core.params import load
+from auv_experiment.confidence import CONFIDENCE
+from auv_experiment.confidence.binomial import wilson_interval
 from auv_experiment.figures.plotting import colour, marker
 from auv_sim.acoustics import codes, water
 from auv_sim.acoustics.event_log import half_duplex_violations
@@ -46,7 +48,6 @@ RANGES_M = (50.0, 100.0, *(250.0 * i for i in range(1, 33)))
 TABLE_RANGES_M = (50.0, 1000.0, 2000.0, 3000.0, 3500.0, 4000.0, 5000.0, 6000.0, 7000.0)
 PACKETS = 500
 PAYLOAD_BYTES = 32
-CONFIDENCE = 0.95
 FIRST_SEED = 1000
 
 
@@ -67,8 +68,8 @@ class Cell:
     @property
     def band(self) -> tuple[float, float]:
         """Wilson's interval of the delivery ratio."""
-        interval = binomtest(self.delivered, self.sent).proportion_ci(CONFIDENCE, method="wilson")
-        return float(interval.low), float(interval.high)
+        low, high = wilson_interval(self.delivered, self.sent)
+        return float(low), float(high)
 
     @property
     def is_inside(self) -> bool:
