@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass
 from typing import NamedTuple
 
+from auv_control.attitude import attitude_moment
 from auv_control.controllers import ContinuousVelocityController, VelocityReference
 from auv_core.compiled import entry, fastest, inlined, record
 from auv_core.geometry import (
@@ -23,7 +24,6 @@ from auv_core.geometry import (
     clipped,
     ned_to_body,
     quaternion_from_heading,
-    quaternion_product,
 )
 from auv_core.messages import Vec6, VehicleState, Wrench
 from auv_core.params import param
@@ -91,12 +91,9 @@ def control(
     growth = (0.0, 0.0, 0.0)
     if fx == ax and fy == ay and fz == az:
         growth = body_to_ned(attitude, error)
-    w, x, y, z = attitude
-    turn = quaternion_product((w, -x, -y, -z), facing)
-    twice = 2.0 * gains.attitude_nm if turn[0] >= 0.0 else -2.0 * gains.attitude_nm
-    mx = clipped(twice * turn[1] - gains.rate_nms * nu[3], gains.max_moment_nm)
-    my = clipped(twice * turn[2] - gains.rate_nms * nu[4], gains.max_moment_nm)
-    mz = clipped(twice * turn[3] - gains.rate_nms * nu[5], gains.max_moment_nm)
+    mx, my, mz = attitude_moment(
+        attitude, (nu[3], nu[4], nu[5]), facing, gains.attitude_nm, gains.rate_nms, gains.max_moment_nm
+    )
     return (fx, fy, fz, mx, my, mz), growth
 
 
