@@ -1,22 +1,24 @@
 """Claims about the synthesis: Riccati equation, smallest gain, norm of the loop, and the preset."""
 
 from functools import cache
+from importlib import import_module
 
 import numpy as np
 import pytest
 import yaml
 from scipy.linalg import expm
 
-from auv_control.controllers.h_infinity import Params
+from auv_control.controllers.adaptive import Params as AdaptiveParams
+from auv_control.controllers.formation_sliding_mode import Params as SlidingParams
+from auv_control.controllers.velocity_pi import Params as PiParams
+from auv_control.controllers.velocity_sliding_mode import Params as VelocitySlidingParams
+from auv_control.synthesis.designs import designs
 from auv_control.synthesis.h_infinity import (
     Weights,
     axis_plant,
     closed_loop,
     feedback,
     hamiltonian_norm,
-    preset_axes,
-    preset_file,
-    preset_params,
     riccati_solution,
     sweep_norm,
     synthesise,
@@ -29,19 +31,44 @@ both_axes = pytest.mark.parametrize("numbers", [SURGE, SWAY], ids=["surge", "swa
 
 
 @cache
+def _designs():
+    return designs()
+
+
+@cache
 def _axes():
-    return dict(zip((SURGE, SWAY), preset_axes(WEIGHTS), strict=True))
+    return dict(zip((SURGE, SWAY), _designs()[0].axes.values(), strict=True))
 
 
-def test_preset_is_what_the_synthesis_gives():
-    stored = yaml.safe_load(preset_file().read_text(encoding="utf-8"))
-    computed = preset_params((_axes()[SURGE], _axes()[SWAY]))
-    assert stored["kind"] == "h_infinity"
-    assert stored["params"].keys() == computed.keys()
-    for key, values in computed.items():
+@pytest.mark.parametrize("index", [0, 1, 2], ids=["path", "formation", "velocity"])
+def test_preset_and_defaults_are_what_the_synthesis_gives(index):
+    design = _designs()[index]
+    stored = yaml.safe_load(design.file.read_text(encoding="utf-8"))
+    assert stored["kind"] == design.kind
+    assert stored["params"].keys() == design.params.keys()
+    for key, values in design.params.items():
         assert stored["params"][key] == pytest.approx(values, rel=1e-6), key
-    defaults = dump(load(Params, {}, "law"))
-    assert {key: list(defaults[key]) for key in computed} == stored["params"]
+    module = import_module(f"auv_control.controllers.{design.kind}")
+    defaults = dump(load(module.Params, {}, "law"))
+    assert {key: defaults[key] for key in design.params} == stored["params"]
+
+
+def test_laws_that_are_compared_are_equally_stiff():
+    adaptive, sliding = AdaptiveParams(), SlidingParams()
+    stiffness = [float(axis.gain[0, 1]) for axis in _designs()[1].axes.values()]
+    assert stiffness == pytest.approx(np.multiply(adaptive.error_gain, adaptive.error_rate_ps).tolist())
+    in_the_layer = np.divide(sliding.switching_gain, sliding.boundary_layer)
+    assert stiffness == pytest.approx((in_the_layer * sliding.error_rate_ps).tolist())
+    pi, velocity_sliding = PiParams(), VelocitySlidingParams()
+    rate_ps = velocity_sliding.error_rate_ps
+    gain_nspm = velocity_sliding.switching_gain_n / velocity_sliding.boundary_layer_mps
+    assert float(_designs()[2].axes["velocity"].gain[0, 1]) == pytest.approx(pi.velocity_gain_nspm)
+    assert gain_nspm + velocity_sliding.mass_kg[0] * rate_ps == pytest.approx(pi.velocity_gain_nspm, rel=1e-3)
+    assert gain_nspm * rate_ps == pytest.approx(pi.integral_gain_npm, rel=1e-3)
+
+
+def _every_axis():
+    return [axis for design in _designs() for axis in design.axes.values()]
 
 
 def plant_of(numbers, factor=1.0):
@@ -69,11 +96,11 @@ def test_smallest_gain_is_where_the_disturbance_must_be_answered(numbers):
     assert riccati_solution(plant_of(numbers), 0.99 * result.gamma_best) is None
 
 
-@both_axes
-def test_norm_of_the_loop_found_twice_is_below_gamma(numbers):
-    result = _axes()[numbers]
-    assert result.norm_hamiltonian == pytest.approx(result.norm_sweep, rel=1e-5)
-    assert result.gamma_best <= result.norm_hamiltonian <= result.gamma
+def test_norms_of_all_loops_found_twice_are_below_gamma():
+    assert len(_every_axis()) == 7
+    for result in _every_axis():
+        assert result.norm_hamiltonian == pytest.approx(result.norm_sweep, rel=1e-5)
+        assert result.gamma_best <= result.norm_hamiltonian <= result.gamma
 
 
 def test_norms_by_hand():

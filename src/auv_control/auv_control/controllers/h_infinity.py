@@ -25,6 +25,7 @@ from dataclasses import dataclass
 
 from auv_control.avoidance import obstacle_force
 from auv_control.controllers import MotionLaw, MotionView
+from auv_control.riccati import check_feedback, check_norms, quadratic
 from auv_control.tracking_errors import TrackingErrors, ned_force_in_frame, tracking_errors
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
@@ -77,24 +78,10 @@ class Params:
     )
 
     def __post_init__(self) -> None:
-        axes = (("surge", self.surge_gain, self.surge_riccati), ("sway", self.sway_gain, self.sway_riccati))
-        for number, (name, gain, riccati) in enumerate(axes):
-            q, e, v = gain
-            if not (e > 0.0 and v > 0.0 and (self.linear_damping[number] + v) * e > self.inertia[number] * q):
-                raise ValueError(
-                    f"{name}_gain: {list(gain)!r} is not allowed; allowed: gains of a stable loop, "
-                    "e and nu_e above 0 with (d_L + F_nu) F_e > m F_q"
-                )
-            if not _is_positive_definite(riccati):
-                raise ValueError(
-                    f"{name}_riccati: {list(riccati)!r} is not allowed; allowed: a positive definite matrix"
-                )
-        for number, norm in enumerate(self.achieved_norm):
-            if norm > self.gamma[number]:
-                raise ValueError(
-                    f"achieved_norm[{number}]: {norm!r} is not allowed; "
-                    f"allowed: at most gamma[{number}] = {self.gamma[number]!r}"
-                )
+        hulls = tuple(zip(self.inertia, self.linear_damping, strict=True))
+        check_feedback("surge", self.surge_gain, self.surge_riccati, hulls[0])
+        check_feedback("sway", self.sway_gain, self.sway_riccati, hulls[1])
+        check_norms(self.achieved_norm, self.gamma)
 
 
 class Controller(MotionLaw):
@@ -151,7 +138,7 @@ class Controller(MotionLaw):
         q = ned_force_in_frame(view, (state[0], state[1]), p.frame)
         return (
             sum(
-                _quadratic(riccati, (q[axis], errors.pose[axis], errors.velocity[axis]))
+                quadratic(riccati, (q[axis], errors.pose[axis], errors.velocity[axis]))
                 for axis, riccati in enumerate((p.surge_riccati, p.sway_riccati))
             ),
         )
@@ -174,16 +161,3 @@ class Controller(MotionLaw):
             return 0.0, 0.0
         wanted, actual = view.path.position, view.nav.position
         return wanted[0] - actual[0], wanted[1] - actual[1]
-
-
-def _quadratic(p: Vec6, x: Vec3) -> float:
-    a, b, c = x
-    return p[0] * a * a + p[3] * b * b + p[5] * c * c + 2.0 * (p[1] * a * b + p[2] * a * c + p[4] * b * c)
-
-
-def _is_positive_definite(p: Vec6) -> bool:
-    """Return whether all leading minors of the symmetric matrix are above 0 (Sylvester)."""
-    a, b, c = p[:3]
-    d, e, f = p[3:]
-    minor = a * d - b * b
-    return a > 0.0 and minor > 0.0 and a * (d * f - e * e) - b * (b * f - c * e) + c * (b * e - c * d) > 0.0

@@ -1,5 +1,5 @@
 """
-Synthesis of the H-infinity state feedback of `auv_control.controllers.h_infinity`.
+Synthesis of H-infinity state feedback; `auv_control.synthesis.designs` has the laws that use it.
 
 Along one axis, about a path flown at a steady speed, x = [q, e, nu_e] with q' = e, e' = nu_e and
 
@@ -21,23 +21,14 @@ Hamiltonian matrix (Boyd, Balakrishnan, Kabamba 1989) and from a sweep of freque
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, solve_continuous_are
 
-import auv_control.controllers
-import auv_core.models
-
 Matrix = NDArray[np.float64]
 
-PRESET = "h_infinity_table_2_1"
-PLANT = "table_2_1"
-DIGITS = 8
 _BISECTIONS = 45
 _SWEEP_RADPS = np.logspace(-4.0, 3.0, 4001)
 
@@ -93,6 +84,15 @@ def axis_plant(mass_kg: float, linear: float, quadratic: float, weights: Weights
     )
 
 
+def velocity_plant(mass_kg: float, linear: float, quadratic: float, weights: Weights) -> Plant:
+    """
+    Return the weighted plant of a velocity loop with integral action, x = [q, nu_e] with q' = nu_e: that of
+    one axis without the integral of e, since q is what e is there.
+    """
+    axis = axis_plant(mass_kg, linear, quadratic, weights)
+    return Plant(axis.a[1:, 1:], axis.b1[1:], axis.b2[1:], axis.c[1:, 1:], axis.r)
+
+
 def synthesise(plant: Plant, margin: float) -> Synthesis:
     """Return the feedback for `margin` times the smallest possible gain."""
     best = _smallest_gamma(plant)
@@ -110,7 +110,7 @@ def riccati_solution(plant: Plant, gamma: float) -> Matrix | None:
     weight = np.diag([-gamma * gamma, plant.r])
     try:
         p = solve_continuous_are(plant.a, np.hstack([plant.b1, plant.b2]), plant.c.T @ plant.c, weight)
-    except LinAlgError:
+    except (LinAlgError, ValueError):
         return None
     p = 0.5 * (p + p.T)
     loop = plant.a + plant.b2 @ feedback(plant, p)
@@ -153,62 +153,9 @@ def sweep_norm(a: Matrix, b: Matrix, c: Matrix) -> float:
     return float(np.linalg.norm(c @ resolvents, ord=2, axis=(1, 2)).max())
 
 
-def preset_axes(weights: Weights) -> tuple[Synthesis, Synthesis]:
-    """Return the syntheses of surge and sway for thesis Table 2.1."""
-    file = Path(str(auv_core.models.__file__)).parent / f"presets/{PLANT}.yaml"
-    numbers = yaml.safe_load(file.read_text(encoding="utf-8"))["params"]
-    surge, sway = (
-        synthesise(
-            axis_plant(
-                numbers["inertia"][axis],
-                numbers["linear_damping"][axis],
-                numbers["quadratic_damping"][axis],
-                weights,
-            ),
-            weights.margin,
-        )
-        for axis in (0, 1)
-    )
-    return surge, sway
-
-
-def preset_params(axes: tuple[Synthesis, Synthesis]) -> dict[str, list[float]]:
-    """Return the parameters of the law, rounded to the digits of the preset."""
-    upper = np.triu_indices(3)
-    return {
-        "surge_gain": _rounded(axes[0].gain[0]),
-        "sway_gain": _rounded(axes[1].gain[0]),
-        "surge_riccati": _rounded(axes[0].riccati[upper]),
-        "sway_riccati": _rounded(axes[1].riccati[upper]),
-        "gamma": _rounded([axis.gamma for axis in axes]),
-        "achieved_norm": _rounded([axis.norm_hamiltonian for axis in axes]),
-    }
-
-
-def preset_file() -> Path:
-    """Return the path of the preset."""
-    return Path(str(auv_control.controllers.__file__)).parent / f"presets/{PRESET}.yaml"
-
-
-def preset_text(weights: Weights, axes: tuple[Synthesis, Synthesis]) -> str:
-    """Return the preset as YAML."""
-    lines = [
-        f"# H-infinity state feedback for the plant {PLANT}; written by ./scripts/synthesise_h_infinity.",
-        "# " + ", ".join(f"{key} {value:g}" for key, value in asdict(weights).items()),
-        "kind: h_infinity",
-        "params:",
-        *(f"  {key}: {value}" for key, value in preset_params(axes).items()),
-    ]
-    return "\n".join(lines) + "\n"
-
-
 def _smallest_gamma(plant: Plant) -> float:
     low, high = 1e-6, 1e6
     for _ in range(_BISECTIONS):
         middle = float(np.sqrt(low * high))
         low, high = (middle, high) if riccati_solution(plant, middle) is None else (low, middle)
     return high
-
-
-def _rounded(values: Any) -> list[float]:
-    return [float(f"{float(value):.{DIGITS}g}") for value in values]
