@@ -17,7 +17,7 @@ from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3
 from auv_core.params import Section
 from auv_flocking.neighbours.estimates import Neighbours
-from auv_flocking.separation import SeparationLaw
+from auv_flocking.separation import LearningLaw, ObstacleLearningLaw, SeparationLaw
 
 
 class FlockVelocity(NamedTuple):
@@ -88,6 +88,13 @@ class FlockingLaw(Protocol):
 
     def adapt(self, view: View, dt_s: float) -> None:
         """Update an adaptive separation law; called after `velocity`, once per control period of `dt_s`."""
+
+
+def learn(law: LearningLaw, view: View, spacing_m: float, dt_s: float) -> None:
+    """Let a separation law adapt to the distances of a view (m) for one control period of `dt_s`."""
+    law.adapt([math.dist(view.position, other) for other in view.neighbours], spacing_m, dt_s)
+    if isinstance(law, ObstacleLearningLaw):
+        law.adapt_to_obstacles([math.dist(view.position, place) - d for place, d in view.obstacles], dt_s)
 
 
 def make_flocking(section: Section, separation: SeparationLaw, *, is_leader: bool) -> FlockingLaw:

@@ -38,7 +38,6 @@ docs/explanation/safe_flocking.md measures what each part is worth.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -49,7 +48,7 @@ from auv_control.references import PathPoint
 from auv_core.compiled import fastest, specialised
 from auv_core.geometry import Vec3, limited
 from auv_core.params import param
-from auv_flocking.flocking import FlockingLaw, FlockVelocity, View
+from auv_flocking.flocking import FlockingLaw, FlockVelocity, View, learn
 from auv_flocking.flocking._correction import (
     Gains,
     correction,
@@ -254,8 +253,7 @@ class Flocking(FlockingLaw):
     def adapt(self, view: View, dt_s: float) -> None:
         """Update a separation law with a state for one control period of `dt_s`; see `potential`."""
         if self._learning is not None:
-            distances_m = [math.dist(view.position, other) for other in view.neighbours]
-            self._learning.adapt(distances_m, self._params.spacing_m, dt_s)
+            learn(self._learning, view, self._params.spacing_m, dt_s)
 
     def _pushes(self, view: View, estimates: Estimates) -> Matrix:
         """Return the velocities from neighbours and obstacles for a separation law without `strength`."""

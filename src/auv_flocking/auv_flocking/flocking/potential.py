@@ -31,7 +31,7 @@ from auv_control.references import PathPoint
 from auv_core.compiled import inlined
 from auv_core.geometry import Vec3, added, limited
 from auv_core.params import param
-from auv_flocking.flocking import FlockingLaw, FlockVelocity, View
+from auv_flocking.flocking import FlockingLaw, FlockVelocity, View, learn
 from auv_flocking.neighbours.estimates import Neighbours
 from auv_flocking.separation import LearningLaw, SeparationLaw, obstacle_velocity_of
 
@@ -181,5 +181,4 @@ class Flocking(FlockingLaw):
         holds station.
         """
         if self._learning is not None:
-            distances_m = [math.dist(view.position, other) for other in view.neighbours]
-            self._learning.adapt(distances_m, self._params.spacing_m, dt_s)
+            learn(self._learning, view, self._params.spacing_m, dt_s)

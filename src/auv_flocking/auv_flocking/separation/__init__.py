@@ -6,7 +6,8 @@ its ``kind``.  A law may have further protocols:
 
 * an `ObstacleLaw`, if obstacles are not treated like vehicles;
 * a `PotentialLaw`: the metrics of a run then tell whether the flock's potential decreases;
-* a `LearningLaw`, which has a state and is refused in continuous time;
+* a `LearningLaw`, which has a state and is refused in continuous time, and of these an
+  `ObstacleLearningLaw`, which learns from obstacles too;
 * a `CentralLaw`, which acts along the line between the two: it is then compiled with the loop over all
   pairs of a flock.
 """
@@ -54,6 +55,17 @@ class LearningLaw(SeparationLaw, Protocol):
 
     def adapt(self, distances_m: Sequence[float], spacing_m: float, dt_s: float) -> None:
         """Adapt to the distances to the neighbours; called once per control period of `dt_s`."""
+
+
+@runtime_checkable
+class ObstacleLearningLaw(LearningLaw, Protocol):
+    """A law that also learns from its distances to obstacles."""
+
+    def adapt_to_obstacles(self, errors_m: Sequence[float], dt_s: float) -> None:
+        """
+        Adapt to the distances to the obstacles, each minus the safety distance of that obstacle (m); called
+        once per control period of `dt_s`, with no errors if there are no obstacles.
+        """
 
 
 @runtime_checkable
