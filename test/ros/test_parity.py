@@ -155,6 +155,11 @@ def test_every_scenario_in_lockstep_equals_the_run_in_one_process(scenario, dura
         ("compare_path_laws", "agent.controller={preset: h_infinity_table_2_1}"),
         ("compare_path_laws", "agent.controller={kind: sliding_mode}"),
         ("flock_acoustic", "agent.separation={kind: adaptive_fuzzy}"),
+        ("flock_acoustic", "agent.separation={kind: adaptive_fuzzy_obstacles}"),
+        ("flock_acoustic", "agent.controller={kind: velocity_sliding_mode}"),
+        ("flock_acoustic", "agent.controller={preset: velocity_h_infinity_odin}"),
+        ("ch3_circle_corrected", "agent.controller={kind: formation_sliding_mode}"),
+        ("ch3_circle_corrected", "agent.controller={preset: formation_h_infinity_table_3_1}"),
     ],
 )
 def test_laws_that_no_scenario_names_are_the_same_in_lockstep(scenario, override, tmp_path):
