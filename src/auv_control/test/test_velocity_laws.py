@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -41,7 +42,8 @@ ATTITUDES = (
 def _fly(controller, wanted_at, duration_s, current=CURRENT):
     """Return the velocities over ground (ticks + 1, 3; m/s)."""
     model = Model(ODIN)
-    state, velocities = model.initial_state((0.0, 0.0, 10.0), 0.0), [STILL]
+    state: Any = model.initial_state((0.0, 0.0, 10.0), 0.0)
+    velocities = [STILL]
     for tick in range(round(duration_s / PERIOD_S)):
         nav = VehicleState(tick, state[:3], state[3:7], state[7:])
         command = controller.step(nav, VelocityReference(wanted_at(tick * PERIOD_S), 0.3))
