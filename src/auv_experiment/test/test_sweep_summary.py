@@ -311,6 +311,8 @@ def test_the_page_needs_no_other_file_and_the_table_makes_it_again(tmp_path, cap
     assert "http" not in first.replace("http-equiv", "")
     assert first.count("data:image/png;base64,") == 2
     assert "Made &lt;up&gt;" in first
+    assert "Paired differences from the first value of a parameter" in first
+    assert "Student&#x27;s t, 3 seeds" in first
     other = tmp_path / "other"
     other.mkdir()
     shutil.copy(tmp_path / "runs.parquet", other)

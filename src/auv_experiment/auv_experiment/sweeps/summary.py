@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -102,7 +102,7 @@ def neighbouring_groups(table: SweepTable) -> list[tuple[str, Group, Group]]:
 def write_summary(folder: Path, table: SweepTable) -> Path:
     """Write the statistics of every metric at every point of the grid, one line each."""
     rows = (
-        [*group.values.values(), name, len(group.rows), n_failed(table, group), *astuple(summary)]
+        [*group.values.values(), name, len(group.rows), n_failed(table, group), *vars(summary).values()]
         for group in grid_groups(table)
         for name in table.metrics
         for summary in [metric_of(table, name, group)]
@@ -125,7 +125,7 @@ def write_differences(folder: Path, table: SweepTable) -> Path | None:
         path.unlink(missing_ok=True)
         return None
     rows = (
-        [*group.values.values(), PREFIX + parameter, base.values[parameter], name, *astuple(found)]
+        [*group.values.values(), PREFIX + parameter, base.values[parameter], name, *vars(found).values()]
         for parameter, group, base in neighbours
         for name in table.metrics
         for found in [difference_of(table, name, group, base)]

@@ -167,9 +167,10 @@ def _draw_map(canvas: Canvas, runs: list[Run]) -> None:
 def _words(summaries: Sequence[Summary]) -> str:
     ever_m, formed_m = (min(getattr(s, key) for s in summaries) for key in ("ever_m", "formed_m"))
     touching, count = sum(s.n_touching for s in summaries), sum(s.n for s in summaries)
+    a_cell = f" and in {share_words(0, min(s.n for s in summaries))} of a cell" if not touching else ""
     return (
         f"smallest distance over {count} runs {ever_m:.2f} m, {formed_m:.2f} m for t > 150 s; "
-        f"hulls touch in {share_words(touching, count)}"
+        f"hulls touch in {share_words(touching, count)}{a_cell}"
     )
 
 
