@@ -71,11 +71,11 @@ NO_INTERVAL = Interval(None, None, "")
 
 
 class Spread(NamedTuple):
-    """Variance of a mean, its degrees of freedom, and the third central moment of the mean."""
+    """Standard error of a mean, its degrees of freedom, and the skewness of the mean (0 if unknown)."""
 
-    variance: float
+    error: float
     dof: float
-    third: float
+    skewness: float
 
 
 def mean_interval(values: ArrayLike, *factors: ArrayLike) -> Interval:
@@ -94,8 +94,8 @@ def mean_interval(values: ArrayLike, *factors: ArrayLike) -> Interval:
     spread = spread_of_mean(y, *factors)
     if spread is None:
         return NO_INTERVAL
-    if spread.third == 0.0 or spread.variance == 0.0:
-        half = float(stdtrit(spread.dof, _UPPER)) * spread.variance**0.5
+    if spread.skewness == 0.0:
+        half = float(stdtrit(spread.dof, _UPPER)) * spread.error
         return Interval(float(y.mean()) - half, float(y.mean()) + half, STUDENT)
     low, high = _hall(float(y.mean()), spread)
     return Interval(low, high, HALL)
@@ -162,7 +162,7 @@ def effective_runs(truths: ArrayLike, *factors: ArrayLike) -> float:
     spread = spread_of_mean(y, *factors)
     if spread is None:
         return 1.0
-    inflation = max(1.0, spread.variance * n / (share * (1.0 - share)))
+    inflation = max(1.0, spread.error**2 * n / (share * (1.0 - share)))
     few = (float(ndtri(_UPPER)) / float(stdtrit(spread.dof, _UPPER))) ** 2
     return max(1.0, few * n / inflation)
 
@@ -173,14 +173,17 @@ def spread_of_mean(values: FloatArray, *factors: ArrayLike) -> Spread | None:
     if not len(values) or min(_sizes(codes)) < 2:
         return None
     parts = (values - values.mean()) / len(values)
+    unit = float(np.abs(parts).max()) or 1.0
     if len(codes) == 1:
-        sums = _sums(parts, codes[0])
-        return Spread(_variance(sums), len(sums) - 1.0, _third(sums))
-    return _crossed_spread(_table_of(parts, *codes))
+        sums = _sums(parts / unit, codes[0])
+        variance, dof, third = _variance(sums), len(sums) - 1.0, _third(sums)
+    else:
+        variance, dof, third = _crossed_moments(_table_of(parts / unit, *codes))
+    return Spread(unit * variance**0.5, dof, third / variance**1.5 if variance > 0.0 else 0.0)
 
 
-def _crossed_spread(parts: FloatArray) -> Spread:
-    """Return the spread from the (A, B) sums Z."""
+def _crossed_moments(parts: FloatArray) -> tuple[float, float, float]:
+    """Return variance, degrees of freedom and third central moment of the mean from the (A, B) sums Z."""
     rows, columns = parts.sum(axis=1), parts.sum(axis=0)
     dofs = np.array([len(rows) - 1.0, len(columns) - 1.0])
     rest = parts - rows[:, np.newaxis] / parts.shape[1] - columns / parts.shape[0]
@@ -188,7 +191,7 @@ def _crossed_spread(parts: FloatArray) -> Spread:
     variance = both.sum() - shared
     scale = (both**2 / dofs).sum() + shared**2 / dofs.prod()
     dof = max(float(variance**2 / scale), float(dofs.min())) if scale > 0.0 else float(dofs.min())
-    return Spread(float(max(variance, both.max())), dof, _third(rows) + _third(columns))
+    return float(max(variance, both.max())), dof, _third(rows) + _third(columns)
 
 
 def _crossed(n: int, factors: tuple[ArrayLike, ...]) -> list[IntArray]:
@@ -222,14 +225,13 @@ def _third(sums: FloatArray) -> float:
 
 def _hall(mean: float, spread: Spread) -> tuple[float, float]:
     """Return the interval by the inverse of Hall's transformation t + a t^2 / 3 + a^2 t^3 / 27 + a / 6."""
-    error, t = spread.variance**0.5, float(stdtrit(spread.dof, _UPPER))
-    a = spread.third / error**3
+    a, t = spread.skewness, float(stdtrit(spread.dof, _UPPER))
 
     def inverse(u: float) -> float:
         y = u - a / 6.0
         return y if abs(a) < 1e-6 else 3.0 / a * (float(np.cbrt(1.0 + a * y)) - 1.0)
 
-    return mean - inverse(t) * error, mean - inverse(-t) * error
+    return mean - inverse(t) * spread.error, mean - inverse(-t) * spread.error
 
 
 @lru_cache(maxsize=4096)
