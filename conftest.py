@@ -1,13 +1,14 @@
 """An invariant of every test (no modem receives while it transmits), and fixtures of several packages."""
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import pytest
 
 from auv_core.messages import AcousticEvent
 from auv_sim.acoustics.event_log import half_duplex_violations
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
+from auv_sim.obstacle_field import ObstacleConfig
 
 
 @pytest.fixture(autouse=True)
@@ -16,8 +17,8 @@ def _half_duplex(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     logs: dict[AcousticMedium, list[AcousticEvent]] = {}
     make, take_events = AcousticMedium.__init__, AcousticMedium.take_events
 
-    def made(medium: AcousticMedium, config: MediumConfig) -> None:
-        make(medium, config)
+    def made(medium: AcousticMedium, config: MediumConfig, obstacles: Sequence[ObstacleConfig] = ()) -> None:
+        make(medium, config, obstacles)
         logs[medium] = []
 
     def taken(medium: AcousticMedium) -> list[AcousticEvent]:

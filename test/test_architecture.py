@@ -35,6 +35,7 @@ PLUGIN_FOLDERS = (
     "auv_core/models",
     "auv_flocking/consensus",
     "auv_flocking/flocking",
+    "auv_flocking/trackers",
     "auv_flocking/reports",
     "auv_flocking/separation",
     "auv_sim/acoustics/mac",
@@ -43,6 +44,7 @@ PLUGIN_FOLDERS = (
     "auv_sim/acoustics/propagation",
     "auv_sim/acoustics/sonar",
     "auv_sim/navigation",
+    "auv_sim/obstacles",
 )
 SEEDED = {"default_rng", "Generator", "SeedSequence"}
 

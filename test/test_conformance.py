@@ -3,6 +3,7 @@
 import copy
 import importlib
 import inspect
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import MISSING, fields
@@ -16,6 +17,7 @@ import yaml
 from auv_control.controllers import MotionLaw, MotionView, VelocityController, VelocityReference
 from auv_control.references import PathPoint, ReferencePath
 from auv_core.contracts import fulfilled, members
+from auv_core.geometry import distance
 from auv_core.messages import VehicleState, VelocityCommand, Wrench
 from auv_core.models import VehicleModel, WrenchModel
 from auv_core.params import ConfigError, dump, load, load_section
@@ -24,7 +26,9 @@ from auv_flocking.central import along
 from auv_flocking.codec import Field, Layout
 from auv_flocking.consensus import ConsensusFilter, ContinuousFilter
 from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, View
+from auv_flocking.neighbours.association import Leftovers
 from auv_flocking.neighbours.estimates import NeighbourEstimate
+from auv_flocking.neighbours.sonar_contact import contact_of, sighting
 from auv_flocking.report import Report, ReportError
 from auv_flocking.reports import ReportFormat
 from auv_flocking.separation import (
@@ -36,12 +40,14 @@ from auv_flocking.separation import (
     mathematical,
     obstacle_velocity_of,
 )
+from auv_flocking.trackers import ObstacleTracker
 from auv_sim.acoustics.mac import MediumAccess, SensingAccess
 from auv_sim.acoustics.modem import AcousticModem, LevelModem
 from auv_sim.acoustics.outage import PacketLoss
 from auv_sim.acoustics.propagation import SoundPropagation
 from auv_sim.acoustics.sonar import HullSonar
 from auv_sim.navigation import OwnNavigation
+from auv_sim.obstacles import ObstacleMotion
 
 PERIOD_S = 0.1
 SEPARATION = mathematical.Separation(mathematical.Params())
@@ -291,10 +297,38 @@ def _use_sonar(module, params, inputs):
     for tick in range(50):
         states = [VehicleState(tick, point, inputs.attitude(), inputs.six(1.0)) for point in inputs.points(4)]
         for address in range(1, 5):
-            contacts = sonar.contacts(address, tick, PERIOD_S, tuple(states))
-            assert len(contacts) <= 3
+            contacts = sonar.contacts(address, tick, PERIOD_S, tuple(states), tuple(inputs.points(2)))
+            assert len(contacts) <= 5
             assert all(contact.range_m >= 0.0 for contact in contacts)
             outputs += contacts
+    return outputs
+
+
+def _use_obstacle_motion(module, params, _inputs):
+    motion = module.Motion(params)
+    times_s = [0.1 * tick for tick in range(3000)]
+    offsets = [motion.offset(t_s) for t_s in times_s]
+    assert offsets[0] == (0.0, 0.0, 0.0)
+    assert [motion.offset(t_s) for t_s in reversed(times_s)] == offsets[::-1], "only the time may matter"
+    steps_m = [distance(a, b) for a, b in itertools.pairwise(offsets)]
+    assert max(steps_m) < 1.0, "an obstacle does not jump"
+    return offsets
+
+
+def _use_tracker(module, params, inputs):
+    tracker, known = module.Tracker(params, ((30.0, 0.0, 0.0),)), inputs.point()
+    nav = VehicleState(0, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0,) * 6)
+    nobody = np.empty((0, 3)), np.empty((0, 3, 3)), np.empty(0, dtype=bool)
+    outputs: list[object] = [(0.0, 0.0, 0.0)]
+    for tick in range(20):
+        t_s = 0.5 * tick
+        rivals = tracker.rivals(t_s)
+        seen = sighting(t_s, nav, contact_of(known), 0.1, 0.02)
+        rows = [k for k, point in enumerate(rivals.points) if distance(tuple(point), known) < 1.0]
+        claimed, unclaimed = ([(seen, rows[0])], []) if rows else ([], [seen])
+        tracker.observe(t_s, Leftovers(claimed, unclaimed, *nobody))
+        for each in tracker.obstacles(t_s):
+            outputs += [each.position, each.velocity, each.sigma_m, each.age_s]
     return outputs
 
 
@@ -386,6 +420,8 @@ ROLES = {
     "auv_flocking.separation": Role("Separation", (SeparationLaw,), (), _use_separation),
     "auv_flocking.consensus": Role("Consensus", (ConsensusFilter,), (4,), _use_consensus),
     "auv_flocking.reports": Role("Format", (ReportFormat,), ((),), _use_format),
+    "auv_flocking.trackers": Role("Tracker", (ObstacleTracker,), ((),), _use_tracker),
+    "auv_sim.obstacles": Role("Motion", (ObstacleMotion,), (), _use_obstacle_motion),
     "auv_sim.navigation": Role("Navigation", (OwnNavigation,), (3, 1, PERIOD_S), _use_navigation),
     "auv_sim.acoustics.propagation": Role("Propagation", (SoundPropagation,), (), _use_propagation),
     "auv_sim.acoustics.modem": Role("Modem", (AcousticModem,), (), _use_modem),

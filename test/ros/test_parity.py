@@ -45,6 +45,7 @@ AS_OTHERS = {
     "ch6_one_leader",
     "flock_modem",
     "medium_access",
+    "passage",
     "range_sweep",
 }
 # All layouts make one bag (a test says so), so most fly in the one that starts and flies fastest.
@@ -190,6 +191,21 @@ def test_sound_sonar_and_drift_are_the_same_in_lockstep(tmp_path):
     assert {Outcome.SENT, Outcome.DELIVERED, Outcome.OUTAGE} <= outcomes
     assert len(recorded.contacts) > 0
     assert np.ptp(recorded.nav_position_sd_m) > 0.0
+
+
+def test_sensed_and_moving_obstacles_are_the_same_in_lockstep(tmp_path):
+    near = (
+        "environment.obstacles=[{position_ned_m: [0.0, 10.0, 10.0], known: false},"
+        " {position_ned_m: [3.0, 10.0, 10.0], known: false,"
+        " motion: {kind: straight, params: {velocity_ned_mps: [-0.3, 0.0, 0.1]}}}]"
+    )
+    options = ("--set", near, "--set", "agent.hold_s=0.0", "--layout", "vehicle")
+    recorded = assert_equals_in_process(fly("flock_sensed", tmp_path, 8, *options))
+    (results_dir,) = tmp_path.iterdir()
+    blind = load_scenario(
+        str(results_dir / "scenario.yaml"), overrides=["agent.obstacle_tracker={kind: none}"]
+    )
+    assert not np.array_equal(run_in_process(blind).command, recorded.command), "obstacles change commands"
 
 
 def test_another_seed_gives_another_bag(lossy_runs, tmp_path):

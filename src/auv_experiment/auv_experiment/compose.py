@@ -41,7 +41,7 @@ def vehicle_configs(scenario: Scenario) -> list[VehicleConfig]:
 
 def agent_configs(scenario: Scenario) -> list[AgentConfig]:
     """Return the configuration of every agent, in the order of addresses."""
-    obstacles = scenario.environment.obstacles
+    obstacles = [obstacle for obstacle in scenario.environment.obstacles if obstacle.known]
     settings = replace(scenario.agent, inputs=input_limits(scenario))
     fleet_ids = tuple(vehicle.id for vehicle in scenario.vehicles)
     return [

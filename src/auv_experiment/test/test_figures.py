@@ -30,6 +30,7 @@ from auv_experiment.figures.plotting import (
     wrap_words,
 )
 from auv_experiment.recording import Recording
+from auv_experiment.scenario.schema import Obstacle
 
 ALL = [
     "plan",
@@ -38,12 +39,13 @@ ALL = [
     "path_error",
     "consensus_error",
     "speed",
+    "obstacle_distances",
 ]
 STATE_ONLY = ["plan", "space", "pair_distances", "path_error"]
 
 
 def make_scenario(name: str = "circling", *, with_obstacles: bool = True) -> Any:
-    obstacle = SimpleNamespace(position_ned_m=(8.0, 5.0, 10.0), safety_distance_m=2.0)
+    obstacle = Obstacle(position_ned_m=(8.0, 5.0, 10.0), safety_distance_m=2.0)
     return SimpleNamespace(
         name=name,
         leaders=("auv_1",),

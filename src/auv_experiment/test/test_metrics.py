@@ -19,6 +19,7 @@ from auv_experiment.metrics.links import link_counts
 from auv_experiment.metrics.run import compute_metrics, metrics_to_json
 from auv_experiment.metrics.safety import safe_command_metrics
 from auv_experiment.recording import Recording
+from auv_experiment.scenario.schema import Obstacle
 
 ISSUE_KEYS = {
     "pair_distance_min_m",
@@ -54,9 +55,7 @@ def make_scenario(obstacles: tuple[tuple[float, float, float], ...] = ()) -> Any
             consensus=None,
         ),
         reference_of=lambda: SimpleNamespace(at=lambda t_s: SimpleNamespace(position=(0.0, 0.0, 10.0))),
-        environment=SimpleNamespace(
-            obstacles=tuple(SimpleNamespace(position_ned_m=p, safety_distance_m=2.0) for p in obstacles)
-        ),
+        environment=SimpleNamespace(obstacles=tuple(Obstacle(position_ned_m=p) for p in obstacles)),
     )
 
 

@@ -17,9 +17,10 @@ from auv_experiment.metrics.path import (
     velocity_ned_mps,
 )
 from auv_experiment.recording import Recording
+from auv_experiment.scenario.schema import Obstacle
 
 DECAY_S, PERIOD_S = 5.0, 0.1
-ROCK = SimpleNamespace(position_ned_m=(6.0, 2.0, 0.0), safety_distance_m=1.0)
+ROCK = Obstacle(position_ned_m=(6.0, 2.0, 0.0), safety_distance_m=1.0)
 
 
 class _Line:
@@ -117,9 +118,7 @@ def test_of_several_vehicles_the_worst_counts_and_effort_adds_up():
 def test_obstacles_are_measured_each_and_settling_ends_at_60_s():
     recording = _decaying()
     recording.position_ned_m[recording.t_s > 70.0, 0, 1] += 1.5
-    metrics = path_metrics(
-        recording, _scenario(obstacles=(ROCK, SimpleNamespace(position_ned_m=(0.0, 3.0, 4.0))))
-    )
+    metrics = path_metrics(recording, _scenario(obstacles=(ROCK, Obstacle(position_ned_m=(0.0, 3.0, 4.0)))))
     assert metrics["obstacle_clearance_m"][0] == pytest.approx(math.hypot(1.0, 0.5), abs=0.02)
     assert metrics["obstacle_closest_at_s"][0] == pytest.approx(70.1)
     assert metrics["obstacle_clearance_m"][1] == pytest.approx(

@@ -17,6 +17,7 @@ from auv_experiment.figures.files import Figure, SavedFigures
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.recording import Recording
 from auv_experiment.report.report import write_report
+from auv_experiment.scenario.schema import Obstacle
 
 HOSTILE = '<script>alert("1")</script> & <img src=x onerror=alert(1)> $title ${facts}'
 ONE_PIXEL = base64.b64decode(
@@ -79,7 +80,7 @@ def make_scenario(**changes: Any) -> Any:
         ),
         "environment": kind(
             current_ned_mps=(0.03, 0.04, 0.0),
-            obstacles=(kind(position_ned_m=(5.0, 0.0, 10.0), safety_distance_m=2.0),),
+            obstacles=(Obstacle(position_ned_m=(5.0, 0.0, 10.0)),),
             navigation=kind(kind="exact"),
         ),
     }

@@ -26,6 +26,7 @@ from auv_flocking.report import Report, ReportError, why_not_carried
 from auv_flocking.reports import make_format
 from auv_flocking.senses import Senses
 from auv_flocking.separation import make_separation
+from auv_flocking.trackers import Sensed, make_tracker
 
 
 class Agent:
@@ -35,8 +36,9 @@ class Agent:
 
     After a step it offers for inspection: `centre` and `centre_rate` (own estimate of the flocking centre, m
     and m/s; NED), `flock_velocity` (m/s; NED, with its stamp), `reference` (the law's velocity, or the
-    path's), `law_state` (the state of the law), `neighbours` (the estimates that the step used) and `holding`
-    (why it gave the safe command instead of the law's, or an empty text).
+    path's), `law_state` (the state of the law), `neighbours` and `sensed` (the estimates of vehicles and
+    obstacles that the step used) and `holding` (why it gave the safe command instead of the law's, or an
+    empty text).
     """
 
     def __init__(self, config: AgentConfig) -> None:
@@ -49,12 +51,19 @@ class Agent:
         self.task = self._make_task(controller, consensus)
         self.flocks = isinstance(self.task, FlockTask)
         self._senses = Senses(
-            config.neighbours, config.inputs, self._format, config.address, config.fleet_size, config.period_s
+            config.neighbours,
+            config.inputs,
+            self._format,
+            config.address,
+            config.fleet_size,
+            config.period_s,
+            make_tracker(config.obstacle_tracker, tuple(position for position, _ in config.obstacles)),
         )
         self._sequence = 0
         self.unsent = 0
         self.holding = ""
         self.neighbours = Estimates.of(())
+        self.sensed: Sensed = ()
 
     def _make_task(self, controller: Controller, consensus: ConsensusFilter | None) -> FlockTask | MotionTask:
         config = self._config
@@ -146,7 +155,9 @@ class Agent:
 
         """
         packets = [each.packet for each in inbox.receptions]
-        usable, self.holding, self.neighbours = self._senses.take(t_s, nav, packets, inbox.contacts)
+        usable, self.holding, self.neighbours, self.sensed = self._senses.take(
+            t_s, nav, packets, inbox.contacts
+        )
         if usable is not None and self._config.fleet_size > 1:
             self.holding = self._senses.inputs.modem(t_s, inbox.tick) or self._uncarried(usable.position)
         if usable is None or self.holding:
@@ -173,10 +184,10 @@ class Agent:
         is_waiting = t_s < self._config.hold_s and self._senses.table.heard < self._config.fleet_size - 1
         path = self.path_point(t_s)
         if isinstance(self.task, MotionTask):
-            return self.task.step(t_s, nav, path, self.neighbours, is_waiting=is_waiting)
+            return self.task.step(t_s, nav, path, self.neighbours, self.sensed, is_waiting=is_waiting)
         if path is None:
             raise RuntimeError("a flock without a path: AgentConfig should have refused it")
-        return self.task.step(t_s, nav, path, self.neighbours, is_waiting=is_waiting)
+        return self.task.step(t_s, nav, path, self.neighbours, self.sensed, is_waiting=is_waiting)
 
     def _safe_command(self) -> Command:
         if self.takes_velocity:

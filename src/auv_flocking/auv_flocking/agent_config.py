@@ -12,6 +12,7 @@ from auv_flocking.flock_task import Obstacles
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.table import NeighbourConfig
 from auv_flocking.reports import ReportFormat, compact, make_format
+from auv_flocking.trackers import none
 
 REFERENCES = "auv_control.references"
 CONTROLLERS = "auv_control.controllers"
@@ -19,7 +20,9 @@ FLOCKING = "auv_flocking.flocking"
 SEPARATION = "auv_flocking.separation"
 CONSENSUS = "auv_flocking.consensus"
 REPORTS = "auv_flocking.reports"
+OBSTACLE_TRACKERS = "auv_flocking.trackers"
 COMPACT = Section("compact", compact.Params())
+NO_TRACKER = Section("none", none.Params())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +44,9 @@ class AgentSettings:
     )
     report: Section = param("format of a report", default=COMPACT, plugins=REPORTS)
     neighbours: NeighbourConfig = param("neighbour filters", default=NeighbourConfig())
+    obstacle_tracker: Section = param(
+        "what to make of sonar contacts of no neighbour", default=NO_TRACKER, plugins=OBSTACLE_TRACKERS
+    )
     inputs: InputLimits = param(
         "limits beyond which inputs are ignored as too old or impossible", default=InputLimits()
     )
@@ -63,7 +69,9 @@ class AgentConfig(AgentSettings):
     )
     is_leader: bool = param("whether this vehicle knows the path", default=False)
     period_s: float = same(RunSettings, "period_s")
-    obstacles_ned_m: tuple[float, ...] = param("obstacle positions, three numbers each (m; NED)", default=())
+    obstacles_ned_m: tuple[float, ...] = param(
+        "positions of known obstacles, three numbers each (m; NED)", default=()
+    )
     obstacle_safety_distances_m: tuple[float, ...] = param(
         "safety distance of each obstacle (m)", default=(), above=0.0
     )
@@ -84,7 +92,7 @@ class AgentConfig(AgentSettings):
 
     @property
     def obstacles(self) -> Obstacles:
-        """Obstacle positions (m; NED) with their safety distances (m)."""
+        """Positions of the known obstacles (m; NED) with their safety distances (m)."""
         x = self.obstacles_ned_m
         return tuple(
             ((x[3 * i], x[3 * i + 1], x[3 * i + 2]), safety_distance_m)

@@ -11,6 +11,7 @@ from auv_core.messages import Command, VehicleState
 from auv_flocking.consensus import ConsensusFilter, ContinuousFilter, centres_within
 from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, FlockVelocity, View
 from auv_flocking.neighbours.estimates import Estimates, Neighbours, Positions
+from auv_flocking.trackers import Sensed
 
 Obstacles = tuple[tuple[Vec3, float], ...]
 
@@ -52,6 +53,7 @@ class FlockTask:
         nav: VehicleState,
         path: PathPoint,
         neighbours: Neighbours,
+        sensed: Sensed = (),
         *,
         is_waiting: bool,
     ) -> Command:
@@ -62,7 +64,7 @@ class FlockTask:
         self.centre = centre = consensus.centre(position, estimates)
         self.flock_velocity = law.flock_velocity(t_s, path, centre, self.flock_velocity, estimates)
         flock = self.flock_velocity.velocity
-        view = View(position, centre, flock, Positions(estimates), self._obstacles, path, estimates)
+        view = View(position, centre, flock, Positions(estimates), self._obstacles, path, estimates, sensed)
         velocity = law.velocity(view)
         if not is_waiting:
             law.adapt(view, period_s)

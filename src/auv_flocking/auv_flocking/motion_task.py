@@ -12,6 +12,7 @@ from auv_core.messages import Command, VehicleState, Wrench
 from auv_flocking.flock_task import Obstacles
 from auv_flocking.flocking import NOTHING_HEARD
 from auv_flocking.neighbours.estimates import Estimates, Neighbours
+from auv_flocking.trackers import Sensed
 
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
 
@@ -41,11 +42,12 @@ class MotionTask:
         nav: VehicleState,
         path: PathPoint | None,
         neighbours: Neighbours,
+        sensed: Sensed = (),
         *,
         is_waiting: bool,
     ) -> Command:
         """Return the wrench of one control period; zero while `is_waiting`."""
-        view = self.view(t_s, nav, path, Estimates.of(neighbours).positions())
+        view = self.view(t_s, nav, path, Estimates.of(neighbours).positions(), sensed)
         self.centre = nav.position
         self.law_state = self.law.initial_state(view) if self._next_state is None else self._next_state
         if path is not None:
@@ -63,7 +65,13 @@ class MotionTask:
         return ()
 
     def view(
-        self, t_s: float, nav: VehicleState, path: PathPoint | None, neighbours: tuple[Vec3, ...]
+        self,
+        t_s: float,
+        nav: VehicleState,
+        path: PathPoint | None,
+        neighbours: tuple[Vec3, ...],
+        sensed: Sensed = (),
     ) -> MotionView:
-        """Return the input of the law for other vehicles at `neighbours` (m; NED)."""
-        return MotionView(t_s, nav, path, neighbours, self._obstacles)
+        """Return the input of the law for other vehicles at `neighbours` (m; NED) and sensed obstacles."""
+        found = tuple([(each.position, each.safety_distance_m) for each in sensed])
+        return MotionView(t_s, nav, path, neighbours, self._obstacles + found)

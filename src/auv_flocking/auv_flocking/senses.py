@@ -17,14 +17,16 @@ from auv_flocking.neighbours.filter import NeighbourConfig, with_rounding
 from auv_flocking.neighbours.table import NeighbourTable
 from auv_flocking.packet_judge import PacketJudge
 from auv_flocking.reports import ReportFormat
+from auv_flocking.trackers import ObstacleTracker, Sensed
 
 
-class Sensed(NamedTuple):
-    """Usable navigation, or None and why not; neighbour estimates."""
+class Perceived(NamedTuple):
+    """Usable navigation, or None and why not; neighbour estimates; sensed obstacles."""
 
     nav: VehicleState | None
     why_no_nav: str
     neighbours: Estimates
+    obstacles: Sensed
 
 
 class Senses:
@@ -37,6 +39,8 @@ class Senses:
         Decide which navigation, modem data and packets are accepted.
     table : NeighbourTable
         The filters.
+    obstacles : ObstacleTracker
+        What contacts of no neighbour are.
 
     """
 
@@ -48,10 +52,12 @@ class Senses:
         address: int,
         fleet_size: int,
         period_s: float,
+        obstacles: ObstacleTracker,
     ) -> None:
         self.inputs = InputJudge(limits, period_s)
         self.packets = PacketJudge(report_format, address, fleet_size, limits)
         self.table = NeighbourTable(with_rounding(neighbours, report_format))
+        self.obstacles = obstacles
 
     def take(
         self,
@@ -59,7 +65,7 @@ class Senses:
         nav: VehicleState | None,
         packets: Sequence[Packet],
         contacts: Sequence[SonarContact],
-    ) -> Sensed:
+    ) -> Perceived:
         """
         Return the result of the inputs of one control period.
 
@@ -79,6 +85,11 @@ class Senses:
             for report in self.packets.reports(t_s, packets):
                 self.table.receive(report)
         usable, words = self.inputs.navigation(t_s, nav)
+        if usable is not None:
+            fix = self.table.follow(t_s, usable)
+            if fix is not None:
+                self.obstacles.follow(fix)
         if contacts and usable is not None:
-            self.table.observe(t_s, usable, contacts)
-        return Sensed(usable, words, self.table.estimates(t_s, usable))
+            left = self.table.observe(t_s, usable, contacts, self.obstacles.rivals(t_s))
+            self.obstacles.observe(t_s, left)
+        return Perceived(usable, words, self.table.estimates(t_s, usable), self.obstacles.obstacles(t_s))

@@ -14,6 +14,7 @@ from auv_flocking.flocking._correction import outlook
 from auv_flocking.flocking.communication_aware import Flocking, Params
 from auv_flocking.neighbours.estimates import Estimates, NeighbourEstimate
 from auv_flocking.separation import mathematical
+from auv_flocking.trackers import SensedObstacle
 
 MODERATE = settings(max_examples=60, deadline=None)
 SEPARATION = mathematical.Separation(mathematical.Params())
@@ -268,3 +269,41 @@ def test_what_navigations_state_widens_the_spacing_as_far_as_the_filter_shares_t
     without = _law([estimate], navigation_sigmas=0.0)
     if stated_m == 0.0:
         assert law.velocity(_view(ORIGIN, [estimate])) == without.velocity(_view(ORIGIN, [estimate]))
+
+
+def _sensed(place, velocity=(0.0, 0.0, 0.0), sigma_m=0.0):
+    return SensedObstacle(1, place, velocity, sigma_m, 0.0, 2.0)
+
+
+POINT = st.tuples(*[st.floats(-4.0, 4.0)] * 3)
+
+
+@MODERATE
+@given(POINT, POINT)
+def test_a_sensed_obstacle_that_is_certain_and_still_counts_like_a_known_one(own, place):
+    known = _law().velocity(_view(own, [], obstacles=((place, 2.0),)))
+    sensed = _law().velocity(_view(own, [])._replace(sensed=(_sensed(place),)))
+    assert known == sensed
+
+
+@MODERATE
+@given(st.floats(0.5, 3.0), st.floats(0.01, 0.2))
+def test_a_vehicle_retreats_from_an_obstacle_that_comes_nearer_at_its_speed(distance_m, speed_mps):
+    def ahead_mps(velocity):
+        view = _view(ORIGIN, [], flock=ORIGIN, centre=(9.0, 0.0, 0.0))
+        law = _law(correction_limit_mps=5.0, reach_m=1e3)
+        return law.velocity(view._replace(sensed=(_sensed((distance_m, 0.0, 0.0), velocity),)))[0]
+
+    still_mps = Params().barrier_rate_ps * (distance_m - Params().barrier_distance_m)
+    assert ahead_mps((0.0, 0.0, 0.0)) <= still_mps + 1e-9
+    assert ahead_mps((-speed_mps, 0.0, 0.0)) <= still_mps - speed_mps + 1e-9
+
+
+@MODERATE
+@given(st.floats(1.5, 2.5), st.floats(0.05, 1.0))
+def test_an_uncertain_obstacle_is_kept_farther_away(distance_m, sigma_m):
+    def ahead_mps(sigma):
+        view = _view(ORIGIN, [], centre=(9.0, 0.0, 0.0))
+        return _law().velocity(view._replace(sensed=(_sensed((distance_m, 0.0, 0.0), sigma_m=sigma),)))[0]
+
+    assert ahead_mps(sigma_m) <= ahead_mps(0.0)

@@ -41,6 +41,7 @@ VIEWS = st.builds(
     neighbours=st.lists(POINTS, max_size=4).map(tuple),
     obstacles=st.lists(st.tuples(POINTS, st.floats(0.5, 4.0)), max_size=2).map(tuple),
     path=st.builds(PathPoint, POINTS, POINTS),
+    sensed=st.just(()),
 )
 
 

@@ -23,6 +23,7 @@ class Purpose(enum.IntEnum):
     MAC = 6
     BURST = 7
     FIX = 8
+    OBSTACLE_SONAR = 14
 
 
 def uniform(seed: int, purpose: Purpose, source: int, destination: int, sequence: int) -> float:

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from auv_bringup.launching.layout import patience_s, start_patience_s
-from auv_core.params import dump
+from auv_core.params import dump, extended
 from auv_experiment.compose import agent_configs, vehicle_configs
 from auv_experiment.scenario.schema import Scenario
+from auv_sim.obstacle_field import ObstacleConfig
 
 START_TIMEOUT_S = 60.0
 
@@ -83,6 +84,12 @@ def _relay_spec(scenario: Scenario, run: Mapping[str, Any]) -> NodeSpec:
         "answer_timeout_s": scenario.answer_timeout_s + patience_s(len(scenario.vehicles)),
         "start_timeout_s": START_TIMEOUT_S + start_patience_s(len(scenario.vehicles)),
     }
+    if scenario.environment.obstacles:
+        params["obstacle_count"] = len(scenario.environment.obstacles)
+        params["obstacles"] = {
+            f"o{number}": _plain(extended(ObstacleConfig, obstacle))
+            for number, obstacle in enumerate(scenario.environment.obstacles)
+        }
     if scenario.on_vehicle_loss == "continue":
         params["hulls"] = {config.vehicle_id: _plain(config) for config in vehicle_configs(scenario)}
     return NodeSpec(

@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from auv_bag.bag import Bag
@@ -50,6 +51,7 @@ def _re_estimate(bag: Bag) -> int:
     from auv_experiment.re_estimate import re_estimate
     from auv_experiment.scenario.loading import load_scenario
     from auv_flocking.agent_config import report_format
+    from auv_flocking.trackers import make_tracker
 
     scenario_file = bag.folder.parent / "scenario.yaml"
     if not scenario_file.is_file():
@@ -59,8 +61,15 @@ def _re_estimate(bag: Bag) -> int:
     settings = scenario.agent
     report = report_format(settings.report, settings.consensus, len(vehicle_ids))
     use_compiler(print)
+    known = tuple(each.position_ned_m for each in scenario.environment.obstacles if each.known)
     result = re_estimate(
-        bag, vehicle_ids, settings.neighbours, report, scenario.period_s, input_limits(scenario)
+        bag,
+        vehicle_ids,
+        settings.neighbours,
+        report,
+        scenario.period_s,
+        input_limits(scenario),
+        partial(make_tracker, settings.obstacle_tracker, known),
     )
     _report_comparison(result, len(vehicle_ids))
     return EXIT_DONE if result.agrees else EXIT_DIFFERENT

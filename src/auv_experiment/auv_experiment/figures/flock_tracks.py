@@ -26,6 +26,7 @@ from auv_experiment.figures.plotting import (
     space_axes,
     vehicle_style,
 )
+from auv_experiment.metrics.distances import obstacle_positions_ned_m
 from auv_experiment.recording import FloatArray
 
 
@@ -43,8 +44,7 @@ def _draw_plan(run: FlockRun) -> Drawing | None:
         plot_plan_line(axes, _only_lost(run, i), color=style["color"], linewidth=0.5, alpha=0.5, zorder=4)
         mark(axes, track[0], i, is_filled=False)
         mark(axes, track[-1], i, is_filled=True)
-    for obstacle in run.scenario.environment.obstacles:
-        plot_obstacle(axes, obstacle)
+    _plot_obstacles(axes, run)
     instants = _instants(run.t_s)
     for k in instants:
         _plot_hulls(axes, run, k)
@@ -64,6 +64,8 @@ def _draw_plan(run: FlockRun) -> Drawing | None:
             " Crosses are obstacles, each with the distance at which its repulsion begins; a track that "
             "crosses such a circle may also pass above or below."
         )
+    if any(obstacle.is_moving for obstacle in run.scenario.environment.obstacles):
+        caption += " A moving obstacle is marked where it was at 0 s; the dotted line is its track."
     return Drawing(canvas, "Tracks in the plane", caption)
 
 
@@ -98,6 +100,15 @@ def _draw_space(run: FlockRun) -> Drawing | None:
     if run.scenario.environment.obstacles:
         caption += " The spheres are the safety distances of the obstacles."
     return Drawing(canvas, "Tracks in space", caption)
+
+
+def _plot_obstacles(axes: Any, run: FlockRun) -> None:
+    """Plot the obstacles at 0 s, and the tracks of those that move."""
+    tracks = obstacle_positions_ned_m(run.recording, run.scenario)
+    for number, obstacle in enumerate(run.scenario.environment.obstacles):
+        plot_obstacle(axes, obstacle)
+        if obstacle.is_moving:
+            plot_plan_line(axes, tracks[:, number], color="black", linewidth=1.2, linestyle="dotted")
 
 
 def _only_lost(run: FlockRun, i: int) -> FloatArray:

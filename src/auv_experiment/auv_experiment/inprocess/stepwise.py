@@ -38,7 +38,7 @@ class StepwiseRun:
         self.states = [vehicle.state for vehicle in self.vehicles]
         self.navs = [vehicle.nav for vehicle in self.vehicles]
         self.inboxes: Sequence[Inbox] = ()
-        self._medium = AcousticMedium(scenario.medium_config)
+        self._medium = AcousticMedium(scenario.medium_config, scenario.environment.obstacles)
         self._period_s = scenario.period_s
         self._log = RunLog(scenario)
         self._handed_over: dict[int, Sequence[Packet]] = {}

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from auv_experiment.metrics.finite import norm
 from auv_experiment.recording import FloatArray, Recording
+from auv_sim.obstacle_field import ObstacleField
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -68,11 +69,17 @@ def consensus_error_m(recording: Recording) -> FloatArray:
     return np.where(recording.is_gone[:-1], np.nan, error_m)
 
 
+def obstacle_positions_ned_m(recording: Recording, scenario: Scenario) -> FloatArray:
+    """Return the (K + 1, number of obstacles, 3) positions of the obstacles (m, map_ned)."""
+    field = ObstacleField(scenario.environment.obstacles)
+    places = [field.at(t_s) for t_s in recording.t_s.tolist()]
+    return np.array(places, dtype=np.float64).reshape(len(places), -1, 3)
+
+
 def obstacle_distances_m(recording: Recording, scenario: Scenario) -> FloatArray:
     """Return the (K + 1, N, number of obstacles) distances from hull centres to obstacle centres (m)."""
-    centres = [obstacle.position_ned_m for obstacle in scenario.environment.obstacles]
-    obstacles = np.array(centres, dtype=np.float64).reshape(-1, 3)
-    return norm(recording.position_ned_m[:, :, np.newaxis] - obstacles)
+    obstacles = obstacle_positions_ned_m(recording, scenario)
+    return norm(recording.position_ned_m[:, :, np.newaxis] - obstacles[:, np.newaxis])
 
 
 def pair_is_gone(recording: Recording) -> BoolArray:

@@ -102,7 +102,9 @@ def _values(recording: Recording, scenario: Scenario, law: MotionLaw, index: int
     energy = make_wrench_model(scenario.vehicles[index].model).kinetic_energy
     path = scenario.reference_of(index)
     obstacles = tuple(
-        (obstacle.position_ned_m, obstacle.safety_distance_m) for obstacle in scenario.environment.obstacles
+        (obstacle.position_ned_m, obstacle.safety_distance_m)
+        for obstacle in scenario.environment.obstacles
+        if obstacle.known
     )
     positions = recording.position_ned_m.tolist()
     attitudes = recording.attitude_quat_wxyz[:, index].tolist()

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from auv_core.models import frame_of
+from auv_experiment.metrics.distances import obstacle_positions_ned_m
 from auv_experiment.metrics.finite import largest, smallest
 from auv_experiment.recording import FloatArray, Recording
 
@@ -135,8 +136,8 @@ def control_effort_n2s(recording: Recording, scenario: Scenario) -> float | None
 def _obstacle_metrics(recording: Recording, scenario: Scenario) -> dict[str, list[float]]:
     if not scenario.environment.obstacles:
         return {}
-    centres = np.array([obstacle.position_ned_m for obstacle in scenario.environment.obstacles])
-    distances_m = np.linalg.norm(recording.position_ned_m[:, :, np.newaxis] - centres, axis=-1)
+    centres = obstacle_positions_ned_m(recording, scenario)
+    distances_m = np.linalg.norm(recording.position_ned_m[:, :, np.newaxis] - centres[:, np.newaxis], axis=-1)
     nearest_m = np.where(np.isnan(distances_m), np.inf, distances_m).min(axis=1)
     return {
         "obstacle_clearance_m": nearest_m.min(axis=0).tolist(),

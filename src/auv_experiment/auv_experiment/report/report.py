@@ -120,9 +120,11 @@ def _known(scenario: Scenario) -> str:
 
 
 def _water(scenario: Scenario) -> str:
-    count = len(scenario.environment.obstacles)
+    obstacles = scenario.environment.obstacles
+    count, unknown = len(obstacles), sum(not obstacle.known for obstacle in obstacles)
     current_mps = math.hypot(*scenario.environment.current_ned_mps)
-    parts = [f"{count} obstacle{'s' if count != 1 else ''}"] if count else []
+    told = f" ({unknown} of them not known before)" if unknown else ""
+    parts = [f"{count} obstacle{'s' if count != 1 else ''}{told}"] if count else []
     parts += [f"a current of {current_mps:.2f} m/s"] if current_mps > 0.0 else []
     return f", with {' and '.join(parts)}" if parts else ""
 

@@ -179,6 +179,8 @@ def _check_continuous(scenario: Scenario) -> None:
         raise _not_continuous(
             ", unless acoustics.preset is ideal or the controller follows a path and uses no reports"
         )
+    if not all(obstacle.known for obstacle in scenario.environment.obstacles):
+        raise _not_continuous(", unless every environment.obstacles is known")
     if agent.flocking is not None and flocking_params(agent.flocking).uses_flock_velocity:
         raise _not_continuous(", since agent.flocking.params send the flock's velocity in packets")
     if agent.separation is not None and isinstance(make_separation(agent.separation), LearningLaw):

@@ -24,19 +24,25 @@ from auv_experiment.scenario.checks import check_scenario
 from auv_experiment.scenario.file import ID, ID_WORDS
 from auv_flocking.agent_config import REFERENCES, AgentSettings
 from auv_sim.acoustics.medium import MediumConfig, WaterSections
+from auv_sim.obstacle_field import MAX_M, ObstacleConfig
 from auv_sim.vehicle import VehicleConfig, substeps
-
-MAX_M = 1e5
 
 
 @dataclass(frozen=True, kw_only=True)
-class Obstacle:
+class Obstacle(ObstacleConfig):
     """An obstacle: a point to avoid."""
 
-    position_ned_m: Vec3 = param("position (m; NED)", minimum=-MAX_M, maximum=MAX_M)
     safety_distance_m: float = param(
-        "distance at which vehicles begin to avoid it (m)", default=2.0, above=0.0
+        "distance at which vehicles that know it begin to avoid it (m)", default=2.0, above=0.0
     )
+
+    def __post_init__(self) -> None:
+        """Refuse a moving obstacle that is known: vehicles are not told its motion."""
+        if self.known and self.is_moving:
+            raise ValueError(
+                f"known: True is not allowed for the motion {self.motion.kind}; "
+                "allowed: False, since vehicles know positions only"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +50,7 @@ class Environment:
     """The water and its obstacles."""
 
     current_ned_mps: Vec3 = same(VehicleConfig, "current_ned_mps")
-    obstacles: tuple[Obstacle, ...] = param("points to avoid, known to every vehicle", default=())
+    obstacles: tuple[Obstacle, ...] = param("points to avoid, known or to be sensed", default=())
     navigation: Section = same(VehicleConfig, "navigation")
 
 

@@ -18,6 +18,7 @@ from auv_core.geometry import Vec3
 from auv_core.params import Section
 from auv_flocking.neighbours.estimates import Neighbours
 from auv_flocking.separation import LearningLaw, ObstacleLearningLaw, SeparationLaw
+from auv_flocking.trackers import Sensed
 
 
 class FlockVelocity(NamedTuple):
@@ -39,7 +40,8 @@ class View(NamedTuple):
     The information of one vehicle at one instant; positions in m, velocities in m/s, all NED.
 
     `neighbours` are the positions of `estimates`, in the same order; in continuous time, with perfect
-    information, there are no estimates.
+    information, there are no estimates. `obstacles` are the known ones, `sensed` those that the vehicle's
+    sonar found.
     """
 
     position: Vec3
@@ -49,6 +51,7 @@ class View(NamedTuple):
     obstacles: tuple[tuple[Vec3, float], ...]
     path: PathPoint
     estimates: Neighbours = ()
+    sensed: Sensed = ()
 
 
 class FlockingParams(Protocol):
@@ -94,7 +97,9 @@ def learn(law: LearningLaw, view: View, spacing_m: float, dt_s: float) -> None:
     """Let a separation law adapt to the distances of a view (m) for one control period of `dt_s`."""
     law.adapt([math.dist(view.position, other) for other in view.neighbours], spacing_m, dt_s)
     if isinstance(law, ObstacleLearningLaw):
-        law.adapt_to_obstacles([math.dist(view.position, place) - d for place, d in view.obstacles], dt_s)
+        sensed = tuple((each.position, each.safety_distance_m) for each in view.sensed)
+        gaps_m = [math.dist(view.position, place) - d for place, d in view.obstacles + sensed]
+        law.adapt_to_obstacles(gaps_m, dt_s)
 
 
 def make_flocking(section: Section, separation: SeparationLaw, *, is_leader: bool) -> FlockingLaw:

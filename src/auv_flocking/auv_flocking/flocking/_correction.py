@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from auv_core.compiled import entry, inner
 from auv_core.geometry import Vec3, limited
 from auv_flocking.central import Numbers, along, no_strength
+from auv_flocking.flocking._avoidance import obstacle_bound, obstacle_spacing_m
 from auv_flocking.flocking._half_spaces import into_half_spaces
 from auv_flocking.neighbours.estimates import (
     AGE,
@@ -188,16 +189,6 @@ def _neighbour_bound(view: Outlook, limit_mps: float, gains: Gains) -> float:
     return min(-rate_ps * (view.distance_m - gains.barrier_distance_m - unsure_m), limit_mps)
 
 
-@inner
-def _obstacle_bound(normal: Vec3, distance_m: float, safety_m: float, flock: Vec3, gains: Gains) -> float:
-    """
-    Return the same for an obstacle: it does not move with the flock, and the vehicle must avoid it alone.
-    """
-    flock_mps = normal[0] * flock[0] + normal[1] * flock[1] + normal[2] * flock[2]
-    keep_m = gains.barrier_distance_m * safety_m / gains.spacing_m
-    return min(-gains.barrier_rate_ps * (distance_m - keep_m) - flock_mps, gains.correction_limit_mps)
-
-
 @entry(
     "TUPLE3(TUPLE3, TUPLE3, TUPLE3, Tuple((float64[:, ::1], int64[::1], float64[::1], float64[:, ::1])), "
     "float64, TUPLE14, UniTuple(float64[::1], 2), float64[:, ::1])"
@@ -223,7 +214,7 @@ def correction(
         Own position and estimate of the flock's centre (m), and the flock's velocity (m/s); NED.
     known : tuple of four arrays
         The neighbours, (n, WIDTH), and their addresses, (n,); the recent average age of their packets, by
-        address, (256,) (s); positions and safety distances of the obstacles, (k, 4) (m; NED).
+        address, (256,) (s); the obstacles, (k, 8), see `_avoidance`.
     age_s : float
         Mean age A of the information (s).
     numbers : (14,) tuple
@@ -249,10 +240,10 @@ def correction(
             bound_mps = _neighbour_bound(view, limit_mps, gains)
         else:
             row = obstacles[k - n]
-            other, spacing_m = (float(row[0]), float(row[1]), float(row[2])), float(row[3])
+            other, spacing_m = (float(row[0]), float(row[1]), float(row[2])), obstacle_spacing_m(row, gains)
             normal, distance_m = _direction(own, other)
             factor = matched(gains.lag_budget_rad, gains.response_s)
-            bound_mps = _obstacle_bound(normal, distance_m, spacing_m, flock, gains)
+            bound_mps = obstacle_bound(row, normal, distance_m, flock, gains)
         if len(pushes) > 0:
             dx, dy, dz = float(pushes[k, 0]), float(pushes[k, 1]), float(pushes[k, 2])
         elif k < n:

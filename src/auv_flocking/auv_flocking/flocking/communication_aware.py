@@ -49,6 +49,7 @@ from auv_core.compiled import fastest, specialised
 from auv_core.geometry import Vec3, limited
 from auv_core.params import param
 from auv_flocking.flocking import FlockingLaw, FlockVelocity, View, learn
+from auv_flocking.flocking._avoidance import Obstacles, known_rows, obstacle_spacing_m, sensed_rows
 from auv_flocking.flocking._correction import (
     Gains,
     correction,
@@ -59,10 +60,9 @@ from auv_flocking.flocking._correction import (
 )
 from auv_flocking.neighbours.estimates import FLOCK_STAMP, FLOCK_VELOCITY, Estimates, Neighbours
 from auv_flocking.separation import CentralLaw, LearningLaw, SeparationLaw, obstacle_velocity_of
+from auv_flocking.trackers import Sensed
 
 Matrix = NDArray[np.float64]
-Obstacles = tuple[tuple[Vec3, float], ...]
-
 _ADDRESSES = 256
 _NO_PUSHES, _NO_NUMBERS = np.empty((0, 3)), np.empty(0)
 
@@ -165,7 +165,7 @@ class Flocking(FlockingLaw):
         if isinstance(separation, CentralLaw):
             self._correction = _correction(separation)
             self._numbers = separation.numbers, separation.obstacle_numbers
-        self._obstacles: tuple[Obstacles, Matrix] = ((), np.empty((0, 4)))
+        self._obstacles: tuple[Obstacles, Matrix] = ((), known_rows(()))
         self._running_s = 0.0
         self._remember, self._newer_stamp = fastest(remember_ages), fastest(newer_stamp)
         self._usual_age_s = np.full(_ADDRESSES, -1.0)
@@ -242,7 +242,7 @@ class Flocking(FlockingLaw):
             view.position,
             view.centre,
             flock,
-            (estimates.rows, estimates.who, self._usual_age_s, self._as_rows(view.obstacles)),
+            (estimates.rows, estimates.who, self._usual_age_s, self._as_rows(view.obstacles, view.sensed)),
             self.age_s,
             self._gain_numbers,
             self._numbers,
@@ -270,13 +270,16 @@ class Flocking(FlockingLaw):
             self._from_obstacle(own, obstacle, safety_distance_m)
             for obstacle, safety_distance_m in view.obstacles
         ]
+        pushes += [
+            self._from_obstacle(own, each.position, obstacle_spacing_m(row, self._gains))
+            for each, row in zip(view.sensed, sensed_rows(view.sensed), strict=True)
+        ]
         return np.array(pushes).reshape(-1, 3)
 
-    def _as_rows(self, obstacles: Obstacles) -> Matrix:
-        if self._obstacles[0] is not obstacles:
-            rows = [(*position, safety_distance_m) for position, safety_distance_m in obstacles]
-            self._obstacles = obstacles, np.array(rows, dtype=np.float64).reshape(-1, 4)
-        return self._obstacles[1]
+    def _as_rows(self, known: Obstacles, sensed: Sensed) -> Matrix:
+        if self._obstacles[0] is not known:
+            self._obstacles = known, known_rows(known)
+        return np.concatenate((self._obstacles[1], sensed_rows(sensed))) if sensed else self._obstacles[1]
 
 
 def _correction(law: CentralLaw) -> Callable[..., Vec3]:

@@ -170,6 +170,9 @@ class Flocking(FlockingLaw):
             feedback = added(feedback, self._separation.velocity(view.position, other, p.spacing_m))
         for obstacle, safety_distance_m in view.obstacles:
             feedback = added(feedback, self._from_obstacle(view.position, obstacle, safety_distance_m))
+        for each in view.sensed:
+            push = self._from_obstacle(view.position, each.position, each.safety_distance_m)
+            feedback = added(feedback, push)
         ahead = view.flock_velocity if p.feedforward == "flock" else view.path.velocity
         return asked(feedback, ahead, self.feedforward_share, p.bandwidth_ratio, p.correction_limit_mps)
 

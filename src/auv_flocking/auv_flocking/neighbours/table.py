@@ -18,7 +18,14 @@ from numpy.typing import NDArray
 from auv_core.compiled import fastest
 from auv_core.geometry import body_to_ned
 from auv_core.messages import SonarContact, VehicleState
-from auv_flocking.neighbours.association import associate, chi_square_gate
+from auv_flocking.neighbours.association import (
+    NO_RIVALS,
+    Leftovers,
+    Rivals,
+    associate,
+    chi_square_gate,
+    leftovers,
+)
 from auv_flocking.neighbours.estimates import (
     AGE,
     COVARIANCE,
@@ -151,34 +158,44 @@ class NeighbourTable:
         self._said = (addresses, shared, np.array(addresses))
         self._stale.add(track)
 
-    def observe(self, t_s: float, nav: VehicleState, contacts: Sequence[SonarContact]) -> None:
-        """Use the sonar contacts of one tick, relative to the pose of the own navigation."""
-        self._follow(t_s, nav)
+    def observe(
+        self, t_s: float, nav: VehicleState, contacts: Sequence[SonarContact], rivals: Rivals = NO_RIVALS
+    ) -> Leftovers:
+        """
+        Use the sonar contacts of one tick, relative to the pose of the own navigation.
+
+        `rivals` are other objects that contacts may belong to; what belongs to no neighbour is returned.
+        """
+        self.follow(t_s, nav)
         possible = [contact for contact in contacts if is_contact(contact)]
         self.contacts_refused += len(contacts) - len(possible)
-        if not possible:
-            return
         config = self._config
         sightings = [
             sighting(t_s, nav, contact, config.sonar_range_std_m, config.sonar_angle_std_rad)
             for contact in possible
         ]
-        known, pairs = self._carried(t_s), []
-        if known:
-            rows = known.rows
-            pairs = associate(
-                np.array([seen.point for seen in sightings]),
-                np.array([seen.covariance for seen in sightings]),
-                rows[:, POSITION:VELOCITY],
-                rows[:, COVARIANCE:AGE].reshape(-1, 6, 6)[:, :3, :3],
-                self._gate,
-            )
-        for contact, neighbour in pairs:
-            track = self._tracks[known.addresses[neighbour]]
-            track.see(sightings[contact])
-            self._stale.add(track)
-        self.contacts_used += len(pairs)
-        self.contacts_unknown += len(possible) - len(pairs)
+        known = self._carried(t_s)
+        points, covariances = (
+            known.rows[:, POSITION:VELOCITY],
+            known.rows[:, COVARIANCE:AGE].reshape(-1, 6, 6)[:, :3, :3],
+        )
+        pairs = associate(
+            np.array([seen.point for seen in sightings]),
+            np.array([seen.covariance for seen in sightings]),
+            np.concatenate((points, rivals.points)),
+            np.concatenate((covariances, rivals.covariances)),
+            self._gate,
+            rivals.bound,
+        )
+        for contact, owner in pairs:
+            if owner < len(known):
+                track = self._tracks[known.addresses[owner]]
+                track.see(sightings[contact])
+                self._stale.add(track)
+        n_used = sum(owner < len(known) for _, owner in pairs)
+        self.contacts_used += n_used
+        self.contacts_unknown += len(possible) - n_used
+        return leftovers(sightings, pairs, points, covariances)
 
     def estimates(self, t_s: float, nav: VehicleState | None = None) -> Estimates:
         """
@@ -188,7 +205,7 @@ class NeighbourTable:
         `nav` is the own navigation at that time, or None if it has no solution.
         """
         if nav is not None:
-            self._follow(t_s, nav)
+            self.follow(t_s, nav)
         return self._carried(t_s)
 
     def _carried(self, t_s: float) -> Estimates:
@@ -214,10 +231,11 @@ class NeighbourTable:
         self._said = (addresses, shared, numbers)
         self._stale.clear()
 
-    def _follow(self, t_s: float, nav: VehicleState) -> None:
-        """Note the own navigation and its fix, if any."""
+    def follow(self, t_s: float, nav: VehicleState) -> OwnFix | None:
+        """Note the own navigation; return its fix since the last call, if any."""
         fix = self._own.note(t_s, nav)
         if fix is not None:
             for track in self._tracks.values():
                 track.move_frame(fix)
             self._stale.update(self._in_order)
+        return fix

@@ -17,7 +17,15 @@ from auv_msgs.msg import ControlStatus, FlockingCentre, NeighbourEstimates
 from auv_ros.qos import LATCHED
 from auv_ros.topic import Topics
 from auv_ros.wire import conversions as convert
-from auv_ros.wire.markers import MARKER_TICKS, STANDING_MARKER_TICKS, lines, sphere, sphere_stencil
+from auv_ros.wire.markers import (
+    MARKER_TICKS,
+    SENSED,
+    STANDING_MARKER_TICKS,
+    lines,
+    removed,
+    sphere,
+    sphere_stencil,
+)
 
 _PATH_POINTS = 120
 _PATH_SPAN_S = 600.0
@@ -47,6 +55,7 @@ class AgentView:
         self._neighbours = topics.add(NeighbourEstimates, "neighbours", convert.NeighboursWriter().filled)
         centre = sphere_stencil(f"{name} centre", 0, 0.15, (0.9, 0.2, 0.6, 1.0))
         self._marker = topics.add(MarkerArray, "/markers", centre.filled)
+        self._drawn: set[int] = set()
         self._path = topics.add(Path, "path", qos=LATCHED) if agent.knows_path else None
 
     def publish_path(self, t_s: float) -> None:
@@ -77,6 +86,21 @@ class AgentView:
             for marker in self._standing_markers:
                 marker.header.stamp = convert.stamp(t_s)
             self._marker.publisher.publish(MarkerArray(markers=self._standing_markers))
+        if tick % MARKER_TICKS == 0:
+            self._draw_sensed(t_s)
+
+    def _draw_sensed(self, t_s: float) -> None:
+        """Publish a ball for each sensed obstacle, and remove those that are forgotten."""
+        sensed = {each.number: each for each in self._agent.sensed}
+        name = f"{self._config.vehicle_id} sensed"
+        gone = [removed(name, number, t_s) for number in sorted(self._drawn - set(sensed))]
+        balls = [
+            sphere(name, each.number, t_s, each.position, 2.0 * each.safety_distance_m, SENSED)
+            for each in sensed.values()
+        ]
+        if gone or balls:
+            self._marker.publisher.publish(MarkerArray(markers=[*gone, *balls]))
+        self._drawn = set(sensed)
 
     @cached_property
     def _standing_markers(self) -> list[Any]:

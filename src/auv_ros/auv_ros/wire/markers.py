@@ -25,6 +25,10 @@ Colour = tuple[float, float, float, float]
 HULL: Colour = (0.95, 0.75, 0.1, 1.0)
 LOST_HULL: Colour = (0.4, 0.4, 0.4, 1.0)
 LINK: Colour = (0.2, 0.8, 0.9, 0.8)
+OBSTACLE: Colour = (0.9, 0.3, 0.2, 1.0)
+SENSED: Colour = (0.9, 0.6, 0.2, 0.25)
+OBSTACLE_DIAMETER_M = 0.3
+"""An obstacle is a point; it is drawn as a ball of this size."""
 
 
 def sphere(
@@ -42,6 +46,13 @@ def sphere_stencil(namespace: str, number: int, diameter_m: float, colour: Colou
     message = MarkerArray(markers=[sphere(namespace, number, 0.0, _NOWHERE, diameter_m, colour)])
     centre_at = bytes(serialize_message(message)).index(struct.pack("<3d", *_NOWHERE))
     return Stencil(message, "3d", stamp_at=_STAMP_AT, numbers_at=centre_at)
+
+
+def removed(namespace: str, number: int, t_s: float) -> Marker:
+    """Return the order to remove a marker."""
+    marker = _marker(namespace, number, t_s, Marker.SPHERE, SENSED)
+    marker.action = Marker.DELETE
+    return marker
 
 
 def lines(

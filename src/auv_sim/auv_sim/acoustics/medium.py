@@ -26,6 +26,7 @@ from auv_sim.acoustics.outage import make_outage
 from auv_sim.acoustics.propagation import make_propagation
 from auv_sim.acoustics.receiver import TOUCH_S, Receiver, Signal, Transmission
 from auv_sim.acoustics.sonar import make_sonar, none
+from auv_sim.obstacle_field import ObstacleConfig, ObstacleField
 
 __all__ = ["DELAY_EDGES_S", "AcousticMedium", "LinkCounters", "MediumConfig"]
 
@@ -77,10 +78,12 @@ class AcousticMedium:
     ----------
     links : mapping of (source, destination) to LinkCounters
         Counters of the packets of each link so far.
+    obstacles : ObstacleField
+        The obstacles, which sonars see.
 
     """
 
-    def __init__(self, config: MediumConfig) -> None:
+    def __init__(self, config: MediumConfig, obstacles: Sequence[ObstacleConfig] = ()) -> None:
         self._period_s = config.period_s
         self._addresses = range(1, config.fleet_size + 1)
         propagation = make_propagation(config.propagation)
@@ -90,6 +93,7 @@ class AcousticMedium:
         outage = make_outage(config.outage, config.seed)
         self._sonar = make_sonar(config.sonar, config.seed)
         self._sees = config.sonar.kind != NO_SONAR.kind
+        self.obstacles = ObstacleField(obstacles)
         self._receivers = [
             Receiver(address, self._modem, propagation, outage, config.seed) for address in self._addresses
         ]
@@ -137,12 +141,13 @@ class AcousticMedium:
             self._send_held(now_s)
         self._tick, self._states = tick, states
         contacts = self._sonar.contacts if self._sees else _sees_nothing
+        obstacles = self.obstacles.at(now_s) if self._sees else ()
         return [
             Inbox(
                 tick,
                 self._asks(address, tick),
                 () if receiver.is_idle else self._deliver(address, now_s, states[address - 1].position),
-                contacts(address, tick, self._period_s, states),
+                contacts(address, tick, self._period_s, states, obstacles),
             )
             for address, receiver in zip(self._addresses, self._receivers, strict=True)
         ]

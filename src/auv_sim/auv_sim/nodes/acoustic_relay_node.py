@@ -29,6 +29,7 @@ from auv_sim.nodes.clock_node import ClockNode
 from auv_sim.nodes.state_report import StateReport
 from auv_sim.nodes.stranger_report import StrangerReport
 from auv_sim.nodes.water_topics import WaterTopics
+from auv_sim.obstacle_field import ObstacleConfig
 from auv_sim.relay import Relay
 from auv_sim.relay.fleet_config import FleetConfig
 from auv_sim.relay.lock_step import LockStepRelay
@@ -46,9 +47,9 @@ class AcousticRelayNode(Node):
         super().__init__("acoustic_relay_node", **options)
         run = declare_config(self, RunConfig)
         config = declare_config(self, MediumConfig)
-        medium = AcousticMedium(config)
         watch = declare_config(self, WatchConfig)
         fleet = declare_config(self, FleetConfig)
+        medium = AcousticMedium(config, self._obstacles(fleet.obstacle_count))
         self._ids = fleet.vehicle_ids
         self._ticks = tick_clock(run, config.period_s)
         followers = [f"/{name}/{role}" for name in self._ids for role in ROLES]
@@ -118,6 +119,9 @@ class AcousticRelayNode(Node):
         if watch.on_vehicle_loss == "stop":
             return {}
         return {i: declare_config(self, VehicleConfig, f"hulls.{name}.") for i, name in enumerate(self._ids)}
+
+    def _obstacles(self, count: int) -> list[ObstacleConfig]:
+        return [declare_config(self, ObstacleConfig, f"obstacles.o{number}.") for number in range(count)]
 
     def _begin(self, _: int) -> None:
         if self._ticks.lockstep:

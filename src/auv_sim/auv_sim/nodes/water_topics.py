@@ -6,13 +6,15 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
+from visualization_msgs.msg import Marker
+
 from auv_core.messages import Packet, VehicleState
 from auv_msgs.msg import AcousticEvents, AcousticInbox
 from auv_ros.run_config import TickClock
 from auv_ros.topic import Topics
 from auv_ros.wire.acoustics import events_bytes, inbox_bytes
 from auv_ros.wire.conversions import body_frame
-from auv_ros.wire.markers import MARKER_TICKS
+from auv_ros.wire.markers import MARKER_TICKS, OBSTACLE, OBSTACLE_DIAMETER_M, sphere
 from auv_sim.acoustics.medium import AcousticMedium
 from auv_sim.nodes.adrift import Adrift
 from auv_sim.nodes.clock_node import ClockNode
@@ -111,4 +113,17 @@ class WaterTopics:
             self._inboxes[vehicle].publish(inbox, t_s, epoch_ns)
             self.reports.note(vehicle, inbox)
         if tick % MARKER_TICKS == 0:
-            self.reports.draw(tick, t_s, states, self._adrift.markers(states, t_s))
+            others = [*self._adrift.markers(states, t_s), *self._obstacle_markers(tick, t_s)]
+            self.reports.draw(tick, t_s, states, others)
+
+    def _obstacle_markers(self, tick: int, t_s: float) -> list[Marker]:
+        """Return the obstacles that no agent draws: where those are that vehicles must sense."""
+        field = self._medium.obstacles
+        if all(field.is_known):
+            return []
+        places = zip(field.at(self._ticks.scenario_s(tick)), field.is_known, strict=True)
+        return [
+            sphere("unknown obstacles", number, t_s, place, OBSTACLE_DIAMETER_M, OBSTACLE)
+            for number, (place, is_known) in enumerate(places)
+            if not is_known
+        ]

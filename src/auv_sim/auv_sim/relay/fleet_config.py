@@ -18,6 +18,10 @@ class FleetConfig:
         above=0.0,
     )
 
+    obstacle_count: int = param(
+        "number of obstacles; obstacles.o<number> has each, from 0", default=0, minimum=0, maximum=10_000
+    )
+
     def __post_init__(self) -> None:
         """Refuse an empty fleet."""
         if not self.vehicle_ids:

@@ -1,4 +1,4 @@
-"""An active sonar: range, bearing and elevation of every hull in range, at a fixed rate, without identity."""
+"""An active sonar: range, bearing and elevation of all hulls and obstacles in range, without identity."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 
-from auv_core.geometry import ned_to_body
+from auv_core.geometry import Vec3, ned_to_body
 from auv_core.messages import SonarContact, VehicleState
 from auv_core.params import param
 from auv_sim.acoustics.sonar import HullSonar
@@ -16,14 +16,19 @@ from auv_sim.streams import Purpose, generator
 _SLACK_PINGS = 1e-6
 _BLOCK_TICKS = 64
 
+_MOST_OBSTACLES = 1 << 20
+
 _Luck = list[tuple[float, float, float, float]]
+_Stream = tuple[Purpose, int]  # of one observer and one target
 
 
 @dataclass(frozen=True)
 class Params:
     """Range, rate, accuracy (one sigma) and field of view."""
 
-    max_range_m: float = param("largest distance of a visible hull centre (m)", default=10.0, above=0.0)
+    max_range_m: float = param(
+        "largest distance of a visible hull or obstacle centre (m)", default=10.0, above=0.0
+    )
     rate_hz: float = param("pings per second; at most one per control period", default=2.0, above=0.0)
     range_sd_m: float = param("standard deviation of a range (m)", default=0.1, minimum=0.0, maximum=100.0)
     angle_sd_rad: float = param(
@@ -33,7 +38,7 @@ class Params:
         maximum=1.0,
     )
     detection_prob: float = param(
-        "probability that a ping detects a hull in view", default=0.9, minimum=0.0, maximum=1.0
+        "probability that a ping detects a hull or an obstacle in view", default=0.9, minimum=0.0, maximum=1.0
     )
     horizontal_view_rad: float = param(
         "width of the field of view, centred on the bow (rad)",
@@ -51,19 +56,25 @@ class Params:
 
 class Sonar(HullSonar):
     """
-    Detects hull centres from the own hull centre, in the body frame of the true attitude at the tick.
+    Detects the centres of hulls and obstacles from the own hull centre, in the body frame of the true
+    attitude at the tick.
 
-    The hulls of lost vehicles are detected, too. No hull hides another one, travel time is neglected, and
+    The hulls of lost vehicles are detected, too. Nothing hides anything else, travel time is neglected, and
     there are no false contacts. The nearest contact comes first.
     """
 
     def __init__(self, params: Params, seed: int) -> None:
         self._params = params
         self._seed = seed
-        self._blocks: dict[tuple[int, int], tuple[int, _Luck]] = {}
+        self._blocks: dict[_Stream, tuple[int, _Luck]] = {}
 
     def contacts(
-        self, address: int, tick: int, period_s: float, states: Sequence[VehicleState]
+        self,
+        address: int,
+        tick: int,
+        period_s: float,
+        states: Sequence[VehicleState],
+        obstacles: Sequence[Vec3] = (),
     ) -> tuple[SonarContact, ...]:
         """
         Return the contacts of vehicle `address` at a tick, the nearest first.
@@ -78,6 +89,8 @@ class Sonar(HullSonar):
             Control period (s).
         states : sequence of VehicleState
             The true states at the tick, in the order of addresses.
+        obstacles : sequence of (3,) tuple
+            The true positions of the obstacles at the tick (m; NED).
 
         Returns
         -------
@@ -91,13 +104,20 @@ class Sonar(HullSonar):
         own = states[address - 1]
         x, y, z = own.position
         reach_m2 = self._params.max_range_m * self._params.max_range_m
+        hulls = (
+            ((Purpose.SONAR, 256 * address + index + 1), state.position)
+            for index, state in enumerate(states)
+            if index != address - 1
+        )
+        things = (
+            ((Purpose.OBSTACLE_SONAR, _MOST_OBSTACLES * address + index), position)
+            for index, position in enumerate(obstacles)
+        )
         found = []
-        for index, state in enumerate(states):
-            north, east, down = state.position[0] - x, state.position[1] - y, state.position[2] - z
-            if north * north + east * east + down * down <= reach_m2 and index != address - 1:
-                contact = self._contact(
-                    ned_to_body(own.attitude, (north, east, down)), address, index + 1, tick
-                )
+        for stream, position in (*hulls, *things):
+            north, east, down = position[0] - x, position[1] - y, position[2] - z
+            if north * north + east * east + down * down <= reach_m2:
+                contact = self._contact(ned_to_body(own.attitude, (north, east, down)), stream, tick)
                 if contact is not None:
                     found.append(contact)
         return tuple(sorted(found, key=attrgetter("range_m", "bearing_rad", "elevation_rad")))
@@ -110,16 +130,14 @@ class Sonar(HullSonar):
         before = math.ceil(tick * pings_per_tick - _SLACK_PINGS)
         return math.ceil((tick + 1) * pings_per_tick - _SLACK_PINGS) > before
 
-    def _contact(
-        self, body: tuple[float, float, float], observer: int, target: int, tick: int
-    ) -> SonarContact | None:
-        """Return the contact of a hull at `body` (m; FRD), or None if it is out of view or missed."""
+    def _contact(self, body: Vec3, stream: _Stream, tick: int) -> SonarContact | None:
+        """Return the contact of a target at `body` (m; FRD), or None if it is out of view or missed."""
         p = self._params
         level_m = math.hypot(body[0], body[1])
         bearing_rad, elevation_rad = math.atan2(body[1], body[0]), math.atan2(-body[2], level_m)
         if 2.0 * abs(bearing_rad) > p.horizontal_view_rad or 2.0 * abs(elevation_rad) > p.vertical_view_rad:
             return None
-        chance, first, second, third = self._luck(observer, target, tick)
+        chance, first, second, third = self._luck(stream, tick)
         if chance >= p.detection_prob:
             return None
         return _in_range(
@@ -128,20 +146,20 @@ class Sonar(HullSonar):
             elevation_rad + p.angle_sd_rad * third,
         )
 
-    def _luck(self, observer: int, target: int, tick: int) -> tuple[float, float, float, float]:
+    def _luck(self, stream: _Stream, tick: int) -> tuple[float, float, float, float]:
         """
-        Return one number uniform on [0, 1) and three standard normal ones, fixed by seed, pair and tick.
+        Return one number uniform on [0, 1) and three standard normal ones, fixed by seed, stream and tick.
 
         They are drawn for many ticks at once, which takes a tenth of the time.
         """
         block = tick // _BLOCK_TICKS
-        drawn, rows = self._blocks.get((observer, target), (-1, []))
+        drawn, rows = self._blocks.get(stream, (-1, []))
         if drawn != block:
-            rng = generator(self._seed, Purpose.SONAR, 256 * observer + target, block)
+            rng = generator(self._seed, *stream, block)
             chances = rng.random(_BLOCK_TICKS).tolist()
             normals = rng.standard_normal((_BLOCK_TICKS, 3)).tolist()
             rows = [(chance, *row) for chance, row in zip(chances, normals, strict=True)]
-            self._blocks[observer, target] = (block, rows)
+            self._blocks[stream] = (block, rows)
         return rows[tick % _BLOCK_TICKS]
 
 
