@@ -259,15 +259,17 @@ def _use_format(module, params, inputs):
         assert min(form.carries.velocity_mps, form.carries.centre_distance_m) > 0.0
         numbers = (0.5, 0.25)[: len(shared)]
         for tick in range(1, 20):
-            velocity, *rates = (inputs.point(1.0) for _ in range(3))
+            velocity, flock_velocity = inputs.point(1.0), inputs.point(1.0)
             report = Report(
-                1 + tick, tick, 0.1 * tick, inputs.point(), velocity, inputs.point(), rates[0], rates[1],
-                0.1 * (tick // 2), 0.5, numbers,
+                1 + tick, 0.1 * tick, inputs.point(), velocity, inputs.point(), flock_velocity,
+                0.1 * (tick // 2), 0.01, 0.1 * tick, 0.5, tick % 2 == 0, tick % 3 == 0, tick % 16, tick,
+                numbers,
             )  # fmt: skip
             payload = form.encode(inputs.kept(report))
             assert len(payload) == form.payload_bytes
             back = form.decode(inputs.kept(payload), 0.1 * tick + 3.0)
-            assert (back.address, back.sequence, back.shared) == (1 + tick, tick, numbers)
+            assert (back.address, back.heard_mask, back.shared) == (1 + tick, tick, numbers)
+            assert (back.is_bounded, back.is_holding) == (tick % 2 == 0, tick % 3 == 0)
             assert form.encode(back) == payload, "what was rounded is rounded no more"
             outputs.append((back.time_s, back.position, back.velocity, back.centre, back.flock_stamp_s))
             with pytest.raises(ReportError):

@@ -29,7 +29,7 @@ CONFIG = load(
         "reference": {"kind": "circle"},
         "flocking": {"kind": "potential"},
         "separation": {"kind": "mathematical"},
-        "consensus": {"kind": "thesis"},
+        "consensus": {"kind": "thesis", "params": {"carried_by": "flock"}},
         "report": {"kind": "exact"},
         "controller": {"kind": "velocity_direct"},
     },
@@ -39,7 +39,7 @@ CONFIG = load(
 
 def packet(address, tag_s):
     zero = (0.0, 0.0, 0.0)
-    report = Report(address, 1, tag_s, (5.0, 9.0, 10.0), zero, zero, zero, zero)
+    report = Report(address, tag_s, (5.0, 9.0, 10.0), zero, zero, zero)
     return Reception(Packet(0, address, 0, 1, FORMAT.encode(report)), 0.0, 0.0, math.nan)
 
 

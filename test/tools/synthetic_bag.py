@@ -170,6 +170,7 @@ class SyntheticRun:
                 pose=pose(row[:3], row[3:7]),
                 twist=twist(row[7:13]),
                 valid=True,
+                bounded=True,
                 position_sd_m=float(row[13]),
                 heading_sd_rad=float(row[14]),
             )

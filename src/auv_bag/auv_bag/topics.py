@@ -69,7 +69,7 @@ _VEHICLE_TOPICS = (
         readers="agent_node",
         every_ticks=1,
         fields="The estimate that the vehicle uses. `tick` gives its age, `valid` whether there is one; "
-        "`position_sd_m` and `heading_sd_rad` go into reports and filters.",
+        "`position_sd_m`, `heading_sd_rad` and `bounded` go into reports and filters.",
         silence="Lock-step waits. In real time the agent gives the safe command and sends nothing after "
         "`agent.inputs.nav_max_age_s`.",
     ),

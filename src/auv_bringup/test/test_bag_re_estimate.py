@@ -57,7 +57,7 @@ class Filtered(synthetic.SyntheticRun):
             tuple(self.state[k, j, at : at + 3].astype(np.float32).tolist()) for at in (0, 7)
         )
         zero = (0.0, 0.0, 0.0)
-        return Report(j + 1, k, max(k - 2, 0) * PERIOD_S, position, velocity, zero, zero, zero)
+        return Report(j + 1, max(k - 2, 0) * PERIOD_S, position, velocity, zero, zero)
 
     def reception(self, k, j):
         payload = b"?" if k == 8 else FORMAT.encode(self.report(k, j))  # once, a packet that is not a report

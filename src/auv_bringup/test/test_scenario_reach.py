@@ -101,7 +101,7 @@ def test_a_law_without_a_limit_is_judged_by_its_path():
 def test_starts_too_far_apart_for_the_centre_in_a_report_are_refused():
     message = _refusal("vehicles.0.position_ned_m=[0, 100, 10]", "vehicles.1.position_ned_m=[0, 0, 10]")
     assert message.startswith(
-        "scenario.vehicles: start 100 m apart (east), which is not allowed; allowed: at most 81.9"
+        "scenario.vehicles: start 100 m apart (east), which is not allowed; allowed: at most 81.84"
     )
 
 
@@ -115,20 +115,22 @@ def test_a_format_saturates_exactly_beyond_what_it_says_that_it_carries(position
         form = module.Format(module.Params(), ())
         bounds = form.carries
         at = tuple(x + dx for x, dx in zip(position, centre, strict=True))
-        report = Report(1, 1, 1.0, position, velocity, at, velocity, velocity, 1.0, 0.1, ())
+        report = Report(1, 1.0, position, velocity, at, velocity, 1.0, position_sd_m=0.1)
         form.encode(report)
         is_within = (
             bounds.position.holds(position)
-            and all(abs(v) <= bounds.velocity_mps for v in velocity)
-            and all(abs(c) <= bounds.centre_distance_m - form.position_resolution_m for c in centre)
+            and all(abs(v) <= bounds.velocity_mps for v in velocity[:2])
+            and abs(velocity[2]) <= bounds.descent_mps
+            and all(abs(c) <= bounds.centre_distance_m - 2.0 * form.position_resolution_m for c in centre)
         )
         if is_within:
             assert form.saturated == 0
         step_m, step_mps = form.position_resolution_m, form.velocity_resolution_mps
         beyond = (
             not bounds.position.grown(step_m).holds(position)
-            or any(abs(v) > bounds.velocity_mps + 4.0 * step_mps for v in velocity)
-            or any(abs(c) > bounds.centre_distance_m + 2.0 * step_m for c in centre)
+            or any(abs(v) > bounds.velocity_mps + 4.0 * step_mps for v in velocity[:2])
+            or abs(velocity[2]) > bounds.descent_mps + 4.0 * step_mps
+            or any(abs(c) > bounds.centre_distance_m + 8.0 * step_m for c in centre)
         )
         if beyond:
             assert form.saturated > 0

@@ -21,7 +21,8 @@ class VehicleState(NamedTuple):
 
     `is_valid` is false if the navigation has no solution; the numbers are then its last ones. `position_sd_m`
     (per horizontal axis, m) and `heading_sd_rad` are the navigation's own standard deviations; the truth has
-    none.
+    none. `is_bounded`: its error does not grow without limit, because position fixes come again and again, or
+    since it has none.
     """
 
     tick: int
@@ -31,6 +32,7 @@ class VehicleState(NamedTuple):
     is_valid: bool = True
     position_sd_m: float = 0.0
     heading_sd_rad: float = 0.0
+    is_bounded: bool = False
 
 
 class Wrench(NamedTuple):

@@ -276,6 +276,7 @@ def test_a_recording_is_no_longer_than_its_scenario(tmp_path):
             pose=synthetic.pose(zero[:3], (1.0, 0.0, 0.0, 0.0)),
             twist=synthetic.twist(zero),
             valid=True,
+            bounded=True,
             position_sd_m=0.0,
             heading_sd_rad=0.0,
         )

@@ -11,13 +11,14 @@ from __future__ import annotations
 
 from auv_control.controllers import Controller, MotionLaw, VelocityReference, make_controller
 from auv_control.references import PathPoint, make_reference
-from auv_core.geometry import Vec3, body_to_ned
+from auv_core.geometry import Vec3, body_to_ned, heading_from_quaternion
 from auv_core.messages import Command, Inbox, Packet, VehicleState, VelocityCommand, Wrench, command_numbers
 from auv_core.state_checks import is_command
 from auv_flocking.agent_config import AgentConfig
 from auv_flocking.consensus import ConsensusFilter, make_consensus
 from auv_flocking.flock_task import FlockTask
 from auv_flocking.flocking import FlockVelocity, make_flocking
+from auv_flocking.heard import class_of_all, mask_of
 from auv_flocking.holding import NO_FINITE_COMMAND, OUT_OF_REPORT
 from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbours.estimates import Estimates
@@ -60,6 +61,7 @@ class Agent:
             make_tracker(config.obstacle_tracker, tuple(position for position, _ in config.obstacles)),
         )
         self._sequence = 0
+        self._is_waiting = False
         self.unsent = 0
         self.holding = ""
         self.neighbours = Estimates.of(())
@@ -181,7 +183,8 @@ class Agent:
         return self._safe_command()
 
     def _act(self, t_s: float, nav: VehicleState) -> Command:
-        is_waiting = t_s < self._config.hold_s and self._senses.table.heard < self._config.fleet_size - 1
+        heard, others = self._senses.table.heard, self._config.fleet_size - 1
+        self._is_waiting = is_waiting = t_s < self._config.hold_s and heard < others
         path = self.path_point(t_s)
         if isinstance(self.task, MotionTask):
             return self.task.step(t_s, nav, path, self.neighbours, self.sensed, is_waiting=is_waiting)
@@ -201,17 +204,23 @@ class Agent:
     def _packets(self, tick: int, t_s: float, nav: VehicleState) -> list[Packet]:
         """Return the packet that the modem asks for, or none if its numbers cannot be sent."""
         velocity = body_to_ned(nav.attitude, (nav.nu[0], nav.nu[1], nav.nu[2]))
+        ages_s = {track.report.address: t_s - track.report.time_s for track in self._senses.table.tracks}
+        code = class_of_all(ages_s)
         report = Report(
             self._config.address,
-            self._sequence + 1,
             t_s,
             nav.position,
             velocity,
             self.centre,
-            self.centre_rate,
             self.flock_velocity.velocity,
             self.flock_velocity.stamp_s,
+            self.flock_velocity.turn_rate_radps,
+            heading_from_quaternion(nav.attitude),
             nav.position_sd_m,
+            nav.is_bounded,
+            self._is_waiting or bool(self.holding),
+            code,
+            mask_of(ages_s, self._config.address, self._config.fleet_size, code),
             self.task.shared(),
         )
         try:

@@ -3,9 +3,10 @@ Numbers in few bits: bounded fields with a resolution, packed without gaps.
 
 A `Field` defines the possible values of a number: multiples of a resolution between two bounds, or, if it
 `wraps`, multiples modulo its range. This determines its number of bits, and the error of a round trip: at
-most half a resolution inside the bounds. Values outside saturate at the bound and are counted. NaN, and
-infinity if a field wraps, are refused. A `Layout` is a sequence of fields, the first in the most significant
-bits of the first byte; the last byte is padded with zeros.
+most half a resolution inside the bounds. A `RatioField` has zero and values with a constant ratio instead.
+Values outside saturate at the bound and are counted. NaN, and infinity if a field wraps, are refused. A
+`Reserved` field has no value yet: its bits are zero. A `Layout` is a sequence of these, the first in the most
+significant bits of the first byte; the last byte is padded with zeros.
 
 The idea is that of the Dynamic Compact Control Language (Schneider & Schmidt, "The Dynamic Compact Control
 Language: A compact marshalling scheme for acoustic communications", OCEANS 2010), without its compiler: the
@@ -17,10 +18,36 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from auv_flocking.report import ReportError
 
 _MOST_STEPS = 2**40
+
+
+class Levels(Protocol):
+    """The possible values of one number, which are numbered from 0, its name, and its number of bits."""
+
+    @property
+    def name(self) -> str:
+        """Its name, unique in a layout; with the unit as suffix."""
+
+    @property
+    def bits(self) -> int:
+        """Number of bits."""
+
+    @property
+    def levels(self) -> int:
+        """Number of possible values."""
+
+    def level(self, value: float) -> int:
+        """Return the number of the level nearest to a value; outside 0 .. `levels` - 1: out of bounds."""
+
+    def value(self, level: int) -> float:
+        """Return the value of a level."""
+
+    def row(self) -> tuple[str, ...]:
+        """Return smallest and largest value, resolution and largest error inside, for a table."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +128,96 @@ class Field:
         """Return `value` after a round trip."""
         return self.value(min(max(self.level(value), 0), self.levels - 1))
 
+    def row(self) -> tuple[str, ...]:
+        """Return smallest and largest value, resolution and largest error inside, for a table."""
+        largest = f"wraps at {self.maximum:g}" if self.wraps else f"{self.maximum:g}"
+        error = "whole numbers" if isinstance(self.resolution, int) else f"{0.5 * self.resolution:g}"
+        return f"{self.minimum:g}", largest, f"{self.resolution:g}", error
+
+
+@dataclass(frozen=True, slots=True)
+class RatioField:
+    """
+    Zero, and values with a constant ratio: the relative error is the same for small and large values.
+
+    A value above zero never becomes zero.
+
+    Parameters
+    ----------
+    name : str
+        Its name, unique in a layout; with the unit as suffix.
+    smallest : float
+        Smallest value above zero.
+    steps_per_octave : int
+        Number of values from one value to its double.
+    bits : int
+        Number of bits.
+
+    """
+
+    name: str
+    smallest: float
+    steps_per_octave: int
+    bits: int
+    levels: int = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "levels", 1 << self.bits)
+
+    @property
+    def largest(self) -> float:
+        """Largest value."""
+        return self.value(self.levels - 1)
+
+    def level(self, value: float) -> int:
+        """
+        Return the number of the level nearest to `value` by ratio; 0 is the level of zero.
+
+        Raises
+        ------
+        ReportError
+            For NaN.
+
+        """
+        if math.isnan(value):
+            raise ReportError(f"{self.name}: {value} cannot be sent")
+        if value <= 0.0:
+            return 0 if value == 0.0 else -1
+        if math.isinf(value):
+            return self.levels
+        return max(1, 1 + round(self.steps_per_octave * math.log2(value / self.smallest)))
+
+    def value(self, level: int) -> float:
+        """Return the value of a level."""
+        return 0.0 if level == 0 else self.smallest * 2.0 ** ((level - 1) / self.steps_per_octave)
+
+    def row(self) -> tuple[str, ...]:
+        """Return smallest and largest value, resolution and largest error inside, for a table."""
+        step = 2.0 ** (1.0 / self.steps_per_octave)
+        half = 100.0 * (math.sqrt(step) - 1.0)
+        return f"0, then {self.smallest:g}", f"{self.largest:.4g}", f"x {step:.4f}", f"{half:.1f} %"
+
+
+@dataclass(frozen=True, slots=True)
+class Reserved:
+    """Bits without a meaning so far, which are zero; `name` says for what they are kept."""
+
+    name: str
+    bits: int
+    levels: int = field(default=1, init=False, repr=False)
+
+    def level(self, value: float) -> int:
+        """Return 0, the only level."""
+        return 0
+
+    def value(self, level: int) -> float:
+        """Return zero."""
+        return 0.0
+
+    def row(self) -> tuple[str, ...]:
+        """Return the row of a table: reserved, zero."""
+        return "reserved", "0", "", ""
+
 
 class Layout:
     """
@@ -108,12 +225,12 @@ class Layout:
 
     Parameters
     ----------
-    fields : sequence of Field
+    fields : sequence of Field, RatioField or Reserved
         In the order of their bits.
 
     """
 
-    def __init__(self, fields: Sequence[Field]) -> None:
+    def __init__(self, fields: Sequence[Levels]) -> None:
         names = [item.name for item in fields]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
@@ -124,8 +241,7 @@ class Layout:
         self.saturated = 0
         self._padding = 8 * self.payload_bytes - self.bits
         self._from_last = [
-            (item, item.bits, (1 << item.bits) - 1, item.levels, item.lowest, item.resolution)
-            for item in reversed(self.fields)
+            (item, item.bits, (1 << item.bits) - 1, item.levels) for item in reversed(self.fields)
         ]
 
     def pack(self, values: Sequence[float]) -> bytes:
@@ -169,26 +285,26 @@ class Layout:
             raise ReportError("the padding at the end of a report is not zero")
         word >>= self._padding
         values = []
-        for item, bits, mask, levels, lowest, resolution in self._from_last:
+        for item, bits, mask, levels in self._from_last:
             level = word & mask
             if level >= levels:
                 raise ReportError(f"{item.name}: {level} stands for no value")
-            values.append((level + lowest) * resolution)
+            values.append(item.value(level))
             word >>= bits
         values.reverse()
         return values
 
 
-def field_table(fields: Sequence[Field]) -> list[str]:
+def steps_around_zero(name: str, step: float, half: int) -> Field:
+    """Return a field of -half .. half - 1 steps."""
+    return Field(name, -half * step, (half - 1) * step, step)
+
+
+def field_table(fields: Sequence[Levels]) -> list[str]:
     """Return the lines of a Markdown table of fields: bits, bounds, resolution, largest error inside."""
+    rows = [(f"`{item.name}`", str(item.bits), *item.row()) for item in fields]
     lines = [
         "| field | bits | smallest | largest | resolution | error inside |",
         "|---|---|---|---|---|---|",
     ]
-    for item in fields:
-        largest = f"wraps at {item.maximum:g}" if item.wraps else f"{item.maximum:g}"
-        error = "whole numbers" if isinstance(item.resolution, int) else f"{0.5 * item.resolution:g}"
-        lines.append(
-            f"| `{item.name}` | {item.bits} | {item.minimum:g} | {largest} | {item.resolution:g} | {error} |"
-        )
-    return lines
+    return lines + [f"| {' | '.join(row)} |" for row in rows]

@@ -20,22 +20,55 @@ class Report(NamedTuple):
     """
     State of one vehicle at its time tag.
 
-    position, centre: m; velocity, centre_rate, flock_velocity: m/s; all NED. `flock_stamp_s`: time at which
-    a leader set this flock velocity, never later than the time tag; `NEVER` if none was received.
-    `position_sd_m`: standard deviation of the sender's navigation, per horizontal axis. `shared`: the numbers
-    that the sender's consensus filter adds.
+    A report of an older version lacks some numbers. They are then NaN, or None if they are not plain numbers,
+    and cannot be sent again.
+
+    Attributes
+    ----------
+    address : int
+        Acoustic address of the sender.
+    time_s : float
+        The time tag (s).
+    position, velocity : (3,) tuple
+        Of the sender (m, m/s; NED).
+    centre : (3,) tuple
+        Its estimate of the flocking centre (m; NED).
+    flock_velocity : (3,) tuple
+        Its estimate of the flock's velocity at the stamp (m/s; NED).
+    flock_stamp_s : float
+        Time at which a leader set this flock velocity, never later than the time tag; `NEVER` if none was
+        received (s).
+    flock_turn_rate_radps : float
+        Rate at which that velocity turns about the vertical since then (rad/s; from north to east).
+    heading_rad : float
+        Heading of the sender (rad; from north to east).
+    position_sd_m : float
+        Standard deviation of the sender's navigation, per horizontal axis (m).
+    is_bounded : bool or None
+        Whether the error of the sender's navigation does not grow without limit.
+    is_holding : bool or None
+        Whether the sender holds station instead of moving with the flock.
+    heard_code, heard_mask : int or None
+        Age class, and which vehicles the sender has heard within it; see `auv_flocking.heard`.
+    shared : tuple of float
+        The numbers that the sender's consensus filter adds.
+
     """
 
     address: int
-    sequence: int
     time_s: float
     position: Vec3
     velocity: Vec3
     centre: Vec3
-    centre_rate: Vec3
     flock_velocity: Vec3
     flock_stamp_s: float = NEVER
+    flock_turn_rate_radps: float = 0.0
+    heading_rad: float = 0.0
     position_sd_m: float = 0.0
+    is_bounded: bool | None = False
+    is_holding: bool | None = False
+    heard_code: int | None = 0
+    heard_mask: int | None = 0
     shared: tuple[float, ...] = ()
 
 

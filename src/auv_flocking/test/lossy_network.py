@@ -54,13 +54,13 @@ class Network:
             own = tuple(self.positions[index].tolist())
             heard = [_heard(*news, t_s, velocity) for news in sorted(self._news[index].items())]
             centre = item.centre(own, heard)
-            rate = item.advance(own, heard, believed(index), self._step_s)
+            item.advance(own, heard, believed(index), self._step_s)
             self.centres[index] = centre
             if index == self._count % len(self.filters):
                 shared = item.shared()
                 if self._layouts:
                     shared = tuple(self._layouts[index].unpack(self._layouts[index].pack(shared)))
-                packet = (t_s, own, centre, rate, believed(index), shared)
+                packet = (t_s, own, centre, believed(index), shared)
         self._air.append(packet)
         if len(self._air) > self._late:
             self._deliver((self._count - self._late) % len(self.filters), self._air.pop(0))
@@ -72,9 +72,9 @@ class Network:
 
 
 def _heard(source, packet, t_s, velocity):
-    time_s, position, centre, rate, flock_velocity, shared = packet
+    time_s, position, centre, flock_velocity, shared = packet
     age_s = t_s - time_s
-    position, centre = _carried(position, velocity, age_s), _carried(centre, rate, age_s)
+    position = _carried(position, velocity, age_s)
     return heard_estimate(
         source + 1, position, centre, age_s=age_s, flock_velocity=flock_velocity, time_s=time_s, shared=shared
     )

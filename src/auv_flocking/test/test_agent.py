@@ -9,6 +9,7 @@ from auv_core.messages import Inbox, Packet, Reception, VehicleState, VelocityCo
 from auv_core.params import ConfigError, load
 from auv_flocking.agent import Agent
 from auv_flocking.agent_config import AgentConfig
+from auv_flocking.heard import within_s
 from auv_flocking.report import Report
 from auv_flocking.reports import exact, make_format
 
@@ -26,7 +27,7 @@ def _config(**changes):
         "reference": {"kind": "circle"},
         "flocking": {"kind": "potential"},
         "separation": {"kind": "mathematical"},
-        "consensus": {"kind": "thesis"},
+        "consensus": {"kind": "thesis", "params": {"carried_by": "flock"}},
         "report": {"kind": "exact"},
         "controller": {"kind": "velocity_direct"},
     }
@@ -40,9 +41,7 @@ def _nav(tick, position=(1.0, 9.0, 10.0), nu=(0.1, 0.0, 0.0, 0.0, 0.0, 0.0)):
 def _heard(tick, address, position=(3.0, 9.0, 10.0), *, time_s=None, payload=None):
     if payload is None:
         time_s = (tick - 1) * PERIOD_S if time_s is None else time_s
-        payload = FORMAT.encode(
-            Report(address, tick, time_s, position, (0.0,) * 3, position, (0.0,) * 3, (0.0,) * 3)
-        )
+        payload = FORMAT.encode(Report(address, time_s, position, (0.0,) * 3, position, (0.0,) * 3))
     return Reception(Packet(tick - 1, address, 0, tick, payload), 0.0, 0.0, math.nan)
 
 
@@ -90,17 +89,31 @@ def test_its_packets_are_numbered_addressed_to_everybody_and_of_the_report_s_len
 def test_its_report_says_where_it_is_how_fast_and_what_it_believes():
     agent = Agent(_config())
     east = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))
-    nav = VehicleState(4, (1.0, 2.0, 3.0), east, (0.2, 0.0, 0.1, 0.0, 0.0, 0.0))
+    nav = VehicleState(4, (1.0, 2.0, 3.0), east, (0.2, 0.0, 0.1, 0.0, 0.0, 0.0), is_bounded=True)
     (packet,) = agent.step(0.4, nav, _inbox(4, ready=True))[1]
     report = FORMAT.decode(packet.payload, 0.0)
-    assert (report.address, report.sequence, report.time_s) == (1, 1, 0.4)
+    assert (report.address, report.time_s) == (1, 0.4)
     assert report.position == (1.0, 2.0, 3.0)
     assert report.velocity == pytest.approx((0.0, 0.2, 0.1), abs=1e-6)
     np.testing.assert_allclose(report.centre, agent.centre, rtol=1e-6)
-    np.testing.assert_allclose(report.centre_rate, agent.centre_rate, rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(report.flock_velocity, agent.flock_velocity.velocity, rtol=1e-6)
     assert report.flock_stamp_s == agent.flock_velocity.stamp_s == 0.4
-    assert report.position_sd_m == 0.0
+    assert report.flock_turn_rate_radps == agent.flock_velocity.turn_rate_radps
+    assert report.heading_rad == pytest.approx(0.5 * math.pi, abs=1e-6)
+    assert (report.position_sd_m, report.is_bounded) == (0.0, True)
+    assert (report.is_holding, report.heard_mask) == (False, 0)
+
+
+def test_its_report_says_that_it_waits_and_whom_it_has_heard_within_which_time():
+    agent = Agent(_config(hold_s=60.0))
+    (packet,) = _step(agent, 40, _heard(40, 3, time_s=1.5), ready=True)[1]
+    report = FORMAT.decode(packet.payload, 0.0)
+    assert (report.is_holding, report.heard_mask) == (True, 0b100)
+    assert report.heard_code is not None
+    assert within_s(report.heard_code - 1) < 2.5 <= within_s(report.heard_code)
+    (packet,) = _step(agent, 41, _heard(41, 2), ready=True)[1]
+    report = FORMAT.decode(packet.payload, 0.0)
+    assert (report.is_holding, report.heard_mask) == (False, 0b110)
 
 
 def test_it_holds_station_until_all_neighbours_were_heard():
@@ -221,7 +234,7 @@ def test_coarse_reports_are_believed_no_more_than_their_rounding_allows():
         agent = Agent(_config(report=report))
         form = make_format(agent._config.report)
         zero = (0.0, 0.0, 0.0)
-        payload = form.encode(Report(2, 1, 0.0, (3.0, 9.0, 10.0), zero, (3.0, 9.0, 10.0), zero, zero))
+        payload = form.encode(Report(2, 0.0, (3.0, 9.0, 10.0), zero, (3.0, 9.0, 10.0), zero))
         _step(agent, 0, _heard(0, 2, payload=payload))
         variances.append(agent.neighbours[0].covariance[0, 0])
     assert variances[0] == pytest.approx(0.02**2)

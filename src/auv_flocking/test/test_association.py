@@ -41,7 +41,7 @@ def _nav(t_s=0.0, position=(0.0, 0.0, 0.0), attitude=(1.0, 0.0, 0.0, 0.0), **sds
 
 
 def _report(address, time_s, position, velocity=(0.0, 0.0, 0.0), **stated):
-    return Report(address, 1, time_s, position, velocity, (0.0,) * 3, (0.0,) * 3, (0.0,) * 3, **stated)
+    return Report(address, time_s, position, velocity, (0.0,) * 3, (0.0,) * 3, **stated)
 
 
 def _array(contact):

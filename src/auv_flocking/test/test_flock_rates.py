@@ -57,7 +57,14 @@ class _Flock:
             task = self._task(index)
             estimates = [
                 NeighbourEstimate(
-                    other + 1, self.points[other], (0.0,) * 3, np.eye(6), 0.0, self.centres[other], (0.0,) * 3
+                    other + 1,
+                    self.points[other],
+                    (0.0,) * 3,
+                    np.eye(6),
+                    0.0,
+                    self.centres[other],
+                    (0.0,) * 3,
+                    shared=(0.0,) * 3,
                 )
                 for other in self._others(index)
             ]

@@ -1,5 +1,7 @@
 """Claims about the neighbour filters."""
 
+import math
+
 import numpy as np
 import pytest
 from filterpy.kalman import KalmanFilter
@@ -17,10 +19,10 @@ R = np.diag([CONFIG.position_std_m**2] * 3 + [CONFIG.velocity_std_mps**2] * 3)
 MODERATE = settings(max_examples=30, deadline=None)
 
 
-def _report(time_s, state=(0.0,) * 6, *, address=2, centre=(0.0,) * 3, centre_rate=(0.0,) * 3):
+def _report(time_s, state=(0.0,) * 6, *, address=2, centre=(0.0,) * 3, **more):
     north, east, down, *rates = map(float, state)
     position, velocity = (north, east, down), (rates[0], rates[1], rates[2])
-    return Report(address, 1, time_s, position, velocity, centre, centre_rate, (0.01, 0.02, 0.03))
+    return Report(address, time_s, position, velocity, centre, (0.01, 0.02, 0.03), **more)
 
 
 def _truth(rng, gaps_s):
@@ -136,12 +138,36 @@ def test_the_first_packet_is_believed_as_it_is_and_carried_with_its_velocity():
     assert estimate.velocity == pytest.approx((0.1, 0.0, -0.2))
 
 
-def test_the_neighbours_centre_is_carried_by_its_rate_and_its_flock_velocity_kept():
+def test_what_a_neighbour_says_of_centre_flock_and_heading_stays_as_it_was_said():
     table = NeighbourTable(CONFIG)
-    table.receive(_report(10.0, centre=(1.0, 1.0, 1.0), centre_rate=(0.5, 0.0, -0.5)))
+    table.receive(
+        _report(
+            10.0,
+            centre=(1.0, 1.0, 1.0),
+            flock_stamp_s=7.0,
+            flock_turn_rate_radps=0.01,
+            heading_rad=2.0,
+            is_holding=True,
+            heard_code=4,
+            heard_mask=0b1001,
+        )
+    )
     (estimate,) = table.estimates(12.0)
-    assert estimate.centre == pytest.approx((2.0, 1.0, 0.0))
-    assert estimate.flock_velocity == (0.01, 0.02, 0.03)
+    assert estimate.centre == (1.0, 1.0, 1.0)
+    assert (estimate.flock_velocity, estimate.flock_stamp_s) == ((0.01, 0.02, 0.03), 7.0)
+    assert (estimate.flock_turn_rate_radps, estimate.heading_rad) == (0.01, 2.0)
+    assert (estimate.is_holding, estimate.heard_within_s, estimate.heard_mask) == (True, 4.0, 0b1001)
+
+
+def test_what_an_older_report_lacks_is_believed_with_caution():
+    """No turn, no heading, not holding, no vehicle heard."""
+    unknown = dict.fromkeys(("is_bounded", "is_holding", "heard_code", "heard_mask"))
+    table = NeighbourTable(CONFIG)
+    table.receive(_report(10.0, flock_turn_rate_radps=math.nan, heading_rad=math.nan, **unknown))
+    (estimate,) = table.estimates(12.0)
+    assert estimate.flock_turn_rate_radps == 0.0
+    assert math.isnan(estimate.heading_rad)
+    assert (estimate.is_holding, estimate.heard_mask) == (False, 0)
 
 
 def test_repeated_packets_are_counted_and_change_nothing():

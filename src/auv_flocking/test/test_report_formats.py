@@ -1,8 +1,10 @@
 """Claims about the bytes of a report, in every format of the folder."""
 
+import json
 import math
 import random
 import struct
+from collections import Counter
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,9 +15,9 @@ from hypothesis import strategies as st
 
 from auv_core.plugins import find_plugin, list_plugins
 from auv_flocking.codec import Field, field_table
-from auv_flocking.consensus import pi, push_sum
+from auv_flocking.consensus import pi, push_sum, thesis
 from auv_flocking.report import NEVER, Report, ReportError
-from auv_flocking.reports import compact, exact
+from auv_flocking.reports import VERSIONS, compact, exact
 
 MODERATE = settings(max_examples=100, deadline=None)
 SHARED = (Field("sum", -8.0, 8.0, 2.0**-10, wraps=True), Field("weight", 0.0, 1.0, 0.125))
@@ -29,14 +31,18 @@ EXACT_REPORTS = st.builds(
     st.builds(
         Report,
         address=st.integers(1, 255),
-        sequence=st.integers(0, 2**32 - 1),
         time_s=st.floats(0.0, 1e9),
         position=VECTORS,
         velocity=VECTORS,
         centre=VECTORS,
-        centre_rate=VECTORS,
         flock_velocity=VECTORS,
+        flock_turn_rate_radps=FLOAT_32,
+        heading_rad=FLOAT_32,
         position_sd_m=st.floats(0.0, 100.0, width=32),
+        is_bounded=st.booleans(),
+        is_holding=st.booleans(),
+        heard_code=st.integers(0, 15),
+        heard_mask=st.integers(0, 2**16 - 1),
         shared=st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)),
     ),
     st.floats(0.0, 1e3) | st.just(math.inf),
@@ -47,6 +53,10 @@ def _vector(bound):
     return st.tuples(*[st.floats(-bound, bound)] * 3)
 
 
+def _velocity():
+    return st.tuples(*[st.floats(-2.55, 2.55)] * 2, st.floats(-1.27, 1.27))
+
+
 COMPACT_REPORTS = st.builds(
     lambda report, offset, age_s: report._replace(
         centre=tuple(np.add(report.position, offset).tolist()),
@@ -55,14 +65,18 @@ COMPACT_REPORTS = st.builds(
     st.builds(
         Report,
         address=st.integers(1, 255),
-        sequence=st.integers(0, 4095),
         time_s=st.floats(0.0, 1e5),
-        position=st.tuples(st.floats(-5242.0, 5242.0), st.floats(-5242.0, 5242.0), st.floats(-163.0, 1146.0)),
-        velocity=_vector(2.55),
+        position=st.tuples(st.floats(-5242.0, 5242.0), st.floats(-5242.0, 5242.0), st.floats(-10.0, 645.0)),
+        velocity=_velocity(),
         centre=st.just((0.0, 0.0, 0.0)),
-        centre_rate=_vector(2.55),
-        flock_velocity=_vector(2.55),
-        position_sd_m=st.floats(0.0, 20.4),
+        flock_velocity=_velocity(),
+        flock_turn_rate_radps=st.floats(-0.128, 0.127),
+        heading_rad=st.floats(-10.0, 10.0),
+        position_sd_m=st.just(0.0) | st.floats(2.0**-8, 230.0),
+        is_bounded=st.booleans(),
+        is_holding=st.booleans(),
+        heard_code=st.integers(0, 15),
+        heard_mask=st.integers(0, 2**16 - 1),
         shared=st.tuples(st.floats(-7.99, 7.99), st.floats(0.0, 1.0)),
     ),
     _vector(81.8),
@@ -70,15 +84,18 @@ COMPACT_REPORTS = st.builds(
 )
 ONE = Report(
     3,
-    17,
     12.5,
     (1.0, 2.0, 3.0),
     (0.1, 0.2, 0.3),
     (4.0, 5.0, 6.0),
-    (0.0, 0.0, 0.0),
     (0.01, 0.0, 0.0),
     12.0,
+    0.01,
+    2.0,
     0.5,
+    is_bounded=True,
+    heard_code=5,
+    heard_mask=0b1011,
 )
 ONE_SHARED = ONE._replace(shared=(1.0, 0.5))
 
@@ -106,9 +123,9 @@ def test_exact_rounds_positions_to_32_bits(report, position):
 
 def test_exact_numbers_stand_where_the_layout_says():
     payload = _format("exact", SHARED).encode(ONE_SHARED)
-    assert struct.unpack_from("<BBId", payload) == (2, 3, 17, 12.5)
-    assert struct.unpack_from("<3f", payload, 14) == (1.0, 2.0, 3.0)
-    assert struct.unpack_from("<df2d", payload, 74) == (12.0, 0.5, 1.0, 0.5)
+    assert struct.unpack_from("<BBBBBHHBd", payload) == (0x50, 3, 1, 0, 5, 0b1011, 0, 0, 12.5)
+    assert struct.unpack_from("<3f", payload, 18) == (1.0, 2.0, 3.0)
+    assert struct.unpack_from("<d3f2d", payload, 66) == (12.0, np.float32(0.01), 2.0, 0.5, 1.0, 0.5)
     assert len(payload) == 102
 
 
@@ -121,23 +138,26 @@ def test_exact_saturates_what_no_vehicle_can_mean():
 
 
 @MODERATE
-@given(COMPACT_REPORTS, st.floats(-5000.0, 5000.0))
+@given(COMPACT_REPORTS, st.floats(-327.0, 327.0))
 def test_compact_is_right_to_half_a_resolution(report, later_s):
     """Of every number; the centre and the stamp, which are sent as differences, included."""
     form = _format("compact", SHARED)
     back = form.decode(form.encode(report), report.time_s + later_s)
-    assert (back.address, back.sequence) == (report.address, report.sequence)
+    for name in ("address", "is_bounded", "is_holding", "heard_code", "heard_mask"):
+        assert getattr(back, name) == getattr(report, name)
     for name, half in (
         ("time_s", 0.005),
         ("position", 0.01),
         ("velocity", 0.00125),
-        ("centre", 0.01),
-        ("centre_rate", 0.0025),
+        ("centre", 0.04),
         ("flock_velocity", 0.0025),
-        ("position_sd_m", 0.02),
+        ("flock_turn_rate_radps", 0.0005),
     ):
         error = np.abs(np.subtract(getattr(back, name), getattr(report, name))).max()
         assert error <= half * (1.0 + 1e-6), name
+    off_rad = math.remainder(back.heading_rad - report.heading_rad, 2.0 * math.pi)
+    assert abs(off_rad) <= math.pi / 128.0 * (1.0 + 1e-6)
+    assert back.position_sd_m == pytest.approx(report.position_sd_m, rel=2.0 ** (1.0 / 32.0) - 1.0 + 1e-9)
     assert abs(back.shared[0] - report.shared[0]) <= 2.0**-11
     assert abs(back.shared[1] - report.shared[1]) <= 2.0**-4
     if report.flock_stamp_s == NEVER:
@@ -150,8 +170,50 @@ def test_compact_is_right_to_half_a_resolution(report, later_s):
 def test_compact_fits_a_micromodem_frame():
     form = _format("compact")
     assert form.payload_bytes == len(form.encode(ONE)) == 32
-    assert sum(field.bits for field in form.fields) == 253
-    assert _format("compact", SHARED).payload_bytes == 34
+    assert sum(field.bits for field in form.fields) == 256
+    assert _format("compact", SHARED).payload_bytes == 35
+
+
+@MODERATE
+@given(st.floats(0.01, 100.0), st.floats(0.0, 0.01), st.floats(1.0, 1.04))
+def test_compact_rounding_neither_feigns_a_fix_nor_hides_one(sd_m, fall, growth):
+    """A receiver takes a deviation below 0.95 times the last one for a fix."""
+    form = _format("compact")
+
+    def sent(value_m):
+        return form.decode(form.encode(ONE._replace(position_sd_m=value_m)), 12.5).position_sd_m
+
+    assert sent(sd_m * growth) >= sent(sd_m) > 0.0
+    assert sent(sd_m * (1.0 - fall)) >= 0.95 * sent(sd_m)
+    assert sent(sd_m * 0.9) < 0.95 * sent(sd_m)
+
+
+def test_compact_never_calls_a_navigation_with_an_error_exact():
+    form = _format("compact")
+    report = form.decode(form.encode(ONE._replace(position_sd_m=1e-9)), 12.5)
+    assert report.position_sd_m == 2.0**-8
+    assert form.saturated == 0
+
+
+def test_reserved_bits_are_zero_and_are_refused_otherwise():
+    """After the bits of the report, in both formats."""
+    packed = int.from_bytes(_format("compact").encode(ONE), "big")
+    assert packed % 2**20 == 0
+    for bit in range(20):
+        with pytest.raises(ReportError, match="operator_"):
+            _format("compact").decode((packed | 1 << bit).to_bytes(32, "big"), 12.5)
+    payload = _format("exact").encode(ONE)
+    for place, damage in ((0, 0x01), (2, 0x02), (3, 0x02), (4, 0x10), (7, 0x01), (8, 0x80), (9, 0x01)):
+        damaged = bytes((*payload[:place], payload[place] ^ damage, *payload[place + 1 :]))
+        with pytest.raises(ReportError, match="without a meaning"):
+            _format("exact").decode(damaged, 12.5)
+
+
+def test_a_time_tag_of_three_minutes_ago_is_read_as_such():
+    form = _format("compact")
+    for now_s in (192.5, 12.5 + 327.0):
+        assert form.decode(form.encode(ONE), now_s).time_s == 12.5
+    assert form.decode(form.encode(ONE), 12.5 + 328.0).time_s == 12.5 + 655.36, "the limit: 327.68 s"
 
 
 def test_compact_stamps_are_passed_on_without_a_change():
@@ -177,18 +239,18 @@ def test_compact_ages_end_at_their_maximum():
 
 def test_compact_counts_what_is_out_of_bounds():
     form = _format("compact")
-    far = ONE._replace(position=(6000.0, 0.0, -500.0), centre=(5300.0, 90.0, -100.0))
+    far = ONE._replace(position=(6000.0, 0.0, -500.0), centre=(5300.0, 90.0, 60.0))
     back = form.decode(form.encode(far), 12.5)
     assert form.saturated == 3
-    assert back.position == pytest.approx((5242.86, 0.0, -163.84))
-    assert back.centre == pytest.approx((5300.0, 81.9, -100.0))
+    assert back.position == pytest.approx((5242.86, 0.0, -10.24))
+    assert back.centre == pytest.approx((5300.0, 81.88, 60.0), abs=0.04)
 
 
 def test_compact_resolutions_can_be_chosen():
     form = compact.Format(compact.Params(position_resolution_m=0.1), ())
     assert form.payload_bytes == 32
-    back = form.decode(form.encode(ONE._replace(position=(26000.0, -26000.0, 5000.0))), 12.5)
-    assert back.position == pytest.approx((26000.0, -26000.0, 5000.0), abs=0.05)
+    back = form.decode(form.encode(ONE._replace(position=(26000.0, -26000.0, 3200.0))), 12.5)
+    assert back.position == pytest.approx((26000.0, -26000.0, 3200.0), abs=0.05)
 
 
 @EVERY
@@ -197,6 +259,16 @@ def test_compact_resolutions_can_be_chosen():
 def test_every_report_has_the_stated_length(kind, report):
     form = _format(kind, SHARED)
     assert len(form.encode(report)) == form.payload_bytes
+
+
+@EVERY
+@pytest.mark.parametrize("shared", [(), SHARED], ids=["alone", "shared"])
+def test_the_bits_of_every_field_are_those_of_the_payload(kind, shared):
+    form = _format(kind, shared)
+    names = [name for name, _ in form.budget]
+    assert len(set(names)) == len(names)
+    padding = 8 * form.payload_bytes - sum(bits for _, bits in form.budget)
+    assert 0 <= padding < 8
 
 
 @EVERY
@@ -209,6 +281,13 @@ def test_every_report_has_the_stated_length(kind, report):
         {"centre": (math.nan, 0.0, 0.0)},
         {"flock_stamp_s": math.nan},
         {"position_sd_m": math.nan},
+        {"heading_rad": math.nan},
+        {"flock_turn_rate_radps": math.nan},
+        {"is_bounded": None},
+        {"is_holding": None},
+        {"heard_code": 16},
+        {"heard_mask": 2**16},
+        {"heard_mask": None},
         {"address": 0},
         {"address": 256},
         {"shared": ()},
@@ -271,8 +350,10 @@ def _decode_or_refuse(form, payload):
     except ReportError:
         return False
     stamp_s = report.flock_stamp_s
-    vectors = (report.position, report.velocity, report.centre, report.centre_rate, report.flock_velocity)
+    vectors = (report.position, report.velocity, report.centre, report.flock_velocity)
     total = sum(map(sum, vectors)) + sum(report.shared) + report.time_s + report.position_sd_m
+    if report.is_bounded is not None:
+        total += report.heading_rad + report.flock_turn_rate_radps
     assert stamp_s == NEVER or math.isfinite(stamp_s)
     assert math.isfinite(total)
     assert report.address >= 1
@@ -318,18 +399,68 @@ def test_nobodys_address_is_refused():
         _format("compact").decode(bytes(payload), 12.5)
 
 
-def test_exact_versions_and_lengths_differ_from_those_before():
-    assert (exact.VERSION, _format("exact").payload_bytes) == (2, 86)
+def test_every_kind_has_versions_and_no_two_kinds_share_one():
+    assert VERSIONS.keys() == set(KINDS)
+    counted = Counter(number for each in VERSIONS.values() for number in (each.written, *each.older))
+    assert set(counted.values()) == {1}
+    assert all(0 <= number < 16 for number in counted)
+
+
+@EVERY
+def test_every_payload_begins_with_its_version(kind):
+    assert _format(kind).encode(ONE)[0] >> 4 == VERSIONS[kind].written
+
+
+def test_reports_of_older_versions_are_read():
+    """`reports_before.json`: payloads and their numbers, made by the last code that sent these versions."""
+    cases = json.loads((Path(__file__).parent / "reports_before.json").read_text(encoding="utf-8"))
+    filters = {"none": (), "pi": pi.Consensus(pi.Params(), 4).shared_fields}
+    for case in cases:
+        report = _format(case["kind"], filters[case["shared"]]).decode(
+            bytes.fromhex(case["payload"]), case["now_s"]
+        )
+        for name in ("address", "time_s", "flock_stamp_s", "position_sd_m"):
+            assert getattr(report, name) == (NEVER if case[name] is None else case[name])
+        for name in ("position", "velocity", "centre", "flock_velocity"):
+            assert list(getattr(report, name)) == case[name]
+        assert list(report.shared) == case["shared_numbers"]
+        assert math.isnan(report.heading_rad)
+        assert math.isnan(report.flock_turn_rate_radps)
+        unknown = (report.is_bounded, report.is_holding, report.heard_code, report.heard_mask)
+        assert set(unknown) == {None}
+    assert Counter(case["kind"] for case in cases) == {"compact": 6, "exact": 6}
+
+
+def test_the_rate_of_the_centre_in_older_reports_is_what_the_filter_shares_today():
+    cases = json.loads((Path(__file__).parent / "reports_before.json").read_text(encoding="utf-8"))
+    fields = thesis.Consensus(thesis.Params(carried_by="rate"), 4).shared_fields
+    for case in cases:
+        if case["shared"] == "none":
+            form = _format(case["kind"], fields)
+            report = form.decode(bytes.fromhex(case["payload"]), case["now_s"])
+            assert list(report.shared) == case["centre_rate"]
+
+
+def _budget_table(kind):
+    form = _format(kind)
+    rows = [f"| `{name}` | {bits} |" for name, bits in form.budget]
+    total = f"| of {8 * form.payload_bytes} | {sum(bits for _, bits in form.budget)} |"
+    return [f"| `{kind}` | bits |", "|---|---|", *rows, total]
 
 
 def test_the_page_on_packets_shows_the_fields_as_they_are():
     page = (Path(__file__).parents[3] / "docs" / "reference" / "packets.md").read_text(encoding="utf-8")
     layouts = [compact.Format(compact.Params(), ()).fields]
-    layouts += [module.Consensus(module.Params(), 4).shared_fields for module in (pi, push_sum)]
+    layouts += [module.Consensus(module.Params(), 4).shared_fields for module in (thesis, pi, push_sum)]
     for layout in layouts:
         assert "\n".join(field_table(layout)) in page
-    for module, sizes in ((compact, "32, with `pi` 38, with `push_sum` 53"), (exact, "86, with `pi` 110")):
-        filters = (pi.Consensus(pi.Params(), 4), push_sum.Consensus(push_sum.Params(), 4))
-        found = [module.Format(module.Params(), item.shared_fields).payload_bytes for item in filters]
-        assert sizes in page
-        assert found == {compact: [38, 53], exact: [110, 142]}[module]
+    for kind in KINDS:
+        assert "\n".join(_budget_table(kind)) in page
+    filters = [each.Consensus(each.Params(), 4) for each in (thesis, pi, push_sum)]
+    for module in (compact, exact):
+        forms = [
+            module.Format(module.Params(), shared) for shared in ((), *(f.shared_fields for f in filters))
+        ]
+        alone, *more = (form.payload_bytes for form in forms)
+        words = f"{alone}, with `thesis` {more[0]}, with `pi` {more[1]}, with `push_sum` {more[2]}"
+        assert words in page

@@ -130,14 +130,34 @@ def test_following_the_flock_takes_the_lag_away():
 def test_centre_and_advance_are_derivative_and_step(own, others, flock, rate, follow):
     """To the last bit, period after period; the estimate starts at the own position."""
     law = Consensus(Params(rate_ps=rate, follow_flock=follow), 4)
-    heard = [heard_estimate(2 + i, STILL, centre) for i, centre in enumerate(others)]
+    heard = [heard_estimate(2 + i, STILL, centre, shared=STILL) for i, centre in enumerate(others)]
     centre = own
     for tick in range(5):
         moved = (own[0] + tick, own[1], own[2])
         assert law.centre(moved, heard) == centre
-        assert law.advance(moved, heard, flock, 0.1) == law.derivative(moved, centre, others, flock)
+        rate = law.derivative(moved, centre, others, flock)
+        assert law.advance(moved, heard, flock, 0.1) == law.shared() == rate
         centre = law.step(moved, centre, others, flock, 0.1)
-    assert law.shared() == law.shared_fields == ()
+
+
+@pytest.mark.parametrize("follow", [True, False])
+def test_a_neighbours_estimate_is_carried_by_its_own_rate_or_by_the_flocks(follow):
+    """Over its age of 2 s; the own rate is in the packet only if it is used."""
+    for carried_by, shared, rate in (
+        ("rate", (0.5, 0.0, -0.5), (0.5, 0.0, -0.5)),
+        ("flock", (), (0.0, 0.25, 0.0) if follow else STILL),
+    ):
+        law = Consensus(Params(follow_flock=follow, carried_by=carried_by), 2)
+        assert len(law.shared_fields) == len(shared)
+        other = heard_estimate(
+            2, STILL, (1.0, 1.0, 1.0), age_s=2.0, flock_velocity=(0.0, 0.25, 0.0), shared=shared
+        )
+        x, y, z = rate
+        ahead = (1.0 + 2.0 * x, 1.0 + 2.0 * y, 1.0 + 2.0 * z)
+        assert law.advance(STILL, [other], STILL, 0.1) == (
+            law.derivative(STILL, STILL, [ahead], STILL) if carried_by == "rate" else STILL
+        )
+        assert law.centre(STILL, []) == law.step(STILL, STILL, [ahead], STILL, 0.1)
 
 
 POSITIONS = [(0.0, 0.0, 10.0), (8.0, -3.0, 12.0), (-6.0, 9.0, 9.0), (3.0, 2.0, 15.0)]
@@ -163,8 +183,8 @@ def test_carried_on_with_the_flocks_velocity_it_is_stable_with_news_of_any_age()
 
 
 def test_who_is_believed_beyond_the_reach_is_no_neighbour():
-    near = heard_estimate(2, (4.9, 0.0, 0.0), (1.0, 0.0, 0.0))
-    far = heard_estimate(3, (5.0, 0.0, 0.0), (100.0, 0.0, 0.0))
+    near = heard_estimate(2, (4.9, 0.0, 0.0), (1.0, 0.0, 0.0), shared=STILL)
+    far = heard_estimate(3, (5.0, 0.0, 0.0), (100.0, 0.0, 0.0), shared=STILL)
     estimates = []
     for heard in ([near], [near, far]):
         law = Consensus(Params(reach_m=5.0), 3)

@@ -28,7 +28,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 def _report(time_s, position=ZERO, velocity=ZERO, sd_m=0.0, centre=ZERO):
-    return Report(2, 1, time_s, position, velocity, centre, ZERO, ZERO, position_sd_m=sd_m)
+    return Report(2, time_s, position, velocity, centre, ZERO, position_sd_m=sd_m)
 
 
 def _heard(time_s, position=ZERO, velocity=ZERO, sd_m=0.0, own_sd_m=0.0):
@@ -168,7 +168,7 @@ def test_the_sum_of_parts_is_the_product(seed, dt_s, memory_s):
 def test_a_velocity_comes_back_to_the_flocks():
     """By e after one memory; and carried at once or by a contact in between, it is the same way."""
     config = NeighbourConfig(velocity_memory_s=10.0)
-    report = Report(2, 1, 0.0, ZERO, (0.5, 0.0, 0.0), ZERO, ZERO, (0.1, 0.0, 0.0))
+    report = Report(2, 0.0, ZERO, (0.5, 0.0, 0.0), ZERO, (0.1, 0.0, 0.0))
     track = _track(HeardReport(report, Stated(0.0, 0.0)), config)
     estimate = track.estimate(10.0)
     assert estimate.velocity[0] == pytest.approx(0.1 + 0.4 * math.exp(-1.0))

@@ -129,5 +129,9 @@ class Vehicle:
     def _record(self) -> VehicleState:
         s = self._state
         return VehicleState(
-            self._tick, (s[0], s[1], s[2]), (s[3], s[4], s[5], s[6]), (s[7], s[8], s[9], s[10], s[11], s[12])
+            self._tick,
+            (s[0], s[1], s[2]),
+            (s[3], s[4], s[5], s[6]),
+            (s[7], s[8], s[9], s[10], s[11], s[12]),
+            is_bounded=True,
         )

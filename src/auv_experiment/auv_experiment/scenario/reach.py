@@ -115,8 +115,9 @@ def _check_report_positions(scenario: Scenario) -> None:
 
 
 def _check_report_velocities(scenario: Scenario) -> None:
-    """Check that reports can carry the largest speed of a vehicle over ground."""
-    most_mps = _bounds(scenario).velocity_mps
+    """Check that reports can carry the largest speed over ground, and the steepest part of a path."""
+    bounds = _bounds(scenario)
+    most_mps = bounds.velocity_mps
     for index, vehicle in enumerate(scenario.vehicles):
         path = scenario.reference_of(index)
         if path is None:
@@ -133,6 +134,13 @@ def _check_report_velocities(scenario: Scenario) -> None:
             raise ValueError(
                 f"{_path_key(scenario, index)}: lets vehicles[{index}] move at {fastest_mps:.3g} m/s, "
                 f"which is not allowed; allowed: at most {most_mps:.3g} m/s, "
+                f"which a report of the kind {scenario.agent.report.kind} carries"
+            )
+        steepest_mps = _steepest_mps(path, scenario.duration_s)
+        if steepest_mps > bounds.descent_mps:
+            raise ValueError(
+                f"{_path_key(scenario, index)}: dives or climbs at {steepest_mps:.3g} m/s, which is not "
+                f"allowed; allowed: at most {bounds.descent_mps:.3g} m/s, "
                 f"which a report of the kind {scenario.agent.report.kind} carries"
             )
 
@@ -234,9 +242,18 @@ def _formation_radius_m(scenario: Scenario) -> float:
 
 def _fastest_mps(path: ReferencePath, duration_s: float, current: Sequence[float]) -> float:
     """Return the largest speed along a path, relative to the moving water (m/s; NED)."""
+    return max(math.dist(velocity, current) for velocity in _velocities(path, duration_s))
+
+
+def _steepest_mps(path: ReferencePath, duration_s: float) -> float:
+    """Return the largest vertical speed along a path (m/s)."""
+    return max(abs(velocity[2]) for velocity in _velocities(path, duration_s))
+
+
+def _velocities(path: ReferencePath, duration_s: float) -> list[Vec3]:
+    """Return samples of the velocity along a path, over one round if it has one (m/s; NED)."""
     span_s = duration_s if path.period_s is None else min(path.period_s, duration_s)
-    velocities = (path.at(span_s * k / _PATH_SAMPLES).velocity for k in range(_PATH_SAMPLES + 1))
-    return max(math.dist(velocity, current) for velocity in velocities)
+    return [path.at(span_s * k / _PATH_SAMPLES).velocity for k in range(_PATH_SAMPLES + 1)]
 
 
 def _starts(scenario: Scenario) -> list[Vec3]:

@@ -15,7 +15,7 @@ from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3, distance
 from auv_core.params import Section
 from auv_flocking.codec import Field
-from auv_flocking.neighbours.estimates import Neighbours
+from auv_flocking.neighbours.estimates import NeighbourEstimate, Neighbours
 
 
 class ConsensusParams(Protocol):
@@ -30,7 +30,8 @@ class ConsensusFilter(Protocol):
     """
     The filter of one vehicle.
 
-    `shared_fields`: fields that it adds to every packet besides the centre and its rate, `()` for none.
+    `shared_fields`: fields that it adds to every packet besides the centre, `()` for none. The centre of a
+    neighbour estimate is that of the time tag: a filter extrapolates it with `carried_centre`.
     """
 
     shared_fields: tuple[Field, ...]
@@ -46,7 +47,8 @@ class ConsensusFilter(Protocol):
         """
         Update the state by one period of `dt_s`; called once per period, after `centre`.
 
-        Returns the rate (m/s; NED) with which others extrapolate the estimate until the next packet.
+        Returns the rate (m/s; NED) with which others extrapolate the estimate until the next packet: the
+        flock's velocity, zero, or a rate that the filter shares.
         `flock_velocity` is this vehicle's estimate (m/s; NED).
         """
 
@@ -79,6 +81,12 @@ def consensus_params(section: Section) -> ConsensusParams:
     """Return the parameters of a section, typed as those of every filter."""
     params: ConsensusParams = fulfilled(section.params, ConsensusParams)
     return params
+
+
+def carried_centre(other: NeighbourEstimate, rate: Vec3) -> Vec3:
+    """Return a neighbour's estimate of the centre (m; NED), extrapolated with a rate (m/s; NED)."""
+    (x, y, z), age_s = other.centre, other.age_s
+    return (x + age_s * rate[0], y + age_s * rate[1], z + age_s * rate[2])
 
 
 def centres_within(reach_m: float, own: Vec3, others: Sequence[tuple[Vec3, Vec3]]) -> list[Vec3]:

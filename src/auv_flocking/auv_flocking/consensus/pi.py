@@ -39,12 +39,13 @@ from dataclasses import dataclass
 from auv_core.geometry import Vec3
 from auv_core.params import param
 from auv_flocking.codec import Field
-from auv_flocking.consensus import ConsensusFilter
-from auv_flocking.neighbours.estimates import Neighbours
+from auv_flocking.consensus import ConsensusFilter, carried_centre
+from auv_flocking.neighbours.estimates import NeighbourEstimate, Neighbours
 
 _HALF_RANGE_M = 1024.0
 _RESOLUTION_M = 2.0**-5
 _AXES = ("north", "east", "down")
+_STILL: Vec3 = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -104,21 +105,25 @@ class Consensus(ConsensusFilter):
     def advance(self, own: Vec3, heard: Neighbours, flock_velocity: Vec3, dt_s: float) -> Vec3:
         """Update the estimate; return the flock's velocity (m/s; NED), or zero if it is not used."""
         centre = self.centre(own, heard)
-        rate = flock_velocity if self._params.follow_flock else (0.0, 0.0, 0.0)
-        moved = [self._axis(axis, own[axis], centre[axis], heard, dt_s) for axis in range(3)]
+        rate = flock_velocity if self._params.follow_flock else _STILL
+        centres = [self._carried(other) for other in heard]
+        moved = [self._axis(axis, own[axis], centre[axis], heard, centres, dt_s) for axis in range(3)]
         (x, qx), (y, qy), (z, qz) = moved
         self._centre = (x + rate[0] * dt_s, y + rate[1] * dt_s, z + rate[2] * dt_s)
         self._integral = (qx, qy, qz)
         return rate
 
+    def _carried(self, other: NeighbourEstimate) -> Vec3:
+        return carried_centre(other, other.flock_velocity if self._params.follow_flock else _STILL)
+
     def _axis(
-        self, axis: int, own: float, centre: float, heard: Neighbours, dt_s: float
+        self, axis: int, own: float, centre: float, heard: Neighbours, centres: list[Vec3], dt_s: float
     ) -> tuple[float, float]:
         """Return estimate and integral of one axis after a backward Euler step in their increments."""
         p, integral = self._params, self._integral[axis]
         ahead = lead = 0.0
-        for other in heard:
-            ahead += other.centre[axis] - centre
+        for other, theirs in zip(heard, centres, strict=True):
+            ahead += theirs[axis] - centre
             lead += _wrapped(other.shared[axis] - integral)
         ahead *= self._weight
         lead *= self._weight

@@ -7,11 +7,12 @@ For vehicles at rest c -> (L + I)^-1 eta: the mean of the estimates is exact, ea
 its own vehicle (on a complete graph of n by (eta_i - mean) / (n + 1)).  The proof (6.7)-(6.18) bounds the
 error, V_dot <= -|e|^2 + |e| n rho; neither the proof nor the filter makes it vanish.
 
-A received estimate is extrapolated to the current time with the rate in its packet. With c_dot as that rate
-and data of age tau, a mode of the weights' eigenvalue a has s + k (n - a (1 + s tau) exp(-s tau)) = 0 on a
-complete graph. This is a neutral delay equation whose fast modes grow without bound if k (n - 1) tau > 1,
-which is above 0.33 s for four vehicles and k = 1. `carried_by: flock` sends the flock's velocity instead
-(zero without `follow_flock`); the filter is then a chain of weighted means and stable with data of any age.
+A received estimate is extrapolated to the current time with a rate. `carried_by: rate` adds c_dot to every
+packet, which makes it longer. With data of age tau, a mode of the weights' eigenvalue a then has s + k (n - a
+(1 + s tau) exp(-s tau)) = 0 on a complete graph. This is a neutral delay equation whose fast modes grow
+without bound if k (n - 1) tau > 1, which is above 0.33 s for four vehicles and k = 1. `carried_by: flock`
+uses the flock's velocity, which packets have anyway (zero without `follow_flock`); the filter is then a chain
+of weighted means and stable with data of any age.
 
 Deviation: `follow_flock` adds the flock's velocity to every c_i_dot, which removes the lag of 1 / k behind a
 moving flock.
@@ -26,9 +27,9 @@ from dataclasses import dataclass
 from auv_core.compiled import inlined
 from auv_core.geometry import Vec3
 from auv_core.params import param
-from auv_flocking.codec import Field
-from auv_flocking.consensus import ContinuousFilter, centres_within
-from auv_flocking.neighbours.estimates import Neighbours
+from auv_flocking.codec import Field, steps_around_zero
+from auv_flocking.consensus import ContinuousFilter, carried_centre, centres_within
+from auv_flocking.neighbours.estimates import NeighbourEstimate, Neighbours
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Params:
     )
     follow_flock: bool = param("whether to add the flock's velocity to the estimate's rate", default=False)
     carried_by: str = param(
-        "rate in packets, for extrapolation of the estimate: its own rate, or only the flock's velocity",
+        "rate for extrapolation of the estimate: its own, added to packets, or only the flock's velocity",
         default="rate",
         choices=("rate", "flock"),
     )
@@ -52,6 +53,11 @@ class Params:
     def uses_flock_velocity(self) -> bool:
         """Whether the filter needs the flock's velocity from packets."""
         return self.follow_flock
+
+
+_RATE_FIELDS = tuple(
+    steps_around_zero(f"centre_rate_{axis}_mps", 0.005, 2**12) for axis in ("north", "east", "down")
+)
 
 
 @inlined
@@ -67,14 +73,14 @@ def towards(pull: Vec3, other: Vec3, centre: Vec3) -> Vec3:
 class Consensus(ContinuousFilter):
     """One vehicle's filter; in continuous time the caller keeps the estimate."""
 
-    shared_fields: tuple[Field, ...] = ()
-
     def __init__(self, params: Params, fleet_size: int) -> None:
         del fleet_size
         self.rate_ps = params.rate_ps
         self.reach_m = math.inf if params.reach_m is None else params.reach_m
         self._follow = 1.0 if params.follow_flock else 0.0
         self._states_own_rate = params.carried_by == "rate"
+        self.shared_fields: tuple[Field, ...] = _RATE_FIELDS if self._states_own_rate else ()
+        self._rate: Vec3 = (0.0, 0.0, 0.0)
         self._centre: Vec3 | None = None
 
     def centre(self, own: Vec3, heard: Neighbours) -> Vec3:
@@ -87,17 +93,27 @@ class Consensus(ContinuousFilter):
     def advance(self, own: Vec3, heard: Neighbours, flock_velocity: Vec3, dt_s: float) -> Vec3:
         """Update the estimate by `dt_s`; return the rate for its extrapolation (m/s; NED)."""
         centre = self.centre(own, heard)
-        centres = centres_within(self.reach_m, own, [(other.position, other.centre) for other in heard])
+        theirs = [(other.position, carried_centre(other, self._rate_of(other))) for other in heard]
+        centres = centres_within(self.reach_m, own, theirs)
         rate = self.derivative(own, centre, centres, flock_velocity)
         self._centre = self._moved(centre, rate, len(centres), dt_s)
+        self._rate = rate if self._states_own_rate else self._flock_rate(flock_velocity)
+        return self._rate
+
+    def _rate_of(self, other: NeighbourEstimate) -> Vec3:
+        """Return the rate of a neighbour's estimate since its packet (m/s; NED)."""
         if self._states_own_rate:
-            return rate
+            x, y, z = other.shared
+            return (x, y, z)
+        return self._flock_rate(other.flock_velocity)
+
+    def _flock_rate(self, flock_velocity: Vec3) -> Vec3:
         f = self._follow
         return (f * flock_velocity[0], f * flock_velocity[1], f * flock_velocity[2])
 
     def shared(self) -> tuple[float, ...]:
-        """Return nothing: this filter needs only the centre in packets."""
-        return ()
+        """Return the rate of the estimate (m/s; NED), or nothing if others use the flock's velocity."""
+        return self._rate if self._states_own_rate else ()
 
     def derivative(
         self, own: Vec3, centre: Vec3, neighbour_centres: Sequence[Vec3], flock_velocity: Vec3

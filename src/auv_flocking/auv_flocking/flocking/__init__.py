@@ -23,13 +23,15 @@ from auv_flocking.trackers import Sensed
 
 class FlockVelocity(NamedTuple):
     """
-    An estimate of the flock's velocity (m/s; NED), and the time at which a leader set it (s).
+    An estimate of the flock's velocity (m/s; NED) at the time at which a leader set it (s), and the rate at
+    which it turns about the vertical since then (rad/s; from north to east).
 
     Vehicles pass it on with its stamp; without a leader's value the stamp is -inf.
     """
 
     velocity: Vec3
     stamp_s: float
+    turn_rate_radps: float = 0.0
 
 
 NOTHING_HEARD = FlockVelocity((0.0, 0.0, 0.0), -math.inf)

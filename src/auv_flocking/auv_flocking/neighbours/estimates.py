@@ -23,15 +23,17 @@ Matrix = NDArray[np.float64]
 #  Columns of an estimate; for vectors and the covariance (36 numbers) the first column. The first PUBLISHED
 # columns are those of auv_msgs/NeighbourEstimate, in its order.
 POSITION, VELOCITY, COVARIANCE, AGE, SONAR_AGE, CENTRE, FLOCK_VELOCITY = 0, 3, 6, 42, 43, 44, 47
-FLOCK_STAMP, NAVIGATION_SD, TIME = 50, 51, 52
-WIDTH = 53
+FLOCK_STAMP, FLOCK_TURN_RATE, HEADING, NAVIGATION_SD, TIME = 50, 51, 52, 53, 54
+HOLDS, HEARD_WITHIN, HEARD_MASK = 55, 56, 57
+WIDTH = 58
 PUBLISHED = CENTRE
 
 # Columns of a source: the state (10) and its covariance (36) at a time, and the newest report.
 _STATE, _STATE_COVARIANCE, _STATE_TIME, _PSD, _DRIFTS, _TOWARDS = 0, 10, 46, 47, 48, 49
-_REPORT_TIME, _REPORT_CENTRE, _REPORT_RATE, _REPORT_FLOCK, _REPORT_STAMP, _REPORT_SD = 52, 53, 56, 59, 62, 63
-_SEEN = 64
-SOURCE_WIDTH = 65
+_REPORT_TIME, _REPORT_CENTRE, _REPORT_FLOCK, _REPORT_STAMP, _REPORT_TURN_RATE = 52, 53, 56, 59, 60
+_REPORT_HEADING, _REPORT_SD, _REPORT_HOLDS, _REPORT_WITHIN, _REPORT_MASK, _SEEN = 61, 62, 63, 64, 65, 66
+SOURCE_WIDTH = 67
+REPORTED = _SEEN - _REPORT_TIME
 
 
 class NeighbourEstimate(NamedTuple):
@@ -40,10 +42,12 @@ class NeighbourEstimate(NamedTuple):
 
     position (m), velocity (m/s), centre (m), flock_velocity (m/s): NED, in the frame of the own navigation;
     covariance (6, 6) of position relative to the own vehicle, and of velocity; age_s: time since the time tag
-    `time_s` of its newest packet. flock_stamp_s: time at which a leader set this flock velocity (-inf: never
-    received); sonar_age_s: time since the own sonar saw it (inf: never); navigation_sd_m: standard deviation
-    of the neighbour's own navigation, per axis, as it states (the covariance includes it); shared: numbers
-    that its consensus filter added to the packet.
+    `time_s` of its newest packet. centre, flock_velocity, heading_rad (from north to east; NaN: unknown): as
+    in that packet. flock_stamp_s: time at which a leader set this flock velocity (-inf: never received);
+    since then it turns at flock_turn_rate_radps; sonar_age_s: time since the own sonar saw it (inf: never);
+    navigation_sd_m: standard deviation of the neighbour's own navigation, per axis, as it states (the
+    covariance includes it); shared: numbers that its consensus filter added to the packet. is_holding: at the
+    time tag it held station; heard_within_s, heard_mask: whom it had heard by then, see `auv_flocking.heard`.
     """
 
     address: int
@@ -58,6 +62,11 @@ class NeighbourEstimate(NamedTuple):
     navigation_sd_m: float = 0.0
     time_s: float = -math.inf
     shared: tuple[float, ...] = ()
+    flock_turn_rate_radps: float = 0.0
+    heading_rad: float = math.nan
+    is_holding: bool = False
+    heard_within_s: float = 1.0
+    heard_mask: int = 0
 
 
 Neighbours = Sequence[NeighbourEstimate]
@@ -100,7 +109,8 @@ class Estimates(Sequence[NeighbourEstimate]):
         rows = [
             (
                 *e.position, *e.velocity, *e.covariance.ravel(), e.age_s, e.sonar_age_s, *e.centre,
-                *e.flock_velocity, e.flock_stamp_s, e.navigation_sd_m, e.time_s,
+                *e.flock_velocity, e.flock_stamp_s, e.flock_turn_rate_radps, e.heading_rad,
+                e.navigation_sd_m, e.time_s, e.is_holding, e.heard_within_s, e.heard_mask,
             )
             for e in estimates
         ]  # fmt: skip
@@ -157,6 +167,11 @@ def _object(address: int, row: Matrix, shared: tuple[float, ...]) -> NeighbourEs
         x[NAVIGATION_SD],
         x[TIME],
         shared,
+        x[FLOCK_TURN_RATE],
+        x[HEADING],
+        x[HOLDS] > 0.0,
+        x[HEARD_WITHIN],
+        int(x[HEARD_MASK]),
     )
 
 
@@ -190,7 +205,7 @@ def position_rows(heard: Neighbours) -> Matrix:
 
 
 @entry(
-    "void(float64[::1], float64, float64[::1], float64[:, ::1], float64, TUPLE3, TUPLE12, float64)",
+    "void(float64[::1], float64, float64[::1], float64[:, ::1], float64, TUPLE3, TUPLE14, float64)",
     allocates=False,
 )
 def write_source(
@@ -218,8 +233,9 @@ def write_source(
         Spectral density of the neighbour's acceleration (m^2/s^3).
     towards : (3,) tuple
         Velocity to which its own relaxes (m/s; NED).
-    report : (12,) tuple
-        Data of its newest packet: time tag, centre, its rate, flock velocity, its stamp, stated deviation.
+    report : (REPORTED,) tuple
+        Data of its newest packet: time tag, centre, flock velocity, its stamp and turn rate, heading, stated
+        deviation, whether it holds station, age class (s) and mask of what it has heard.
     seen_s : float
         Time of the newest sonar contact (s).
 
@@ -233,7 +249,7 @@ def write_source(
     source[_DRIFTS] = 1.0 if len(state) > 6 else 0.0
     for k in range(3):
         source[_TOWARDS + k] = towards[k]
-    for k in range(12):
+    for k in range(REPORTED):
         source[_REPORT_TIME + k] = report[k]
 
 
@@ -276,7 +292,7 @@ def _carry(t_s: float, memory_s: float, source: Matrix, row: Matrix) -> None:
     for axis in range(3):
         row[POSITION + axis] = position[axis]
         row[VELOCITY + axis] = velocity[axis]
-        row[CENTRE + axis] = source[_REPORT_CENTRE + axis] + age_s * source[_REPORT_RATE + axis]
+        row[CENTRE + axis] = source[_REPORT_CENTRE + axis]
         row[FLOCK_VELOCITY + axis] = source[_REPORT_FLOCK + axis]
     if source[_DRIFTS] > 0.0:  # from the sender's frame to the own one
         for axis in range(2):
@@ -284,6 +300,11 @@ def _carry(t_s: float, memory_s: float, source: Matrix, row: Matrix) -> None:
     grown(source[_STATE_COVARIANCE:_STATE_TIME], dt_s, float(source[_PSD]), memory_s, row[COVARIANCE:AGE])
     row[AGE] = age_s
     row[FLOCK_STAMP] = source[_REPORT_STAMP]
+    row[FLOCK_TURN_RATE] = source[_REPORT_TURN_RATE]
+    row[HEADING] = source[_REPORT_HEADING]
     row[SONAR_AGE] = t_s - source[_SEEN]
     row[NAVIGATION_SD] = source[_REPORT_SD]
     row[TIME] = source[_REPORT_TIME]
+    row[HOLDS] = source[_REPORT_HOLDS]
+    row[HEARD_WITHIN] = source[_REPORT_WITHIN]
+    row[HEARD_MASK] = source[_REPORT_MASK]

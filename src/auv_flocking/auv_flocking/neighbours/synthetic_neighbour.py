@@ -132,9 +132,7 @@ def fly(
 
 def _report(tick: int, z: Matrix, sd_m: float) -> Report:
     (x, y, down), (u, v, w) = z.reshape(2, 3).tolist()
-    return Report(
-        ADDRESS, tick, tick * TICK_S, (x, y, down), (u, v, w), _ZERO, _ZERO, _ZERO, position_sd_m=sd_m
-    )
+    return Report(ADDRESS, tick * TICK_S, (x, y, down), (u, v, w), _ZERO, _ZERO, position_sd_m=sd_m)
 
 
 def _navigation(tick: int, position: Matrix, own: _Drift) -> VehicleState:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_core.compiled import fastest
+from auv_flocking.heard import within_s
 from auv_flocking.neighbours.estimates import (
     SOURCE_WIDTH,
     WIDTH,
@@ -124,10 +125,14 @@ class Track:
         said = (
             report.time_s,
             *report.centre,
-            *report.centre_rate,
             *report.flock_velocity,
             report.flock_stamp_s,
+            0.0 if math.isnan(report.flock_turn_rate_radps) else report.flock_turn_rate_radps,
+            report.heading_rad,
             report.position_sd_m,
+            1.0 if report.is_holding else 0.0,
+            within_s(report.heard_code or 0),
+            float(report.heard_mask or 0),
         )
         self._write_source(
             source, belief.time_s, belief.x, belief.P, belief.psd, belief.flock_velocity, said, self.seen_s

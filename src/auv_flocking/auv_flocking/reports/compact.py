@@ -2,10 +2,14 @@
 The report in 32 bytes, the frame of a WHOI micromodem: bounded fields without gaps.
 
 `base_fields` is the layout; the numbers of the consensus filter are appended and make the payload longer.
-The flocking centre is sent relative to the rounded position, so that its error is half a resolution and not a
-whole one. The time tag wraps (after 2.9 h) and is decoded as the time nearest to the receiver's. The stamp of
-the flock velocity is sent as its age at the time tag, with the time tag's resolution: if control periods are
-multiples of it, vehicles pass stamps on without accumulating errors.
+The flocking centre is sent relative to the rounded position, so that its error is half a resolution and not
+the sum of two. The time tag wraps (after 655.36 s) and is decoded as the time nearest to the receiver's. The
+stamp of the flock velocity is sent as its age at the time tag, with the time tag's resolution: if control
+periods are multiples of it, vehicles pass stamps on without accumulating errors.
+
+The deviation of the position has steps of a constant ratio, 4.4 %. A receiver takes a fall of more than 5 %
+for a position fix: one step is less than that, so rounding does not feign a fix, and a deviation above zero
+never becomes zero, which would mean an exact navigation.
 """
 
 from __future__ import annotations
@@ -16,17 +20,18 @@ from dataclasses import dataclass
 
 from auv_core.geometry import Box, Vec3
 from auv_core.params import param
-from auv_flocking.codec import Field, Layout
-from auv_flocking.report import NEVER, Report, ReportError
-from auv_flocking.reports import Bounds, ReportFormat
+from auv_flocking.codec import Field, Layout, Levels, RatioField, Reserved, steps_around_zero
+from auv_flocking.heard import BITS, CODES
+from auv_flocking.report import Report, ReportError
+from auv_flocking.reports import VERSIONS, Bounds, ReportFormat, version_in, whole_numbers
+from auv_flocking.reports._compact_v3 import Reader
+from auv_flocking.reports._tags import AGE, OLDEST_S, age_of_stamp_s, tag_field, times_s
 
-VERSION = 3
-_TIME_RESOLUTION_S = 0.01
-_TIME_LEVELS = 2**20
-_AGE_LEVELS = 2**14
-_OLDEST_S = (_AGE_LEVELS - 2) * _TIME_RESOLUTION_S
-_NEVER_S = (_AGE_LEVELS - 1) * _TIME_RESOLUTION_S
-_AXES = ("north", "east", "down")
+_VERSION = VERSIONS["compact"].written
+_TIME_LEVELS = 2**16
+_TURN_STEP_RADPS = 0.001
+_HEADING_STEP_RAD = math.pi / 64.0
+_UNUSED = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -37,72 +42,99 @@ class Params:
     """
 
     position_resolution_m: float = param(
-        "step of position and centre (m); bounds are 262144 steps north and east, and the centre within 4096 "
-        "steps of the vehicle",
+        "step of the position (m); bounds are 262144 steps north and east, 512 up and 32255 down from the "
+        "surface; the centre has twice the step, four times downwards, and is within 4092 steps",
         default=0.02,
         minimum=0.001,
         maximum=1.0,
     )
     velocity_resolution_mps: float = param(
-        "step of the own velocity (m/s), bounds 1024 steps; the other velocities have twice the step",
+        "step of the own velocity (m/s), bounds 1022 steps, 510 downwards; the flock velocity has twice the "
+        "step",
         default=0.0025,
         minimum=0.0001,
         maximum=0.1,
     )
 
 
-def base_fields(params: Params) -> tuple[Field, ...]:
+def base_fields(params: Params) -> tuple[Levels, ...]:
     """Return the fields that every report has, in their order."""
     step_m, step_mps = params.position_resolution_m, params.velocity_resolution_mps
     return (
         Field("version", 0, 15, 1),
         Field("address", 0, 255, 1),
-        Field("sequence", 0, 4096, 1, wraps=True),
-        Field("time_s", 0.0, _TIME_LEVELS * _TIME_RESOLUTION_S, _TIME_RESOLUTION_S, wraps=True),
-        _steps("position_north_m", step_m, 2**18),
-        _steps("position_east_m", step_m, 2**18),
-        Field("position_down_m", -(2**13) * step_m, (2**16 - 2**13 - 1) * step_m, step_m),
-        *(_steps(f"velocity_{axis}_mps", step_mps, 2**10) for axis in _AXES),
-        *(_steps(f"centre_minus_position_{axis}_m", step_m, 2**12) for axis in _AXES),
-        *(_steps(f"centre_rate_{axis}_mps", 2.0 * step_mps, 2**9) for axis in _AXES),
-        *(_steps(f"flock_velocity_{axis}_mps", 2.0 * step_mps, 2**9) for axis in _AXES),
-        Field("flock_velocity_age_s", 0.0, _NEVER_S, _TIME_RESOLUTION_S),
-        Field("position_sd_m", 0.0, 511 * 0.04, 0.04),
+        tag_field(_TIME_LEVELS),
+        *_position_fields(step_m),
+        *_velocity_fields("velocity", step_mps, 2**10),
+        *_centre_fields(step_m),
+        *_velocity_fields("flock_velocity", 2.0 * step_mps, 2**9),
+        AGE,
+        steps_around_zero("flock_turn_rate_radps", _TURN_STEP_RADPS, 2**7),
+        Field("heading_rad", -math.pi, math.pi, _HEADING_STEP_RAD, wraps=True),
+        RatioField("position_sd_m", 2.0**-8, steps_per_octave=16, bits=8),
+        Field("is_bounded", 0, 1, 1),
+        Field("is_holding", 0, 1, 1),
+        Field("heard_code", 0, CODES - 1, 1),
+        Field("heard_mask", 0, 2**BITS - 1, 1),
+        Reserved("operator_command", 16),
+        Reserved("operator_acknowledgement", 4),
     )
 
 
-def _steps(name: str, step: float, half: int) -> Field:
-    """Return a field of -half .. half - 1 steps."""
-    return Field(name, -half * step, (half - 1) * step, step)
+def _position_fields(step_m: float) -> tuple[Field, Field, Field]:
+    return (
+        steps_around_zero("position_north_m", step_m, 2**18),
+        steps_around_zero("position_east_m", step_m, 2**18),
+        Field("position_down_m", -(2**9) * step_m, (2**15 - 2**9 - 1) * step_m, step_m),
+    )
 
 
-def _corner(fields: Sequence[Field], side: str) -> Vec3:
-    """Return the smallest or the largest values of three fields."""
-    x, y, z = (getattr(item, side) for item in fields)
-    return (x, y, z)
+def _centre_fields(step_m: float) -> tuple[Field, Field, Field]:
+    return (
+        steps_around_zero("centre_minus_position_north_m", 2.0 * step_m, 2**11),
+        steps_around_zero("centre_minus_position_east_m", 2.0 * step_m, 2**11),
+        steps_around_zero("centre_minus_position_down_m", 4.0 * step_m, 2**10),
+    )
+
+
+def _velocity_fields(name: str, step_mps: float, half: int) -> tuple[Field, Field, Field]:
+    """Return fields of so many steps to each side; half as many vertically."""
+    return (
+        steps_around_zero(f"{name}_north_mps", step_mps, half),
+        steps_around_zero(f"{name}_east_mps", step_mps, half),
+        steps_around_zero(f"{name}_down_mps", step_mps, half // 2),
+    )
 
 
 class Format(ReportFormat):
     """Encodes and decodes reports."""
 
     def __init__(self, params: Params, shared: Sequence[Field]) -> None:
+        step_m, step_mps = params.position_resolution_m, params.velocity_resolution_mps
         fields = base_fields(params)
         self._layout = Layout((*fields, *shared))
         self._n_base = len(fields)
-        self._time = fields[3]
-        self._position = fields[4:7]
+        self._position = _position_fields(step_m)
+        self._older = Reader(step_m, step_mps, shared)
         self._too_old = 0
+        north, east, down = self._position
+        flock_north, _, flock_down = _velocity_fields("flock_velocity", 2.0 * step_mps, 2**9)
         self.carries = Bounds(
-            Box(_corner(fields[4:7], "minimum"), _corner(fields[4:7], "maximum")),
-            velocity_mps=min(item.maximum for item in (*fields[7:10], *fields[13:19])),
-            centre_distance_m=min(item.maximum for item in fields[10:13]),
+            Box(
+                (north.minimum, east.minimum, down.minimum),
+                (north.maximum, east.maximum, down.maximum),
+            ),
+            velocity_mps=flock_north.maximum,
+            descent_mps=flock_down.maximum,
+            centre_distance_m=min(field.maximum for field in _centre_fields(step_m)),
         )
         self.payload_bytes = self._layout.payload_bytes
-        self.position_resolution_m = params.position_resolution_m
-        self.velocity_resolution_mps = params.velocity_resolution_mps
+        self.budget = [(field.name, field.bits) for field in self._layout.fields]
+        self.position_resolution_m = step_m
+        self.velocity_resolution_mps = step_mps
 
     @property
-    def fields(self) -> tuple[Field, ...]:
+    def fields(self) -> tuple[Levels, ...]:
         """The layout, in the order of its bits."""
         return self._layout.fields
 
@@ -118,7 +150,7 @@ class Format(ReportFormat):
         Raises
         ------
         ReportError
-            For NaN, for an invalid address, and for a wrong number of shared numbers.
+            For NaN, None, an invalid address, and a wrong number of shared numbers.
 
         """
         if len(report.shared) != len(self._layout.fields) - self._n_base:
@@ -134,32 +166,31 @@ class Format(ReportFormat):
         x, y, z = report.centre
         return self._layout.pack(
             (
-                VERSION,
+                _VERSION,
                 report.address,
-                report.sequence,
                 report.time_s,
                 *report.position,
                 *report.velocity,
                 x - north,
                 y - east,
                 z - down,
-                *report.centre_rate,
                 *report.flock_velocity,
                 self._age_s(report),
+                report.flock_turn_rate_radps,
+                report.heading_rad,
                 report.position_sd_m,
+                *whole_numbers(report),
+                *_UNUSED,
                 *report.shared,
             )
         )
 
     def _age_s(self, report: Report) -> float:
-        """Return the rounded age of the flock velocity at the time tag (s)."""
-        if report.flock_stamp_s == NEVER:
-            return _NEVER_S
-        tag_s = round(report.time_s / _TIME_RESOLUTION_S) * _TIME_RESOLUTION_S
-        age_s = tag_s - report.flock_stamp_s
-        if age_s > _OLDEST_S:
+        """Return the age of the flock velocity (s), and count one that is too old."""
+        age_s = age_of_stamp_s(report)
+        if age_s > OLDEST_S and math.isfinite(report.flock_stamp_s):
             self._too_old += 1
-            return _OLDEST_S
+            return OLDEST_S
         return age_s
 
     def decode(self, payload: bytes, now_s: float) -> Report:
@@ -169,32 +200,36 @@ class Format(ReportFormat):
         Raises
         ------
         ReportError
-            For a wrong length, another version, address 0, padding that is not zero, and invalid shared
-            numbers; no other exception is raised.
+            For a wrong length, a version that is not read, address 0, reserved bits and padding that are not
+            zero, and invalid shared numbers; no other exception is raised.
 
         """
-        if payload and payload[0] >> 4 != VERSION:
-            raise ReportError(f"version {payload[0] >> 4}; this format reads version {VERSION}")
-        v = self._layout.unpack(payload)
-        address = int(v[1])
-        if address == 0:
+        if version_in(payload, "compact") == _VERSION:
+            report = self._newest(payload, now_s)
+        else:
+            report = self._older.decode(payload, now_s)
+        if report.address == 0:
             raise ReportError("address 0 is no vehicle's")
-        step = round(v[3] / _TIME_RESOLUTION_S)
-        turns = round((now_s / _TIME_RESOLUTION_S - step) / _TIME_LEVELS)
-        step += turns * _TIME_LEVELS
-        age = round(v[19] / _TIME_RESOLUTION_S)
-        stamp_s = NEVER if age == _AGE_LEVELS - 1 else (step - age) * _TIME_RESOLUTION_S
-        position: Vec3 = (v[4], v[5], v[6])
+        return report
+
+    def _newest(self, payload: bytes, now_s: float) -> Report:
+        v = self._layout.unpack(payload)
+        time_s, stamp_s = times_s(v[2], v[15], _TIME_LEVELS, now_s)
+        position: Vec3 = (v[3], v[4], v[5])
         return Report(
-            address,
-            int(v[2]),
-            step * _TIME_RESOLUTION_S,
+            int(v[1]),
+            time_s,
             position,
-            (v[7], v[8], v[9]),
-            (v[4] + v[10], v[5] + v[11], v[6] + v[12]),
-            (v[13], v[14], v[15]),
-            (v[16], v[17], v[18]),
+            (v[6], v[7], v[8]),
+            (v[3] + v[9], v[4] + v[10], v[5] + v[11]),
+            (v[12], v[13], v[14]),
             stamp_s,
-            v[20],
-            tuple(v[21:]),
+            v[16],
+            v[17],
+            v[18],
+            bool(v[19]),
+            bool(v[20]),
+            int(v[21]),
+            int(v[22]),
+            tuple(v[self._n_base :]),
         )

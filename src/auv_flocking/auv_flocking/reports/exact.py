@@ -1,10 +1,10 @@
 """
 The report in floating-point numbers, for runs without rounding errors.
 
-Little-endian: version (1 byte), address (1), sequence (4), time tag (8), then fifteen 32-bit floats:
-position, velocity, flocking centre, its rate, flock velocity, all NED; the stamp of the flock velocity (64
-bits; minus infinity: never heard), the position's standard deviation (32 bits), and the numbers of the
-consensus filter (64 bits each). 32 bits round by about 1e-6 m at 10 m.
+Little-endian, as in `_LAYOUT`: whole numbers (B, H: 1 and 2 bytes) and floating-point numbers (f, d: 32 and
+64 bits), then the numbers of the consensus filter (64 bits each). The version is in the four highest bits of
+its byte. A stamp of minus infinity means that no flock velocity was received. 32 bits round by about 1e-6 m
+at 10 m.
 """
 
 from __future__ import annotations
@@ -16,13 +16,32 @@ from dataclasses import dataclass
 
 from auv_core.geometry import Box
 from auv_flocking.codec import Field
+from auv_flocking.heard import CODES
 from auv_flocking.report import NEVER, Report, ReportError
-from auv_flocking.reports import Bounds, ReportFormat
+from auv_flocking.reports import VERSIONS, Bounds, ReportFormat, version_in, whole_numbers
+from auv_flocking.reports._exact_v2 import Reader
 
-VERSION = 2
+_VERSION = VERSIONS["exact"].written
+_FIRST_BYTE = _VERSION << 4
 _LARGEST = 1e9
 _ADDRESSES = 256
-_SEQUENCES = 2**32
+_VECTORS = ("position_{}_m", "velocity_{}_mps", "centre_{}_m", "flock_velocity_{}_mps")
+_LAYOUT = (
+    ("version", "B"),
+    ("address", "B"),
+    ("is_bounded", "B"),
+    ("is_holding", "B"),
+    ("heard_code", "B"),
+    ("heard_mask", "H"),
+    ("operator_command", "H"),
+    ("operator_acknowledgement", "B"),
+    ("time_s", "d"),
+    *((name.format(axis), "f") for name in _VECTORS for axis in ("north", "east", "down")),
+    ("flock_stamp_s", "d"),
+    ("flock_turn_rate_radps", "f"),
+    ("heading_rad", "f"),
+    ("position_sd_m", "f"),
+)
 
 
 @dataclass(frozen=True)
@@ -38,12 +57,16 @@ class Format(ReportFormat):
     carries = Bounds(
         Box((-_LARGEST, -_LARGEST, -_LARGEST), (_LARGEST, _LARGEST, _LARGEST)),
         velocity_mps=_LARGEST,
+        descent_mps=_LARGEST,
         centre_distance_m=_LARGEST,
     )
 
     def __init__(self, params: Params, shared: Sequence[Field]) -> None:
         self._n_shared = len(shared)
-        self._layout = struct.Struct(f"<BBId15fdf{self._n_shared}d")
+        layout = (*_LAYOUT, *((field.name, "d") for field in shared))
+        self._layout = struct.Struct("<" + "".join(code for _, code in layout))
+        self.budget = [(name, 8 * struct.calcsize(code)) for name, code in layout]
+        self._older = Reader(shared)
         self.payload_bytes = self._layout.size
         self._saturated = 0
 
@@ -61,7 +84,7 @@ class Format(ReportFormat):
         Raises
         ------
         ReportError
-            For NaN, for an invalid address, and for a wrong number of shared numbers.
+            For NaN, None, an invalid address, and a wrong number of shared numbers.
 
         """
         if len(report.shared) != self._n_shared:
@@ -75,20 +98,18 @@ class Format(ReportFormat):
         if stamp_s > time_s:
             self._saturated += 1
             stamp_s = time_s
-        vectors = (
-            *report.position,
-            *report.velocity,
-            *report.centre,
-            *report.centre_rate,
-            *report.flock_velocity,
-        )
+        vectors = (*report.position, *report.velocity, *report.centre, *report.flock_velocity)
         return self._layout.pack(
-            VERSION,
+            _FIRST_BYTE,
             report.address,
-            report.sequence % _SEQUENCES,
+            *whole_numbers(report),
+            0,
+            0,
             time_s,
             *map(self._bounded, vectors),
             stamp_s,
+            self._bounded(report.flock_turn_rate_radps),
+            self._bounded(report.heading_rad),
             max(0.0, self._bounded(report.position_sd_m)),
             *map(self._bounded, report.shared),
         )
@@ -108,22 +129,50 @@ class Format(ReportFormat):
         Raises
         ------
         ReportError
-            For a wrong length, another version, address 0, a number that is not finite or beyond 1e9, a
-            stamp later than the time tag, a negative standard deviation; no other exception is raised.
+            For a wrong length, a version that is not read, address 0, flags and reserved bits without a
+            meaning, a number that is not finite or beyond 1e9, a stamp later than the time tag, a negative
+            standard deviation; no other exception is raised.
 
         """
+        is_newest = version_in(payload, "exact") == _VERSION
+        report = self._newest(payload) if is_newest else self._older.decode(payload)
+        if report.address == 0:
+            raise ReportError("address 0 is no vehicle's")
+        vectors = (*report.position, *report.velocity, *report.centre, *report.flock_velocity)
+        turning = (report.flock_turn_rate_radps, report.heading_rad) if is_newest else ()
+        numbers = (report.time_s, *vectors, *turning, report.position_sd_m, *report.shared)
+        if not all(-_LARGEST <= number <= _LARGEST for number in numbers):
+            raise ReportError("a number in the report is not finite, or beyond 1e9")
+        stamp_s = report.flock_stamp_s
+        is_stamp = stamp_s == NEVER or stamp_s >= -_LARGEST
+        if not stamp_s <= report.time_s or not is_stamp or report.position_sd_m < 0.0:
+            raise ReportError("the stamp or the standard deviation of the report cannot be")
+        return report
+
+    def _newest(self, payload: bytes) -> Report:
         if len(payload) != self.payload_bytes:
             raise ReportError(f"a report has {self.payload_bytes} bytes, this has {len(payload)}")
-        version, address, sequence, time_s, *v = self._layout.unpack(payload)
-        if version != VERSION or address == 0:
-            raise ReportError(
-                f"version {version}, address {address}; "
-                f"this format reads version {VERSION} and addresses from 1"
-            )
-        stamp_s, sd_m, shared = v[15], v[16], tuple(v[17:])
-        if not all(-_LARGEST <= number <= _LARGEST for number in (time_s, *v[:15], sd_m, *shared)):
-            raise ReportError("a number in the report is not finite, or beyond 1e9")
-        if not stamp_s <= time_s or not (stamp_s == NEVER or stamp_s >= -_LARGEST) or sd_m < 0.0:
-            raise ReportError("the stamp or the standard deviation of the report cannot be")
-        p, u, c, r, w = [(v[i], v[i + 1], v[i + 2]) for i in range(0, 15, 3)]
-        return Report(address, sequence, time_s, p, u, c, r, w, stamp_s, sd_m, shared)
+        first, address, bounded, holding, code, mask, command, answer, time_s, *v = self._layout.unpack(
+            payload
+        )
+        if first != _FIRST_BYTE or max(bounded, holding) > 1 or code >= CODES or command or answer:
+            raise ReportError("bits without a meaning are not zero")
+        p, u, c, w = [(v[i], v[i + 1], v[i + 2]) for i in range(0, 12, 3)]
+        stamp_s, turn_radps, heading_rad, sd_m, *shared = v[12:]
+        return Report(
+            address,
+            time_s,
+            p,
+            u,
+            c,
+            w,
+            stamp_s,
+            turn_radps,
+            heading_rad,
+            sd_m,
+            bool(bounded),
+            bool(holding),
+            code,
+            mask,
+            tuple(shared),
+        )

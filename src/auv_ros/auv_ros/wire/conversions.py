@@ -45,7 +45,7 @@ from auv_ros.wire.transform_stencil import Pose, TransformStencil
 WORLD_FRAME = "map_ned"
 MAP_FRAME = "map"
 
-_STATE = struct.Struct("<q?7x15d")
+_STATE = struct.Struct("<q??6x15d")
 _SIX = struct.Struct("<6d")
 _TICK = struct.Struct("<q")
 NEIGHBOUR_NUMBERS = 44
@@ -103,25 +103,27 @@ def quaternion(q: Quat) -> Quaternion:
 
 def state_stencil() -> Stencil:
     """Return the small state message; fill it with `state_numbers`."""
-    return Stencil(VehicleStateMsg(header=header(0.0, WORLD_FRAME)), "q?7x15d")
+    return Stencil(VehicleStateMsg(header=header(0.0, WORLD_FRAME)), "q??6x15d")
 
 
 def state_numbers(state: VehicleState) -> tuple[float, ...]:
     """
-    Return tick, validity, pose (NED; quaternion with w last), nu (body) and the navigation's standard
-    deviations in the order of the message.
+    Return tick, validity, whether the error is bounded, pose (NED; quaternion with w last), nu (body) and the
+    navigation's standard deviations in the order of the message.
     """
     w, x, y, z = state.attitude
     sds = (state.position_sd_m, state.heading_sd_rad)
-    return (state.tick, state.is_valid, *state.position, x, y, z, w, *state.nu, *sds)
+    flags = (state.is_valid, state.is_bounded)
+    return (state.tick, *flags, *state.position, x, y, z, w, *state.nu, *sds)
 
 
 def state_from_bytes(data: bytes) -> VehicleState:
     """Return the record of a serialised state message; raise `MalformedError` without one."""
     numbers = read_numbers(data, _STATE)
-    tick, is_valid, *_ = numbers
-    x, y, z, w = numbers[5:9]
-    return VehicleState(tick, numbers[2:5], (w, x, y, z), numbers[9:15], is_valid, *numbers[15:])
+    tick, is_valid, is_bounded, *_ = numbers
+    x, y, z, w = numbers[6:10]
+    sds = numbers[16], numbers[17]
+    return VehicleState(tick, numbers[3:6], (w, x, y, z), numbers[10:16], is_valid, *sds, is_bounded)
 
 
 def enu_pose(position: Vec3, attitude: Quat) -> Pose:

@@ -33,8 +33,8 @@ class OwnNavigation(Protocol):
         """
         Return the navigation for the true `state`; called once per control period.
 
-        It has the standard deviations that the navigation states of itself, and `is_valid` is false if it
-        has no solution.
+        It has the standard deviations that the navigation states of itself and `is_bounded`, and `is_valid`
+        is false if it has no solution.
         """
 
 

@@ -74,6 +74,7 @@ class Navigation(OwnNavigation):
       nor airtime.
     * `position_sd_m` (per horizontal axis; the depth is better) and `heading_sd_rad` are those of a Kalman
       filter that knows only the magnitudes above; see `Drift`.
+    * `is_bounded` is true with `lbl` only: whether a vehicle comes up for a `surface` fix is not known here.
     * `velocity_sd_mps` (forward, right, down) includes the log's noise and its constant error, without
       corrections by fixes.
     """
@@ -130,6 +131,7 @@ class Navigation(OwnNavigation):
             (u + off_mps[0], v + off_mps[1], w + off_mps[2], roll, pitch, yaw),
             position_sd_m=math.sqrt(max(self._drift.position_variance_m2, 0.0)),
             heading_sd_rad=math.sqrt(self._drift.heading_variance_rad2),
+            is_bounded=p.fix == "lbl",
         )
 
     def _start(self, state: VehicleState) -> None:

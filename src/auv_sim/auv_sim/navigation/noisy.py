@@ -56,5 +56,7 @@ class Navigation(OwnNavigation):
         )
         sd_mps = p.velocity_sd_mps
         nu = (state.nu[0] + sd_mps * u, state.nu[1] + sd_mps * v, state.nu[2] + sd_mps * w, *state.nu[3:])
-        self._last = VehicleState(state.tick, position, state.attitude, nu, position_sd_m=p.position_sd_m)
+        self._last = VehicleState(
+            state.tick, position, state.attitude, nu, position_sd_m=p.position_sd_m, is_bounded=True
+        )
         return self._last

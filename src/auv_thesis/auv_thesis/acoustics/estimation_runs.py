@@ -127,11 +127,9 @@ def packets_of(recording: Recording) -> dict[int, list[tuple[int, Report]]]:
         velocity = body_to_ned((q[0], q[1], q[2], q[3]), (nu[0], nu[1], nu[2]))
         report = Report(
             source,
-            sequence,
             float(recording.t_s[sent]),
             _rounded(recording.nav_position_ned_m[sent, source - 1].tolist(), _POSITION_STEP_M),
             _rounded(velocity, _VELOCITY_STEP_MPS),
-            _ZERO,
             _ZERO,
             _ZERO,
         )
