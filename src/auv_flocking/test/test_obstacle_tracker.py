@@ -33,7 +33,7 @@ class Observer:
 
     def hear(self, address, position, velocity=(0.0, 0.0, 0.0)):
         zero = (0.0, 0.0, 0.0)
-        self.table.receive(Report(address, 1, self.t_s, position, velocity, zero, zero, zero))
+        self.table.receive(Report(address, self.t_s, position, velocity, zero, zero))
 
     def ping(self, *places, noise=None):
         """See things at these places (m; NED), with the noise of a generator if there is one."""
@@ -154,7 +154,7 @@ def test_without_rivals_the_neighbour_table_does_what_it_always_did():
     ours, plain = Observer(), NeighbourTable(NeighbourConfig(timeout_s=300.0))
     ours.hear(2, (6.0, 3.0, 0.0))
     zero = (0.0, 0.0, 0.0)
-    plain.receive(Report(2, 1, 0.0, (6.0, 3.0, 0.0), zero, zero, zero, zero))
+    plain.receive(Report(2, 0.0, (6.0, 3.0, 0.0), zero, zero, zero))
     nav = VehicleState(0, zero, (1.0, 0.0, 0.0, 0.0), (0.0,) * 6)
     contacts = [contact_of((6.1, 3.1, 0.0)), contact_of((1.0, 1.0, 0.0))]
     for t_s in (0.5, 60.0):
