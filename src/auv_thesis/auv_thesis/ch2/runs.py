@@ -45,6 +45,66 @@ FAR_START = "vehicles.0.position_ned_m=[0.0, 11.3, 0.0]"
 PRINTED_DRAG_FAR = RunSpec("ch2_pfpd", (FAR_START,), READING_S)
 REAL_DRAG_FAR = RunSpec("ch2_pfpd", (FAR_START, PLANT_DRAG), READING_S)
 
+HEADINGS_DEG = (0, 10, 20, 30, 45, 60)
+MIXED_FROM = tuple(
+    RunSpec(
+        "ch2_pfpd_corrected",
+        (f"{LAW}.frame=mixed", f"vehicles.0.heading_rad={math.radians(degrees):.6f}", COARSE),
+        keep_recording=False,
+    )
+    for degrees in HEADINGS_DEG
+)
+"""PD with NED errors as body forces, from several headings."""
+
+PAST_S = 220.0
+OFFSETS_M = (-1.0, -0.4, -0.2, 0.0, 0.2, 0.4, 1.0)
+"""Places of an obstacle beside the path, outwards (m)."""
+_BEARING_RAD = math.atan2(8.0, 5.0)
+
+
+def _obstacle_at(offset_m: float) -> str:
+    radius_m = 10.0 + offset_m
+    place = [round(radius_m * math.sin(_BEARING_RAD), 4), round(radius_m * math.cos(_BEARING_RAD), 4), 0.0]
+    return f"environment.obstacles=[{{position_ned_m: {place}, safety_distance_m: 2.0}}]"
+
+
+BESIDE = tuple(
+    RunSpec(spec.scenario, (_obstacle_at(offset_m), COARSE), PAST_S, keep_recording=False)
+    for spec in (PD_BODY_OBSTACLES, APD_BODY_OBSTACLES)
+    for offset_m in OFFSETS_M
+)
+"""Both laws past one obstacle on the path or beside it."""
+
+STARTS = 10
+STARTS_SEED = 2
+_STARTS_S = 100.0
+
+
+def _drawn_starts() -> list[tuple[str, str]]:
+    """Return overrides for starts within 5 m of the origin along each axis, with any heading."""
+    rng = np.random.default_rng(STARTS_SEED)
+    drawn = rng.uniform((-5.0, -5.0, -math.pi), (5.0, 5.0, math.pi), (STARTS, 3)).round(3).tolist()
+    return [
+        (f"vehicles.0.position_ned_m=[{x}, {y}, 0.0]", f"vehicles.0.heading_rad={heading}")
+        for x, y, heading in drawn
+    ]
+
+
+FROM_STARTS = tuple(
+    RunSpec(spec.scenario, (*start, COARSE), _STARTS_S, keep_recording=False)
+    for spec in (PD_BODY, APD_BODY)
+    for start in _drawn_starts()
+)
+"""PD, then augmented PD, from the same drawn starts."""
+
+
+def settling_s(t_s: FloatArray, sizes: FloatArray, band: float, until_s: float = math.inf) -> float | None:
+    """Return the first time after which `sizes` (K,) stays below `band` until `until_s` (s), or None."""
+    is_out = sizes[t_s < until_s] >= band
+    if is_out[-1]:
+        return None
+    return float(t_s[np.flatnonzero(is_out)[-1] + 1]) if is_out.any() else float(t_s[0])
+
 
 @dataclass(frozen=True, eq=False)
 class Curves:
@@ -73,6 +133,16 @@ class Curves:
         error = self.path - self.pose
         error[:, 2] = np.angle(np.exp(1j * error[:, 2]))
         return error
+
+    @property
+    def distance_m(self) -> FloatArray:
+        """Distance to the path (K + 1,) (m)."""
+        return np.hypot(*self.pose_error[:, :2].T)
+
+    @property
+    def largest_velocity_error_mps(self) -> FloatArray:
+        """The larger of |u_e| and |v_e| (K + 1,) (m/s)."""
+        return np.abs(self.velocity_error[:, :2]).max(axis=1)
 
     @property
     def velocity_error(self) -> FloatArray:
