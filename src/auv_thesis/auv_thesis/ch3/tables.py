@@ -10,17 +10,12 @@ from auv_thesis.ch3.runs import (
     CIRCLE_CORRECTED,
     CORRECTED_LATE_S,
     CORRECTED_PATHS,
-    DRIFT,
-    DRIFT_RUNS,
-    DRIFT_S,
     PRINTED_LATE_S,
     RATIOS,
     READINGS,
     SPIRAL,
     SPIRAL_ALONE,
-    WIND_UP,
     corrected_runs,
-    estimate,
     late_errors_m,
     late_rms_m,
     printed_runs,
@@ -211,8 +206,7 @@ def _gap_mm(m: dict[str, Any]) -> str:
     return f"{1e3 * m['d12_err_late_m']:.2f}, {1e3 * m['d23_err_late_m']:.2f} mm"
 
 
-# --- Table 3.C: which interpretation fits
-# -----------------------------------------------------------------------
+# --- Table 3.C: which interpretation fits ----------------------------------------------------------------
 
 _AUV1_AXES: tuple[tuple[str, Bounds], ...] = (
     ("position_err_range_m", (-2.0, 10.0, 2.0)),
@@ -281,43 +275,6 @@ def _corrected_adaptation(runs: list[Run]) -> list[Row]:
     return rows
 
 
-# --- Table 3.F: estimates --------------------------------------------------------------------------------
-
-
-def _estimates(runs: list[Run]) -> list[Row]:
-    circle, nominal, low, *drift = runs
-    masses = [estimate(circle, "m22", 20.0, vehicle) for vehicle in range(3)]
-    rows = [
-        Row(
-            "as printed: m22 of AUV1, AUV2, AUV3 after 20 s",
-            NOTHING,
-            ", ".join(f"{mass:.1f}" for mass in masses) + " kg",
-            NO_NUMBER,
-            "108.5 kg is correct and was the initial estimate.",
-        ),
-        Row(
-            "the same, AUV3 from the origin, initially 1.0 and 0.7 of the true values",
-            NOTHING,
-            f"{estimate(nominal, 'm22', 20.0):.1f}, {estimate(low, 'm22', 20.0):.1f} kg",
-            NO_NUMBER,
-            "The initial errors wind it up, and no term brings it back.",
-        ),
-    ]
-    for name, run in zip(DRIFT, drift, strict=True):
-        steps = [estimate(run, "m11", share * DRIFT_S) for share in (0.25, 0.5, 1.0)]
-        rows.append(
-            Row(
-                f"corrected, noise, {name}: m11 after 1/4, 1/2 and all of {DRIFT_S:g} s",
-                NOTHING,
-                ", ".join(f"{mass:.0f}" for mass in steps)
-                + f" kg; rms {1e3 * late_rms_m(run, DRIFT_S / 2.0):.1f} mm",
-                NO_NUMBER,
-                "99 kg is correct; noise of 5 cm and 5 cm/s, drawn every 0.05 s.",
-            )
-        )
-    return rows
-
-
 TABLES = (
     Table("3.1", "Parameters of the vehicle and of the law", (CIRCLE, CIRCLE_CORRECTED), _parameters),
     Table("3.A", "What the axes of Figs 3.4-3.14 reveal about their data", (CIRCLE, SPIRAL), _axes),
@@ -340,5 +297,4 @@ TABLES = (
         tuple(spec for path in CORRECTED_PATHS.values() for spec in corrected_runs(*path)),
         _corrected_adaptation,
     ),
-    Table("3.F", "Parameter estimates over time", (CIRCLE, *WIND_UP, *DRIFT_RUNS), _estimates),
 )
