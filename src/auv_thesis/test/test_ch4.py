@@ -7,6 +7,8 @@ time); the thesis gives none. Tolerances are 0.01 m and 0.1 s.
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,9 @@ from auv_experiment.metrics.distances import pair_distances_m
 from auv_experiment.metrics.lyapunov import lyapunov_metrics
 from auv_experiment.metrics.region import region_metrics
 from auv_experiment.scenario.loading import load_scenario
-from auv_thesis.ch4_6.ch4 import corner_starts
+from auv_thesis.ch4_6 import ch4_claims
+from auv_thesis.ch4_6.ch4_runs import LIMITED_STARTS, LONG_STARTS, STARTS, corner_starts
+from auv_thesis.items import DOES_NOT_HOLD, HOLDS, HOLDS_IN_PART
 
 M, S = 0.01, 0.1
 PRINTED_LAYERS = "agent.controller.params.layer_gains_pm3=[0.1,0.1]"
@@ -157,3 +161,35 @@ def test_how_often_random_groups_collide(gains, low, high):
         recording = run_in_process(load_scenario("ch4_region", overrides=overrides))
         collisions += bool(pair_distances_m(recording).min() < 0.6)
     assert low <= collisions / 40 <= high
+
+
+def _arrived(reached_s, *, collision):
+    return SimpleNamespace(
+        metrics={
+            "ring_reached_s": reached_s,
+            "collision": collision,
+            "pair_distance_min_m": 0.3 if collision else 1.0,
+            "force_max_n": 200.0,
+            "speed_max_mps": 2.0,
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    ("reached_s", "printed_collide", "verdict"),
+    [([1.0, 2.0], False, HOLDS), ([1.0, 2.0], True, HOLDS_IN_PART), ([1.0, None], False, DOES_NOT_HOLD)],
+)
+def test_a_vehicle_that_hit_another_has_not_steered_to_safety(reached_s, printed_collide, verdict):
+    whole = [_arrived(reached_s, collision=False)] * (2 + LONG_STARTS + LIMITED_STARTS)
+    printed = [_arrived([None], collision=printed_collide)] * STARTS
+    assert ch4_claims._judge_arrival([*whole, *printed]).holds == verdict
+
+
+def test_gains_that_were_chosen_to_be_safe_do_not_make_the_claim_hold():
+    ours = [_arrived([1.0], collision=False)] * (1 + STARTS)
+    printed = [_arrived([1.0], collision=True)] * STARTS
+    limited = [_arrived([1.0], collision=False)] * LIMITED_STARTS
+    verdict = ch4_claims._judge_collisions([*ours, *printed, *limited])
+    assert verdict.holds == DOES_NOT_HOLD
+    assert f"all {STARTS}" in verdict.evidence
+    assert ch4_claims._judge_collisions([*ours, *ours[1:], *limited]).holds == HOLDS

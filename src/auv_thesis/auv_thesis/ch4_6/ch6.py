@@ -1,4 +1,4 @@
-"""Chapter 6: flocking with fuzzy potentials, thesis Figs 6.3-6.9, Table 6.1 and its conclusions."""
+"""Chapter 6: flocking with fuzzy potentials, thesis Figs 6.3-6.9 and Table 6.1."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from matplotlib.figure import Figure as Canvas
 
 from auv_experiment.figures.plotting import vehicle_style
 from auv_flocking.mamdani import SETS, Peaks
-from auv_thesis.ch4_6.ch5_claims import judge_potential
 from auv_thesis.ch4_6.ch5_tables import NEAR_RATIO, flock_rows, marker_row, seconds, settled_m
 from auv_thesis.ch4_6.flock_drawing import Limits, distance_panels, draw_distances, draw_tracks, legend_of
 from auv_thesis.ch4_6.flock_runs import (
@@ -18,22 +17,16 @@ from auv_thesis.ch4_6.flock_runs import (
     FUZZY_OBSTACLES,
     FUZZY_ONE_LEADER,
     FUZZY_PRINTED_OBSTACLES,
-    OBSTACLES,
     ONE_LEADER,
 )
 from auv_thesis.items import (
     AGREES,
     DIFFERS,
-    DOES_NOT_HOLD,
-    HOLDS,
-    HOLDS_IN_PART,
     NO_NUMBER,
-    Claim,
     Figure,
     Row,
     Run,
     Table,
-    Verdict,
 )
 
 _WHOLE_S: Limits = (0.0, 700.0)
@@ -150,65 +143,6 @@ def _rows_6_a(runs: list[Run]) -> list[Row]:
     ]
 
 
-def _judge_nearer(runs: list[Run]) -> Verdict:
-    spacing_m = runs[0].scenario.agent.flocking.params.spacing_m if runs[0].scenario.agent.flocking else 0.0
-    worst = [max(abs(distance_m - spacing_m) for distance_m in settled_m(run)) for run in runs]
-    evidence = (
-        f"largest deviation from d = {spacing_m:g} m after 100 s: four leaders {worst[0]:.3f} m "
-        f"mathematical, {worst[2]:.3f} m fuzzy; one leader {worst[1]:.3f} m and {worst[3]:.3f} m"
-    )
-    nearer = worst[2] < worst[0] and worst[3] < worst[1]
-    return Verdict(HOLDS if nearer else DOES_NOT_HOLD, evidence)
-
-
-def _judge_faster(runs: list[Run]) -> Verdict:
-    times_s = [run.metrics["approach_time_2pct_s"] for run in runs]
-    evidence = (
-        f"from the same starts: four leaders {seconds(times_s[0])} mathematical, {seconds(times_s[2])} "
-        f"fuzzy; one leader {seconds(times_s[1])} and {seconds(times_s[3])}. The thesis's own curves start "
-        "differently: the fuzzy ones begin between 1.9 and 2 m"
-    )
-    if None in times_s:
-        return Verdict(DOES_NOT_HOLD, evidence)
-    faster = [fuzzy < mathematical for mathematical, fuzzy in zip(times_s[:2], times_s[2:], strict=True)]
-    return Verdict(HOLDS if all(faster) else HOLDS_IN_PART if any(faster) else DOES_NOT_HOLD, evidence)
-
-
-def _judge_limit(runs: list[Run]) -> Verdict:
-    evidence = ", ".join(f"{settled_m(run)[0]:.4f} to {settled_m(run)[1]:.4f} m" for run in runs)
-    exact = all(abs(distance_m - 2.0) < 1e-3 for run in runs for distance_m in settled_m(run))
-    near = all(abs(distance_m - 2.0) < 0.1 for run in runs for distance_m in settled_m(run))
-    return Verdict(
-        HOLDS if exact else HOLDS_IN_PART if near else DOES_NOT_HOLD,
-        f"after 100 s {evidence}; at d the fuzzy law does not repel, but attraction still acts",
-    )
-
-
-def _judge_obstacles(runs: list[Run]) -> Verdict:
-    fuzzy, mathematical, printed = runs
-    clear_m = fuzzy.metrics["obstacle_clearance_min_m"]
-    evidence = (
-        f"repelling only: no centre nearer than {clear_m:.3f} m to an obstacle (mathematical law: "
-        f"{mathematical.metrics['obstacle_clearance_min_m']:.3f} m), no two nearer than "
-        f"{fuzzy.metrics['pair_distance_min_m']:.3f} m; its repulsion is bounded, and the attraction of the "
-        "flock pushes against it. As printed, obstacles attract at long range: the flock is "
-        f"{printed.metrics['centroid_path_rms_m']:.2f} m off its path (rms)"
-    )
-    safe = clear_m > fuzzy.scenario.hull_radius_m and not fuzzy.metrics["collision"]
-    return Verdict(HOLDS_IN_PART if safe else DOES_NOT_HOLD, evidence)
-
-
-def _judge_flocking(runs: list[Run]) -> Verdict:
-    collides = any(run.metrics["collision"] for run in runs)
-    lags_m = [run.metrics["centroid_path_rms_m"] for run in runs]
-    closest_m = min(run.metrics["pair_distance_min_m"] for run in runs)
-    evidence = (
-        f"centroid {lags_m[0]:.3f} m (four leaders) and {lags_m[1]:.3f} m (one leader, printed law) from the "
-        f"path, rms, as with the mathematical law; no two centres nearer than {closest_m:.3f} m"
-    )
-    return Verdict(HOLDS if not collides and max(lags_m) < 0.2 else DOES_NOT_HOLD, evidence)
-
-
 FIGURES = (
     Figure(
         "6.3",
@@ -272,29 +206,5 @@ TABLES = (
         "Flocks with fuzzy potentials, continuous in time",
         (FUZZY_FOUR_LEADERS, FUZZY_ONE_LEADER, FUZZY_OBSTACLES, FUZZY_PRINTED_OBSTACLES),
         _rows_6_a,
-    ),
-)
-
-CLAIMS = (
-    Claim("6.7", "The fuzzy law keeps distances nearer to d.", _ALL, _judge_nearer),
-    Claim("6.7", "The fuzzy flock forms faster.", _ALL, _judge_faster),
-    Claim("6.3", "Distances converge to d.", (FUZZY_FOUR_LEADERS, FUZZY_ONE_LEADER), _judge_limit),
-    Claim(
-        "6.6",
-        "With the fuzzy law the vehicles flock along the path without collision.",
-        (FUZZY_FOUR_LEADERS, FUZZY_ONE_LEADER),
-        _judge_flocking,
-    ),
-    Claim(
-        "6.6.3",
-        "With the fuzzy law the flock passes the obstacles without collision.",
-        (FUZZY_OBSTACLES, OBSTACLES, FUZZY_PRINTED_OBSTACLES),
-        _judge_obstacles,
-    ),
-    Claim(
-        "6.5",
-        "By LaSalle's principle the flock's potential decreases until it is at rest.",
-        (FOUR_LEADERS, FUZZY_FOUR_LEADERS, FUZZY_ONE_LEADER),
-        judge_potential,
     ),
 )

@@ -2,6 +2,18 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
+import numpy as np
+
+from auv_flocking.flocking.potential import Params as FlockingParams
+from auv_flocking.separation import fuzzy
+from auv_thesis.ch4_6.stiffness import (
+    attraction_ps,
+    equilibrium_m,
+    gain_for_stiffness,
+    resting_stiffness_ps,
+)
 from auv_thesis.items import RunSpec
 
 COARSE = ("dt_s=0.02", "period_s=0.1")
@@ -20,6 +32,59 @@ FUZZY_OBSTACLES = RunSpec("ch6_obstacles", COARSE)
 FUZZY_PRINTED_OBSTACLES = RunSpec(
     "ch6_obstacles", (*COARSE, "agent.separation.params.obstacles=printed"), 200.0
 )
+
+N_VEHICLES = 4
+SPACING_M = FlockingParams().spacing_m
+ATTRACTION_PS = attraction_ps(FlockingParams(), N_VEHICLES, followers_know_path=True)
+_FUZZY = fuzzy.Separation(fuzzy.Params())
+FUZZY_STIFFNESS_PS = resting_stiffness_ps(_FUZZY, ATTRACTION_PS, N_VEHICLES, SPACING_M)
+FUZZY_RESTS_AT_M = equilibrium_m(_FUZZY, ATTRACTION_PS, N_VEHICLES, SPACING_M)
+EQUAL_GAIN = gain_for_stiffness(FUZZY_STIFFNESS_PS, ATTRACTION_PS, N_VEHICLES, SPACING_M)
+"""With this gain the mathematical law is as stiff as the fuzzy law where their flocks rest."""
+_EQUAL = f"agent.separation.params.gain={EQUAL_GAIN:.6g}"
+EQUAL_FOUR_LEADERS = RunSpec("ch5_four_leaders", (*COARSE, _EQUAL))
+EQUAL_ONE_LEADER = RunSpec("ch5_one_leader", (*COARSE, _EQUAL))
+
+STARTS = 20
+STARTS_SEED = 5
+DRAWN_S = 40.0
+_FARTHEST_M = (18.0, 20.0)
+_NEAREST_M = 3.0
+
+
+def drawn_starts(seed: int, count: int) -> list[tuple[str, ...]]:
+    """
+    Return overrides for `count` flocks whose farthest pair starts 18 to 20 m apart, as Fig. 5.6a shows.
+
+    The box is that of Fig. 5.5, the nearest pair starts at least 3 m apart.
+    """
+    rng = np.random.default_rng(seed)
+    groups: list[tuple[str, ...]] = []
+    while len(groups) < count:
+        starts = rng.uniform((-15.0, -15.0, 0.0), (15.0, 15.0, 12.0), (N_VEHICLES, 3)).round(3)
+        distances_m = [float(np.linalg.norm(a - b)) for a, b in combinations(starts, 2)]
+        if min(distances_m) >= _NEAREST_M and _FARTHEST_M[0] <= max(distances_m) <= _FARTHEST_M[1]:
+            groups.append(
+                tuple(f"vehicles.{i}.position_ned_m={start.tolist()}" for i, start in enumerate(starts))
+            )
+    return groups
+
+
+_GROUPS = drawn_starts(STARTS_SEED, STARTS)
+DRAWN = {
+    spec: tuple(
+        RunSpec(spec.scenario, (*spec.overrides, *group), DRAWN_S, keep_recording=False) for group in _GROUPS
+    )
+    for spec in (
+        FOUR_LEADERS,
+        ONE_LEADER,
+        FUZZY_FOUR_LEADERS,
+        FUZZY_ONE_LEADER,
+        EQUAL_FOUR_LEADERS,
+        EQUAL_ONE_LEADER,
+    )
+}
+"""The same flocks from drawn starts."""
 
 _AT_REST = "reference.params.rate_radps=0.0"
 RESTING = RunSpec("ch5_four_leaders", (*COARSE, _AT_REST), 60.0)
