@@ -51,7 +51,17 @@ ROW_VERDICTS = (AGREES, AGREES_IN_PART, DIFFERS, NO_NUMBER)
 HOLDS, HOLDS_IN_PART, DOES_NOT_HOLD = "holds", "holds in part", "does not hold"
 CLAIM_VERDICTS = (HOLDS, HOLDS_IN_PART, DOES_NOT_HOLD)
 
-READING_ORDER = ("ch2", "ch3", "ch4", "ch5", "ch6", "path_laws", "separation_laws", "acoustics")
+READING_ORDER = (
+    "ch2",
+    "ch3",
+    "ch4",
+    "ch5",
+    "ch6",
+    "path_laws",
+    "separation_laws",
+    "conclusions",
+    "acoustics",
+)
 _TITLES = {
     "ch2": "Chapter 2: path following of one vehicle",
     "ch3": "Chapter 3: adaptive formation",
@@ -60,6 +70,7 @@ _TITLES = {
     "ch6": "Chapter 6: flocking with fuzzy potentials",
     "path_laws": "Path-following laws on one plant",
     "separation_laws": "Separation laws in one flock",
+    "conclusions": "Abstract and conclusions of the thesis",
     "acoustics": "Acoustic communication",
 }
 _FOLDERS = ("acoustics", "ch2", "ch3", "ch4_6", "laws")

@@ -5,12 +5,12 @@ import pytest
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.scenario.loading import load_scenario
-from auv_thesis.ch4_6 import ch5, ch6
+from auv_thesis.ch4_6 import ch5, ch6, ch6_claims
 from auv_thesis.ch4_6.flock_runs import FUZZY_FOUR_LEADERS, MATCHED_ON
 from auv_thesis.items import Run, RunSpec, chapters_of
-from auv_thesis.laws import separation_laws
+from auv_thesis.laws import separation_laws, separation_runs
 
-FILES = {"ch5": ch5, "ch6": ch6, "separation_laws": separation_laws}
+FILES = {"ch5": ch5, "ch6": ch6, "ch6_claims": ch6_claims, "separation_laws": separation_laws}
 SPECS = {spec for chapter in chapters_of(FILES) for spec in chapter.runs}
 
 
@@ -32,7 +32,7 @@ def test_what_is_changed_arrives():
     assert scenario.agent.flocking is not None
     assert scenario.agent.flocking.params.bandwidth_ratio == 0.05
     assert scenario.acoustics.outage.params.loss_prob == 0.6
-    spec = separation_laws.RUNS["fuzzy", "plant + 30 %"]
+    spec = separation_runs.RUNS["fuzzy", "plant + 30 %"]
     scenario = load_scenario(spec.scenario, overrides=spec.overrides)
     hulls = [vehicle.model.params for vehicle in scenario.vehicles]
     assert [hull.mass_kg for hull in hulls] == [162.5] * 4
