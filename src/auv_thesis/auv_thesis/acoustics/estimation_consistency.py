@@ -198,8 +198,8 @@ TABLES = (
 CLAIMS = (
     Claim(
         "A.34",
-        "The filter is consistent: NEES and NIS lie within their 95 % intervals at nine of ten instants "
-        "(ours).",
+        "On truth that follows the filter's own model, NEES and NIS lie within their 95 % intervals at nine "
+        "of ten instants (ours).",
         (),
         _judge,
     ),

@@ -24,7 +24,7 @@ SLOTS_S = (0.25, 0.5, 1.0, 2.0)
 LOSSES = (0.0, 0.3, 0.6)
 SEED = 131
 
-_EVERY_TICKS = 5
+EVERY_TICKS = 5
 _POSITION_STEP_M, _VELOCITY_STEP_MPS = 0.02, 0.0025
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
 
@@ -33,12 +33,13 @@ _FILTER = (
     "agent.neighbours.acceleration_memory_s=60.0",
     "agent.neighbours.velocity_memory_s=15.0",
 )
-_DRIFT = "environment.navigation={kind: dead_reckoning}"
+DRIFT = "environment.navigation={kind: dead_reckoning}"
 _FIXES = "environment.navigation={kind: dead_reckoning, params: {fix: lbl, fix_period_s: 60.0}}"
 _SONAR = "acoustics.sonar={kind: active}"
 
 
-def _spec(slot_s: float, loss_prob: float, *changes: str, seed: int = SEED) -> RunSpec:
+def spec_of(slot_s: float, loss_prob: float, *changes: str, seed: int = SEED) -> RunSpec:
+    """Return the main job's flock without obstacles on a channel, with changes."""
     return RunSpec(
         "flock_acoustic",
         (
@@ -53,16 +54,16 @@ def _spec(slot_s: float, loss_prob: float, *changes: str, seed: int = SEED) -> R
     )
 
 
-GRID = {(slot_s, loss): _spec(slot_s, loss) for loss in LOSSES for slot_s in SLOTS_S}
-BAR = tuple(_spec(2.0, 0.3, seed=seed) for seed in (SEED, SEED + 1, SEED + 2))
+GRID = {(slot_s, loss): spec_of(slot_s, loss) for loss in LOSSES for slot_s in SLOTS_S}
+BAR = tuple(spec_of(2.0, 0.3, seed=seed) for seed in (SEED, SEED + 1, SEED + 2))
 DRIFTING = {
-    "exact navigation": _spec(0.5, 0.3),
-    "exact navigation, sonar": _spec(0.5, 0.3, _SONAR),
-    "drift": _spec(0.5, 0.3, _DRIFT),
-    "drift, fixes every 60 s": _spec(0.5, 0.3, _FIXES),
-    "drift, sonar": _spec(0.5, 0.3, _DRIFT, _SONAR),
-    "drift, fixes every 60 s, sonar": _spec(0.5, 0.3, _FIXES, _SONAR),
-    "drift, sonar, 2 s slots": _spec(2.0, 0.3, _DRIFT, _SONAR),
+    "exact navigation": spec_of(0.5, 0.3),
+    "exact navigation, sonar": spec_of(0.5, 0.3, _SONAR),
+    "drift": spec_of(0.5, 0.3, DRIFT),
+    "drift, fixes every 60 s": spec_of(0.5, 0.3, _FIXES),
+    "drift, sonar": spec_of(0.5, 0.3, DRIFT, _SONAR),
+    "drift, fixes every 60 s, sonar": spec_of(0.5, 0.3, _FIXES, _SONAR),
+    "drift, sonar, 2 s slots": spec_of(2.0, 0.3, DRIFT, _SONAR),
 }
 
 
@@ -158,7 +159,7 @@ def errors_of(run: Run, config: NeighbourConfig | None = None) -> Errors:
             last[receiver, report.address - 1] = report
             if tables is not None:
                 tables[receiver].receive(report)
-        if tick % _EVERY_TICKS == 0:
+        if tick % EVERY_TICKS == 0:
             estimated = _recorded(recording, tick) if tables is None else _repeated(tables, recording, tick)
             for (receiver, other), report in last.items():
                 position, covariance = estimated[receiver, other]
@@ -232,7 +233,7 @@ class Relative:
 def relative_errors(run: Run) -> Relative:
     """Return the relative errors of a run, every half second."""
     r = run.recording
-    ticks = np.arange(0, len(r.t_s) - 1, _EVERY_TICKS)
+    ticks = np.arange(0, len(r.t_s) - 1, EVERY_TICKS)
     true_m = r.position_ned_m[ticks][:, None] - r.position_ned_m[ticks][:, :, None]
     seen_m = r.neighbour_position_ned_m[ticks] - r.nav_position_ned_m[ticks][:, :, None]
     return Relative(r.t_s[ticks], seen_m - true_m, r.neighbour_covariance[ticks][..., :3, :3])
