@@ -69,10 +69,12 @@ def _adaptive_as_stiff_as(law: str) -> str:
     """Return the adaptive law with error gains that give the stiffness of another law in surge and sway."""
     (k_x, k_y), _ = GAINS[law]
     (own_x, own_y), _ = GAINS["adaptive"]
-    gain: Any = load_scenario(
+    own: Any = load_scenario(
         SCENARIO, overrides=(f"agent.controller={LAWS['adaptive']}",)
     ).agent.controller.params
-    stiff = (gain.error_gain[0] * k_x / own_x, gain.error_gain[1] * k_y / own_y, *gain.error_gain[2:])
+    x, y, *rest = own.error_gain
+    rate_x, rate_y, *_ = own.error_rate_ps
+    stiff = (x + (k_x - own_x) / rate_x, y + (k_y - own_y) / rate_y, *rest)
     return LAWS["adaptive"].replace("params: {", f"params: {{error_gain: {_numbers(stiff)}, ", 1)
 
 
