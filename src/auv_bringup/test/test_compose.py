@@ -47,6 +47,20 @@ def test_nodes_get_exactly_the_configurations_of_the_one_process_run(name):
     assert _config(MediumConfig, relay) == scenario.medium_config
 
 
+def test_the_filters_know_the_white_noise_of_the_navigation_that_the_fleet_carries():
+    exact, noisy = (
+        load_scenario("flock_modem", overrides=overrides)
+        for overrides in (
+            [],
+            ["environment.navigation={kind: noisy, params: {position_sd_m: 0.08, velocity_sd_mps: 0.02}}"],
+        )
+    )
+    assert agent_configs(exact)[0].neighbours == exact.agent.neighbours
+    for config in agent_configs(noisy):
+        assert config.neighbours.position_std_m == pytest.approx((0.08**2 + 0.006**2) ** 0.5)
+        assert config.neighbours.velocity_std_mps == pytest.approx((0.02**2 + 0.0007**2) ** 0.5)
+
+
 def test_a_vehicle_is_two_nodes_and_the_rest_are_two_more():
     scenario, specs = _specs()
     assert len(specs) == 2 * len(scenario.vehicles) + 2

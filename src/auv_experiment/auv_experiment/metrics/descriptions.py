@@ -5,10 +5,27 @@ from __future__ import annotations
 import re
 
 from auv_experiment.metrics import Meaning
+from auv_experiment.metrics.windows import AGES_S, age_words
 
 
 def _share(words: str, digits: int = 3) -> Meaning:
     return Meaning("", words, digits, is_share=True)
+
+
+def _tails() -> dict[str, Meaning]:
+    """Return the meanings of `neighbours.tail_metrics`."""
+    meanings = {}
+    for name, percent, expected in (("95", "95", 0.05), ("997", "99.7", 0.003)):
+        key = f"neighbour_nees_beyond_{name}"
+        words = f"share of the squared errors of relative positions beyond their {percent} % point"
+        for index, low_s in enumerate(AGES_S):
+            meanings[f"{key}_age_{low_s}s_ratio"] = _share(
+                f"{words}, newest packet {age_words(index)} old ({expected:g} expected)", 4
+            )
+        meanings[f"{key}_first_minute_ratio"] = _share(
+            f"{words}, in the first minute ({expected:g} expected)", 4
+        )
+    return meanings
 
 
 OF_LAWS = {
@@ -163,6 +180,7 @@ MEANINGS = {
     "neighbour_nees_within_95_ratio": _share(
         "share of the squared errors of relative positions below their 95 % point (0.95 expected)"
     ),
+    **_tails(),
     "neighbour_age_mean_s": Meaning(
         "s", "age of the newest packet in a neighbour estimate, mean after 100 s", 2
     ),

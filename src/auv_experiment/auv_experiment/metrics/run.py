@@ -23,7 +23,7 @@ from auv_experiment.metrics.distances import centroid_path_error_m, consensus_er
 from auv_experiment.metrics.finite import largest, plain, rms, smallest
 from auv_experiment.metrics.gathering import gathering_metrics
 from auv_experiment.metrics.links import packet_metrics
-from auv_experiment.metrics.neighbours import neighbour_metrics
+from auv_experiment.metrics.neighbours import neighbour_metrics, tail_metrics
 from auv_experiment.metrics.network import network_metrics
 from auv_experiment.metrics.own import own_metrics
 from auv_experiment.metrics.safety import safe_command_metrics
@@ -80,6 +80,7 @@ def compute_metrics(
         **neighbour_metrics(recording),
         **packet_metrics(recording),
         **acoustics_metrics(recording, formed_at_s=formed_at_s if is_flock else 0.0),
+        **tail_metrics(recording),
         **network_metrics(recording, scenario),
         **safe_command_metrics(recording),
         **law_metrics(recording, scenario),

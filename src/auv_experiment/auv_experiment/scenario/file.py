@@ -37,7 +37,6 @@ _FLOCK_ON_A_MODEM: dict[str, Any] = {
     "consensus": {"kind": "neighbour_mean"},
     "neighbours": {
         "timeout_s": 300.0,
-        "velocity_std_mps": 0.03,
         "acceleration_memory_s": 60.0,
         "velocity_memory_s": 15.0,
     },

@@ -4,8 +4,9 @@ next.
 
 If both navigations state that they have no error, the state is position and velocity (m, m/s; NED);
 otherwise the four states of `navigation_offset` are added. `kalman` predicts and updates. The spectral
-density of the acceleration is fixed, or follows the neighbour's packets: the mean square change of the
-reported velocity per second, with a fading memory. The filter has no state: an estimate is never changed, so
+density of the acceleration is fixed, or follows the neighbour's packets: one and a half times the mean square
+change of the reported velocity per second, with a fading memory. It starts at its upper bound, for a vehicle
+that is first heard may be about to set off. The filter has no state: an estimate is never changed, so
 that a track can go back to an earlier one when a packet arrives late.
 """
 
@@ -33,7 +34,9 @@ Matrix = NDArray[np.float64]
 
 _FIX_RATIO = 0.95
 _IDENTITY = np.eye(6)
-_PRIOR_S = 20.0
+_MOST_RATIO, _LEAST_RATIO = 10.0, 0.01
+_PRIOR_S = 5.0
+_JITTER_RATIO = 1.5
 _SENSELESS = 60.0  # squared Mahalanobis distance that six numbers exceed once in 10^11
 
 
@@ -55,12 +58,15 @@ class NeighbourConfig:
         minimum=0.0,
     )
     position_std_m: float = param(
-        "standard deviation of a reported position, per axis, in addition to the sender's own (m)",
-        default=0.02,
+        "least standard deviation of a reported position, per axis, to which the scenario adds the "
+        "white noise of the navigation (m)",
+        default=0.006,
         above=0.0,
     )
     velocity_std_mps: float = param(
-        "standard deviation of a reported velocity, per axis (m/s)", default=0.01, above=0.0
+        "the same of a reported velocity (m/s)",
+        default=0.0007,
+        above=0.0,
     )
     timeout_s: float = param(
         "time without packets and sonar contacts after which a neighbour is dropped (s)",
@@ -110,10 +116,21 @@ class Unrest(NamedTuple):
     squares: float
     duration_s: float
 
+    @classmethod
+    def begun(cls, report: Report, psd: float) -> Unrest:
+        """Return the state after the first packet: a density that counts like `_PRIOR_S` of packets."""
+        return cls(report.time_s, report.velocity, psd * _PRIOR_S / _JITTER_RATIO, _PRIOR_S)
+
     @property
     def psd(self) -> float:
-        """Spectral density of the acceleration that causes these changes (m^2/s^3)."""
-        return self.squares / self.duration_s
+        """
+        Spectral density of the acceleration that is assumed for these changes (m^2/s^3).
+
+        A velocity that jitters by s about its mean changes by 2 s^2 from packet to packet, after any gap g.
+        The position predicted over g is then wrong by s^2 g^2; white acceleration with the density of these
+        changes, 2 s^2 / g, gives two thirds of it.
+        """
+        return _JITTER_RATIO * self.squares / self.duration_s
 
     def after(self, report: Report, memory_s: float) -> Unrest:
         """Return the same after one more packet."""
@@ -197,7 +214,8 @@ class NeighbourFilter:
         """Return the estimate after the first packet: its content."""
         z, psd, unrest = _numbers(report), self._config.acceleration_psd, None
         if self._config.acceleration_memory_s > 0.0:
-            unrest = Unrest(report.time_s, report.velocity, psd * _PRIOR_S, _PRIOR_S)
+            psd *= _MOST_RATIO
+            unrest = Unrest.begun(report, psd)
         if stated.is_exact:
             return Belief(report.time_s, z, self._noise.copy(), psd, report.flock_velocity, None, unrest)
         x, P, unaided = offset.first(z, self._noise, stated, self._config.drift_rate_mps)
@@ -257,7 +275,7 @@ class NeighbourFilter:
     def _bounded(self, psd: float) -> float:
         """Return a density limited to two decades below and one decade above the configured one (m^2/s^3)."""
         usual = self._config.acceleration_psd
-        return min(max(psd, 0.01 * usual), 10.0 * usual)
+        return min(max(psd, _LEAST_RATIO * usual), _MOST_RATIO * usual)
 
     def _with_offset(self, belief: Belief, stated: Stated) -> Belief:
         """Return the estimate with an offset as uncertain as the navigations state at its time."""

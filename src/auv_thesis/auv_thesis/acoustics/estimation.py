@@ -44,10 +44,10 @@ _MODELS = {
     "constant velocity, density follows over 60 s": NeighbourConfig(
         acceleration_memory_s=60.0, timeout_s=300.0
     ),
-    "the same, velocities within 3 cm/s": NeighbourConfig(
-        acceleration_memory_s=60.0, velocity_std_mps=0.03, timeout_s=300.0
+    "the same, noise of 2 cm and 3 cm/s instead of the rounding's": NeighbourConfig(
+        acceleration_memory_s=60.0, position_std_m=0.02, velocity_std_mps=0.03, timeout_s=300.0
     ),
-    "the same, velocity returns to the flock's in 15 s (as flown)": None,
+    "density follows over 60 s, velocity returns to the flock's in 15 s (as flown)": None,
 }
 _TUNED_ON = tuple(GRID[cell] for cell in ((0.5, 0.3), (2.0, 0.3)))
 _SHOWN = ("drift", "drift, fixes every 60 s", "drift, sonar", "exact navigation")

@@ -29,7 +29,6 @@ _POSITION_STEP_M, _VELOCITY_STEP_MPS = 0.02, 0.0025
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
 
 _FILTER = (
-    "agent.neighbours.velocity_std_mps=0.03",
     "agent.neighbours.acceleration_memory_s=60.0",
     "agent.neighbours.velocity_memory_s=15.0",
 )
