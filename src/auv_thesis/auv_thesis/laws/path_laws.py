@@ -44,6 +44,8 @@ from auv_thesis.laws.path_runs import (
 )
 
 NOISE_SD_M = 0.05
+_CLEARLY = 0.95
+"""A law is better if its error is at most this share of the other's."""
 AFTER_S = 50.0
 CLEAR_OF_OBSTACLE_M = 3.0
 
@@ -131,7 +133,7 @@ def _judge_robustness(runs: list[Run]) -> Verdict:
     """Judge against laws of the thesis that are as stiff: a stiffer law of any kind has smaller errors."""
     results = _numbers_by_case(runs)
     worst_mm = {law: _worst_mm(results, law) for law in ALL_LAWS}
-    better = sum(worst_mm[law] < min(worst_mm[rival] for rival in RIVALS[law]) for law in ROBUST)
+    better = sum(worst_mm[law] < _CLEARLY * min(worst_mm[rival] for rival in RIVALS[law]) for law in ROBUST)
     words = ", ".join(
         f"{law} {value:.1f} mm" + (f" ({GAINS[law].stiffness_npm[0]:.0f} N/m)" if law in GAINS else "")
         for law, value in worst_mm.items()
