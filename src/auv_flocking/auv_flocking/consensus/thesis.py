@@ -56,7 +56,7 @@ class Params:
 
 
 _RATE_FIELDS = tuple(
-    steps_around_zero(f"centre_rate_{axis}_mps", 0.005, 2**12) for axis in ("north", "east", "down")
+    steps_around_zero(f"centre_rate_{axis}_mps", 0.005, 2**9) for axis in ("north", "east", "down")
 )
 
 
