@@ -53,8 +53,8 @@ from auv_thesis.items import (
 )
 
 _SMALL_M = 0.02
-_ROUNDING_M = 0.06
-"""Three neighbours' estimates, each rounded by up to 1 cm per axis."""
+_ROUNDING_M = 0.15
+"""Three neighbours' estimates, each rounded by up to 2 cm north and east, and 4 cm down."""
 _LOST_M = 10.0
 _ALL_STATIC = tuple(spec for specs in STATIC.values() for spec in specs)
 _SHOWN = tuple(STATIC[name, loss][0] for loss in LOSSES for name in FILTERS)
