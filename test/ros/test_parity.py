@@ -206,6 +206,9 @@ def test_sensed_and_moving_obstacles_are_the_same_in_lockstep(tmp_path):
         str(results_dir / "scenario.yaml"), overrides=["agent.obstacle_tracker={kind: none}"]
     )
     assert not np.array_equal(run_in_process(blind).command, recorded.command), "obstacles change commands"
+    bag = Bag(results_dir / "bag")
+    drawn = {marker.ns for message in bag.messages({"/markers"}) for marker in bag.decode(message).markers}
+    assert {"unknown obstacles", "auv_1 sensed"} <= drawn
 
 
 def test_another_seed_gives_another_bag(lossy_runs, tmp_path):
