@@ -116,10 +116,12 @@ def leftovers(
 ) -> Leftovers:
     """Return what the pairs of `associate` leave to objects after the n neighbours, (n, 3), (n, 3, 3)."""
     n, owners = len(points), dict(pairs)
+    is_seen = np.zeros(n, dtype=np.bool_)
+    is_seen[[owner for owner in owners.values() if owner < n]] = True
     return Leftovers(
         [(sightings[contact], owner - n) for contact, owner in pairs if owner >= n],
         [seen for contact, seen in enumerate(sightings) if contact not in owners],
         points,
         covariances,
-        np.isin(np.arange(n), list(owners.values())),
+        is_seen,
     )
