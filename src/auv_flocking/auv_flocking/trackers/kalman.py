@@ -9,9 +9,9 @@ A contact carries no identity, so the rules decide what it is.
    2 pi. So a neighbour that was not heard for a minute, and may be anywhere, takes no contact of an obstacle.
 2. Every other contact begins a track. It is confirmed by `confirm_contacts` contacts within `confirm_s`, or
    else dropped. A confirmed one is forgotten `forget_s` after its last contact.
-3. Two objects at one place give two contacts. If a track and a neighbour are at one place, and in `_DOUBTS`
-   pings in a row only one of them gets a contact, the track *is* that neighbour, and is dropped. This is how
-   a vehicle that was seen before it was heard ceases to be an obstacle.
+3. Two objects at one place give two contacts. If a track is at the place of a neighbour or an older track,
+   and of the two only one gets a contact, `_DOUBTS` times before both get one, the track *is* the other, and
+   is dropped. This is how a vehicle that was seen before it was heard ceases to be an obstacle.
 4. A known obstacle takes contacts only where the vehicle expects them. If the own navigation drifted, the
    same obstacle is tracked where it is seen, too.
 
@@ -28,6 +28,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,6 +90,14 @@ class _Track:
     doubts: int = 0
 
 
+class _Objects(NamedTuple):
+    """Neighbours, then tracks: where they are (m, m^2; NED), and which of them took a contact."""
+
+    points: Matrix
+    covariances: Matrix
+    is_seen: NDArray[np.bool_]
+
+
 class Tracker(ObstacleTracker):
     """The obstacle tracks of one vehicle."""
 
@@ -117,14 +126,29 @@ class Tracker(ObstacleTracker):
         """Update the tracks with their contacts, begin one for each unclaimed contact, drop doubles."""
         n_known = len(self._known)
         seen = {row - n_known: sighting for sighting, row in left.claimed if row >= n_known}
-        for row, track in enumerate(self._tracks):
-            if row in seen:
-                self._update(track, seen[row])
-            is_double = self._is_at(track, t_s, left, is_seen=row not in seen)
-            track.doubts = track.doubts + 1 if is_double else 0
+        for row, sighting in seen.items():
+            self._update(self._tracks[row], sighting)
+        self._doubt_doubles(t_s, set(seen), left)
         self._tracks = [track for track in self._tracks if track.doubts < _DOUBTS]
         for sighting in left.unclaimed:
             self._tracks.append(self._begun(t_s, sighting))
+
+    def _doubt_doubles(self, t_s: float, seen: set[int], left: Leftovers) -> None:
+        """Count for each track how often it, or what is at its place, got the only contact (rule 3)."""
+        now = [self._at(track, t_s) for track in self._tracks]
+        others = _Objects(
+            np.concatenate((left.points, np.array([x[:3] for x, _ in now]).reshape(-1, 3))),
+            np.concatenate((left.covariances, np.array([P[:3, :3] for _, P in now]).reshape(-1, 3, 3))),
+            np.concatenate((left.is_seen, [row in seen for row in range(len(now))])).astype(np.bool_),
+        )
+        for row, track in enumerate(self._tracks):
+            is_seen = row in seen
+            which = others.is_seen != is_seen
+            which[len(left.points) + row :] = False
+            if self._is_at_one(now[row], others, which):
+                track.doubts += 1
+            elif is_seen:
+                track.doubts = 0
 
     def obstacles(self, t_s: float) -> Sensed:
         """Return the confirmed tracks that are not forgotten."""
@@ -165,14 +189,13 @@ class Tracker(ObstacleTracker):
             track.first_s = [s for s in track.first_s if t_s - s <= self._params.confirm_s] + [t_s]
             track.is_confirmed = len(track.first_s) >= self._params.confirm_contacts
 
-    def _is_at(self, track: _Track, t_s: float, left: Leftovers, *, is_seen: bool) -> bool:
-        """Return whether a track is at the place of a neighbour with (`is_seen`) or without a contact."""
-        which = left.is_seen == is_seen
+    def _is_at_one(self, state: tuple[Matrix, Matrix], others: _Objects, which: NDArray[np.bool_]) -> bool:
+        """Return whether a track in this state is at the place of one of the objects `which` (a mask)."""
         if not which.any():
             return False
-        x, P = self._at(track, t_s)
+        x, P = state
         squared, likelihood = distances(
-            x[None, :3], P[None, :3, :3], left.points[which], left.covariances[which]
+            x[None, :3], P[None, :3, :3], others.points[which], others.covariances[which]
         )
         return bool(((squared <= _SAME_PLACE) & (likelihood <= self._params.bound)).any())
 
