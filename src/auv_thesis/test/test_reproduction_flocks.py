@@ -5,7 +5,7 @@ import pytest
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.scenario.loading import load_scenario
-from auv_thesis.ch4_6 import ch5, ch6, ch6_claims
+from auv_thesis.ch4_6 import ch5, ch5_claims, ch6, ch6_claims
 from auv_thesis.ch4_6.flock_runs import FUZZY_FOUR_LEADERS, MATCHED_ON
 from auv_thesis.items import Run, RunSpec, chapters_of
 from auv_thesis.laws import separation_laws, separation_runs
@@ -51,3 +51,12 @@ def test_the_numbers_of_the_comparison_are_of_the_settled_flock():
     assert numbers["worst_m"] == pytest.approx(0.041, abs=1e-3)
     assert numbers["effort_n"] == pytest.approx(3.0 * 3.0**0.5)
     assert numbers["smallest_m"] == metrics["pair_distance_min_m"]
+
+
+def test_a_wider_band_is_reached_no_later():
+    spec = RunSpec("ch5_four_leaders", ("dt_s=0.02", "period_s=0.1"), 60.0)
+    scenario = load_scenario(spec.scenario, overrides=spec.overrides, duration_s=spec.duration_s)
+    run = Run(spec, scenario, run_in_process(scenario), {})
+    times_s = [ch5_claims.reached_s(run, band) for band in (0.02, 0.05, 0.1, 0.2)]
+    assert times_s[0] == pytest.approx(3.9, abs=0.05)
+    assert times_s == sorted(times_s, reverse=True)

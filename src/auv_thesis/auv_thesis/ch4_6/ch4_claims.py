@@ -11,6 +11,7 @@ from auv_experiment.metrics import region as metrics_region
 from auv_experiment.metrics.distances import vehicle_pairs
 from auv_thesis.ch4_6.ch4 import reached_words
 from auv_thesis.ch4_6.ch4_runs import (
+    ARRIVED_S,
     DEFAULT,
     LIMITED,
     LIMITED_STARTS,
@@ -44,16 +45,17 @@ def _judge_arrival(runs: list[Run]) -> Verdict:
     ours, limited = runs[2 : 2 + LONG_STARTS], runs[2 + LONG_STARTS : 2 + LONG_STARTS + LIMITED_STARTS]
     printed = runs[-STARTS:]
     evidence = (
-        f"{'; '.join(parts)}. From random starts the whole group arrives in "
-        f"{share_words(_arrivals(ours), LONG_STARTS)} with our layer gains, of which {_hits(ours)} collide "
-        f"on the way, and in {share_words(_arrivals(limited), LIMITED_STARTS)} with forces of at most 200 N, "
-        f"of which {_hits(limited)} collide. With the only printed gain "
+        f"{'; '.join(parts)}. From random starts the whole group arrives within "
+        f"{ARRIVED_S:g} s in {share_words(_arrivals(ours), LONG_STARTS)} with our layer gains, of which "
+        f"{_hits(ours)} collide on the way, and in {share_words(_arrivals(limited), LIMITED_STARTS)} with "
+        f"forces of at most 200 N, of which {_hits(limited)} collide. With the only printed gain "
         f"{share_words(_hits(printed), STARTS)} collide before they arrive"
     )
-    everything = [*runs[:2], *ours, *limited]
-    if _arrivals(everything) < len(everything):
+    unlimited = [*runs[:2], *ours]
+    if _arrivals(unlimited) < len(unlimited):
         return Verdict(DOES_NOT_HOLD, evidence)
-    return Verdict(HOLDS if not _hits([*everything, *printed]) else HOLDS_IN_PART, evidence)
+    is_whole = _arrivals(limited) == len(limited) and not _hits([*unlimited, *limited, *printed])
+    return Verdict(HOLDS if is_whole else HOLDS_IN_PART, evidence)
 
 
 def _judge_collisions(runs: list[Run]) -> Verdict:
