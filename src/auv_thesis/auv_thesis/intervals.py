@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from auv_experiment.confidence.clusters import Interval, mean_interval
+from auv_experiment.confidence.clusters import Interval, mean_interval, percentile_interval
 from auv_experiment.confidence.differences import difference_interval
 
 
@@ -34,6 +34,17 @@ def mean_words(values: Sequence[float], unit: str, digits: int = 2) -> str:
     if low == high:
         return f"{mean:.{digits}f} {unit}"
     return f"{mean:.{digits}f} {unit} ({low:.{digits}f} to {high:.{digits}f})"
+
+
+def median_bounds(values: Sequence[float]) -> tuple[float, float]:
+    """Return the 95 % interval of the median, which single outliers do not move."""
+    return _bounds(percentile_interval(values, 0.5), len(values))
+
+
+def median_words(values: Sequence[float], unit: str, digits: int = 2) -> str:
+    """Return the median with its 95 % interval."""
+    low, high = median_bounds(values)
+    return f"{float(np.median(values)):.{digits}f} {unit} ({low:.{digits}f} to {high:.{digits}f})"
 
 
 def difference_bounds(ours: Sequence[float], others: Sequence[float]) -> tuple[float, float]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from auv_experiment.scenario.loading import load_scenario
-from auv_thesis.intervals import difference_bounds, difference_words, mean_words
+from auv_thesis.intervals import difference_bounds, difference_words, mean_words, median_words
 from auv_thesis.items import DOES_NOT_HOLD, HOLDS
 from auv_thesis.laws import computing, conclusions
 from auv_thesis.laws.separation_runs import SEEDS
@@ -70,5 +70,6 @@ def test_words_of_a_sample_have_its_interval():
     assert mean_words([1.0, 3.0], "m", 1) == "2.0 m (-10.7 to 14.7)"
     assert difference_bounds([2.0, 4.0, 6.0], [1.0, 3.0, 5.0]) == (1.0, 1.0)
     assert difference_words([1.0, 3.0], [3.0, 3.0], "s", 1) == "-13.7 to +11.7 s"
+    assert median_words([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 99.0], "m", 0).startswith("5 m (2 to ")
     with pytest.raises(ValueError, match="have no interval; allowed: at least 2"):
         mean_words([1.0], "m")
