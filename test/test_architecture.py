@@ -37,6 +37,7 @@ PLUGIN_FOLDERS = (
     "auv_flocking/consensus",
     "auv_flocking/flocking",
     "auv_flocking/trackers",
+    "auv_flocking/estimators",
     "auv_flocking/reports",
     "auv_flocking/separation",
     "auv_sim/acoustics/mac",

@@ -25,6 +25,7 @@ from auv_core.plugins import find_plugin, list_plugins
 from auv_flocking.central import along
 from auv_flocking.codec import Field, Layout
 from auv_flocking.consensus import ConsensusFilter, ContinuousFilter
+from auv_flocking.estimators import Motion, NeighbourEstimator
 from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, View
 from auv_flocking.neighbours.association import Leftovers
 from auv_flocking.neighbours.estimates import NeighbourEstimate
@@ -251,6 +252,29 @@ def _use_consensus(module, params, inputs):
     return outputs
 
 
+def _use_estimator(module, params, inputs):
+    estimator = module.Estimator(params)
+    rng, outputs = np.random.default_rng(2), []
+    nav = VehicleState(0, inputs.point(), inputs.attitude(), inputs.six(0.1))
+    contact = sighting(0.0, nav, contact_of((3.0, 2.0, 1.0)), 0.1, 0.02)
+    for size in (6, 10):
+        x, root = inputs.kept(rng.normal(0.0, 3.0, size)), rng.normal(0.0, 0.3, (size, size))
+        P, H = inputs.kept(root @ root.T + 0.01 * np.eye(size)), inputs.kept(np.eye(6, size))
+        for memory_s in (0.0, 15.0):
+            motion = inputs.kept(Motion(2.0, 1e-3, 1e-8, memory_s, (0.1, 0.0, 0.0)))
+            outputs.append(estimator.predicted(x, P, motion))
+        z, R = inputs.kept(rng.normal(0.0, 0.1, 6)), inputs.kept(0.01 * np.eye(6))
+        after = estimator.updated(x, P, z, H, R)
+        assert np.trace(after.P) < np.trace(P)
+        np.testing.assert_allclose(after.precision, np.linalg.inv(H @ P @ H.T + R), rtol=1e-6, atol=1e-6)
+        seen = estimator.seen(x, P, contact)
+        assert (seen.innovation.shape, seen.precision.shape) == ((3,), (3, 3))
+        outputs += [after, seen]
+    for _, covariance, *_ in outputs:
+        np.testing.assert_allclose(covariance, covariance.T, atol=1e-12)
+    return [tuple(array.tolist() for array in arrays) for arrays in outputs]
+
+
 def _use_format(module, params, inputs):
     outputs: list[Any] = []
     for shared in ((), (Field("sum", -8.0, 8.0, 0.125, wraps=True), Field("weight", 0.0, 1.0, 0.125))):
@@ -421,6 +445,7 @@ ROLES = {
     "auv_flocking.flocking": Role("Flocking", (FlockingLaw,), (SEPARATION, True), _use_flocking),
     "auv_flocking.separation": Role("Separation", (SeparationLaw,), (), _use_separation),
     "auv_flocking.consensus": Role("Consensus", (ConsensusFilter,), (4,), _use_consensus),
+    "auv_flocking.estimators": Role("Estimator", (NeighbourEstimator,), (), _use_estimator),
     "auv_flocking.reports": Role("Format", (ReportFormat,), ((),), _use_format),
     "auv_flocking.trackers": Role("Tracker", (ObstacleTracker,), ((),), _use_tracker),
     "auv_sim.obstacles": Role("Motion", (ObstacleMotion,), (), _use_obstacle_motion),

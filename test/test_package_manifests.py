@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[1]
 
 # Keys of the official rosdep lists, by the module that is imported.
 OFFICIAL_KEYS = {
+    "filterpy": "python3-filterpy-pip",
     "matplotlib": "python3-matplotlib",
     "numba": "python3-numba",
     "numpy": "python3-numpy",

@@ -1,6 +1,7 @@
 """Claims about one neighbour's filter through time: order, history, offsets and fixes."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -337,9 +338,7 @@ def _check_covariance(drifts, updates):
             stated = Stated((0.5 * sd_m) ** 2, sd_m**2)
             belief = beliefs.after_packet(belief, _report(time_s, (3.0, 2.0, 1.0), sd_m=sd_m), stated)
         elif luck < 0.95 or not drifts:
-            belief = beliefs.after_sighting(
-                belief, type(seen)(time_s, seen.point, seen.jacobian, seen.noise, seen.covariance)
-            )
+            belief = beliefs.after_sighting(belief, replace(seen, time_s=time_s))
         else:
             belief = beliefs.after_own_fix(belief, OwnFix(time_s, (0.1, -0.1), 0.5, 0.1))
         P = belief.P

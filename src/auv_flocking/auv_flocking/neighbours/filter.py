@@ -3,7 +3,7 @@ The extended Kalman filter of a neighbour, thesis Eqs. (5.29)-(5.35), as functio
 next.
 
 If both navigations state that they have no error, the state is position and velocity (m, m/s; NED);
-otherwise the four states of `navigation_offset` are added. `kalman` predicts and updates. The spectral
+otherwise the four states of `navigation_offset` are added. An estimator predicts and updates. The spectral
 density of the acceleration is fixed, or follows the neighbour's packets: one and a half times the mean square
 change of the reported velocity per second, with a fading memory. It starts at its upper bound, for a vehicle
 that is first heard may be about to set off. The filter has no state: an estimate is never changed, so
@@ -19,18 +19,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_core.compiled import entry, fastest
 from auv_core.geometry import Vec3
-from auv_core.params import param
+from auv_core.params import Section, param
+from auv_flocking.estimators import Motion, Updated, ekf, make_estimator
 from auv_flocking.neighbours import navigation_offset as offset
-from auv_flocking.neighbours.kalman import predicted, updated
-from auv_flocking.neighbours.motion import flock_motion, process_noise, transition_matrix
-from auv_flocking.neighbours.navigation_offset import OwnFix, Stated, Unaided, offset_noise, offset_transition
+from auv_flocking.neighbours.navigation_offset import OwnFix, Stated, Unaided
 from auv_flocking.neighbours.sonar_contact import Sighting
 from auv_flocking.report import Report
 from auv_flocking.reports import ReportFormat
 
 Matrix = NDArray[np.float64]
+
+ESTIMATORS = "auv_flocking.estimators"
+EKF = Section("ekf", ekf.Params())
 
 _FIX_RATIO = 0.95
 _IDENTITY = np.eye(6)
@@ -42,8 +43,9 @@ _SENSELESS = 60.0  # squared Mahalanobis distance that six numbers exceed once i
 
 @dataclass(frozen=True)
 class NeighbourConfig:
-    """Noise that the filter assumes, and how long an estimate outlives silence."""
+    """Estimator and noise of the filter, and how long an estimate outlives silence."""
 
+    estimator: Section = param("arithmetic of the filter", default=EKF, plugins=ESTIMATORS)
     acceleration_psd: float = param(
         "spectral density of a neighbour's acceleration (m^2/s^3)", default=1e-3, above=0.0
     )
@@ -183,24 +185,6 @@ class Belief(NamedTuple):
         return float(self.innovation @ self.precision @ self.innovation)
 
 
-@entry(
-    "Tuple((float64[::1], float64[:, ::1]))"
-    "(float64[::1], float64[:, ::1], float64, float64, float64, float64, TUPLE3)"
-)
-def _ahead(
-    x: Matrix, P: Matrix, dt_s: float, psd: float, rate_psd: float, memory_s: float, flock_velocity: Vec3
-) -> tuple[Matrix, Matrix]:
-    """Return x and P after an interval, without (6,) or with (10,) the offset."""
-    if len(x) == 6:
-        x, P = predicted(x, P, transition_matrix(dt_s, memory_s), process_noise(dt_s, psd, memory_s))
-    else:
-        F, Q = offset_transition(dt_s, memory_s), offset_noise(dt_s, psd, rate_psd, memory_s)
-        x, P = predicted(x, P, F, Q)
-    if memory_s > 0.0:
-        x[:6] += flock_motion(dt_s, memory_s, flock_velocity)
-    return x, P
-
-
 class NeighbourFilter:
     """The filter for all neighbours of one vehicle; it has no state."""
 
@@ -208,7 +192,7 @@ class NeighbourFilter:
         self._config = config
         self._rate_psd = offset.rate_psd(config.drift_rate_mps)
         self._noise = np.diag([config.position_std_m**2] * 3 + [config.velocity_std_mps**2] * 3)
-        self._ahead, self._updated_by = fastest(_ahead), fastest(updated)
+        self._estimator = make_estimator(config.estimator)
 
     def first(self, report: Report, stated: Stated) -> Belief:
         """Return the estimate after the first packet: its content."""
@@ -236,7 +220,8 @@ class NeighbourFilter:
             ahead = self._with_offset(ahead, stated)
             innovation, H = _numbers(report) - offset.PACKET @ ahead.x, offset.PACKET
         now = psd if unrest is None else self._bounded(unrest.psd)
-        after = self._updated(ahead, innovation, H, self._noise, now, report.flock_velocity)
+        update = self._estimator.updated(ahead.x, ahead.P, innovation, H, self._noise)
+        after = _after(ahead, update)._replace(psd=now, flock_velocity=report.flock_velocity)
         if after.unaided is not None and after.nis > _SENSELESS:
             return self.first(report, stated)
         return after
@@ -244,11 +229,7 @@ class NeighbourFilter:
     def after_sighting(self, belief: Belief, sighting: Sighting) -> Belief:
         """Return the estimate after a sonar contact, at its time."""
         ahead = self._predicted(belief, sighting.time_s, belief.psd, belief.unrest)
-        H = np.zeros((3, len(ahead.x)))
-        H[:, :3] = sighting.jacobian
-        # z - h(x), linearised at the point of the contact.
-        innovation = -(sighting.jacobian @ (ahead.x[:3] - sighting.point))
-        return self._updated(ahead, innovation, H, sighting.noise, ahead.psd, ahead.flock_velocity)
+        return _after(ahead, self._estimator.seen(ahead.x, ahead.P, sighting))
 
     def after_own_fix(self, belief: Belief, fix: OwnFix) -> Belief:
         """Return the estimate after a fix of the own navigation, in the navigation's new frame."""
@@ -257,7 +238,7 @@ class NeighbourFilter:
             ahead = self._with_offset(ahead, Stated(fix.before_m2, 0.0))
         assert ahead.unaided is not None
         z, H, R = fix.tells(ahead.unaided.sender_m2)
-        after = self._updated(ahead, z - H @ ahead.x, H, R, ahead.psd, ahead.flock_velocity)
+        after = _after(ahead, self._estimator.updated(ahead.x, ahead.P, z - H @ ahead.x, H, R))
         x, unaided = fix.shifted(after.x, ahead.unaided)
         return after._replace(x=x, unaided=unaided)
 
@@ -290,18 +271,16 @@ class NeighbourFilter:
     def _predicted(self, belief: Belief, t_s: float, psd: float, unrest: Unrest | None) -> Belief:
         dt_s = t_s - belief.time_s
         memory_s, unaided = self._config.velocity_memory_s, belief.unaided
-        x, P = self._ahead(belief.x, belief.P, dt_s, psd, self._rate_psd, memory_s, belief.flock_velocity)
+        motion = Motion(dt_s, psd, self._rate_psd, memory_s, belief.flock_velocity)
+        x, P = self._estimator.predicted(belief.x, belief.P, motion)
         if unaided is not None:
             unaided = unaided.after(dt_s, self._rate_psd)
         return Belief(t_s, x, P, psd, belief.flock_velocity, unaided, unrest)
 
-    def _updated(
-        self, ahead: Belief, innovation: Matrix, H: Matrix, R: Matrix, psd: float, flock_velocity: Vec3
-    ) -> Belief:
-        x, P, precision = self._updated_by(ahead.x, ahead.P, innovation, H, R)
-        return Belief(
-            ahead.time_s, x, P, psd, flock_velocity, ahead.unaided, ahead.unrest, innovation, precision
-        )
+
+def _after(ahead: Belief, update: Updated) -> Belief:
+    x, P, innovation, precision = update
+    return ahead._replace(x=x, P=P, innovation=innovation, precision=precision)
 
 
 def _numbers(report: Report) -> Matrix:

@@ -48,6 +48,10 @@ class Sighting:
         R: covariance of (range, bearing, elevation) (m^2, rad^2, rad^2).
     covariance : (3, 3) array
         The same noise as covariance of the point, H^-1 R H^-T (m^2; NED).
+    own : (3,) array
+        Position of the own navigation (m; NED).
+    to_body : (3, 3) array
+        Rotation from NED to the own body frame.
 
     """
 
@@ -56,6 +60,19 @@ class Sighting:
     jacobian: Matrix
     noise: Matrix
     covariance: Matrix
+    own: Matrix
+    to_body: Matrix
+
+    def beside(self, point: Matrix) -> Matrix:
+        """Return h of another point (m; NED) minus the contact (m, rad, rad), the bearing within a turn."""
+        there, here = (contact_of(_vector(self.to_body @ (each - self.own))) for each in (point, self.point))
+        return np.array(
+            (
+                there.range_m - here.range_m,
+                math.remainder(there.bearing_rad - here.bearing_rad, 2.0 * math.pi),
+                there.elevation_rad - here.elevation_rad,
+            )
+        )
 
 
 def is_contact(contact: SonarContact) -> bool:
@@ -158,6 +175,11 @@ def sighting(
     noise = np.diag(
         (range_sd_m * range_sd_m, angle_rad2 + nav.heading_sd_rad * nav.heading_sd_rad, angle_rad2)
     )
-    return Sighting(
-        t_s, np.array(nav.position) + R_ned_body @ np.array(relative), H, noise, back @ noise @ back.T
-    )
+    own = np.array(nav.position)
+    point = own + R_ned_body @ np.array(relative)
+    return Sighting(t_s, point, H, noise, back @ noise @ back.T, own, R_ned_body.T)
+
+
+def _vector(numbers: Matrix) -> Vec3:
+    x, y, z = numbers.tolist()
+    return (x, y, z)
