@@ -28,7 +28,7 @@ from auv_thesis.intervals import mean_bounds
 from auv_thesis.items import DOES_NOT_HOLD, HOLDS, NO_NUMBER, Claim, Row, Run, Table, Verdict
 
 KINDS = tuple(list_plugins(ESTIMATORS))
-_AS_FLOWN = NeighbourConfig(acceleration_memory_s=60.0, velocity_memory_s=15.0, timeout_s=300.0)
+_CONFIG = NeighbourConfig(acceleration_memory_s=60.0, timeout_s=300.0)
 _FLIGHTS = {"0.5 s slots": RUNS["exact navigation"][:3], "2 s slots": BAR}
 _ALL = tuple(spec for flights in _FLIGHTS.values() for spec in flights)
 _SETTING = Setting(loss_prob=0.3, sonar_every_s=0.5, own_rate_mps=0.0075, sender_rate_mps=0.0075)
@@ -45,8 +45,8 @@ class Measured(NamedTuple):
 
 
 def config_of(kind: str) -> NeighbourConfig:
-    """Return the flown settings of the filters with another estimator."""
-    return replace(_AS_FLOWN, estimator=load_section({"kind": kind}, "estimator", ESTIMATORS))
+    """Return constant velocity with a density that follows, and another estimator."""
+    return replace(_CONFIG, estimator=load_section({"kind": kind}, "estimator", ESTIMATORS))
 
 
 @cache
@@ -55,7 +55,7 @@ def _synthetic_of(kind: str) -> Measured:
     use_compiler()
     found = Measured([], [], [])
     for seed in np.random.SeedSequence(_SEED).spawn(_RUNS):
-        instants = list(fly(_SETTING, _AS_FLOWN, np.random.default_rng(seed), _DURATION_S))
+        instants = list(fly(_SETTING, _CONFIG, np.random.default_rng(seed), _DURATION_S))
         errors_m, nees, tick_us = _one_run(config_of(kind), instants)
         found.errors_m.append(errors_m)
         found.nees.append(nees)
