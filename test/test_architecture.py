@@ -28,6 +28,7 @@ WALL_CLOCK_FILES = {
     "auv_ros/run_watch.py",
     "auv_ros/steady_timer.py",
     "auv_thesis/cli.py",
+    "auv_thesis/acoustics/estimators.py",
     "auv_thesis/laws/computing.py",
 }
 PLUGIN_FOLDERS = (
