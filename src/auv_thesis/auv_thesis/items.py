@@ -59,6 +59,8 @@ READING_ORDER = (
     "ch6",
     "path_laws",
     "separation_laws",
+    "formation_laws",
+    "group_flock_laws",
     "conclusions",
     "acoustics",
 )
@@ -69,6 +71,8 @@ _TITLES = {
     "ch5": "Chapter 5: flocking with mathematical potentials",
     "ch6": "Chapter 6: flocking with fuzzy potentials",
     "path_laws": "Path-following laws on one plant",
+    "formation_laws": "Laws for a group in formation",
+    "group_flock_laws": "Sliding mode, H-infinity and adaptive fuzzy laws for a flock",
     "separation_laws": "Separation laws in one flock",
     "conclusions": "Abstract and conclusions of the thesis",
     "acoustics": "Acoustic communication",
