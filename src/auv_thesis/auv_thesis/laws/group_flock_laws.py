@@ -107,7 +107,7 @@ def _judge_obstacles(runs: list[Run]) -> Verdict:
         f"smallest distance to an obstacle whose safety distance is {SAFETY_M:g} m, with noise, n = "
         f"{len(SEEDS)} draws: {mean_words(learning, 'm')}, least {min(learning):.2f} m; {words}. The peaks "
         f"take seconds to learn, so that vehicles come nearer than {SAFETY_M:g} m. A wider safety distance "
-        "would do without learning, but must be known beforehand"
+        "would do without learning, but must be known in advance"
     )
     keeps = min(learning) >= SAFETY_M
     return Verdict(
