@@ -261,7 +261,7 @@ def _use_estimator(module, params, inputs):
         x, root = inputs.kept(rng.normal(0.0, 3.0, size)), rng.normal(0.0, 0.3, (size, size))
         P, H = inputs.kept(root @ root.T + 0.01 * np.eye(size)), inputs.kept(np.eye(6, size))
         for memory_s in (0.0, 15.0):
-            motion = inputs.kept(Motion(2.0, 1e-3, 1e-8, memory_s, (0.1, 0.0, 0.0)))
+            motion = inputs.kept(Motion(2.0, 1e-3, 1e-8, memory_s, (0.1, 0.0, 0.0, 0.02)))
             outputs.append(estimator.predicted(x, P, motion))
         z, R = inputs.kept(rng.normal(0.0, 0.1, 6)), inputs.kept(0.01 * np.eye(6))
         after = estimator.updated(x, P, z, H, R)

@@ -82,6 +82,13 @@ def distance(a: Vec3, b: Vec3) -> float:
     return math.sqrt(x * x + y * y + z * z)
 
 
+@inner
+def turned(v: Vec3, angle_rad: float) -> Vec3:
+    """Return `v` (NED), turned about the vertical from north towards east."""
+    cosine, sine = math.cos(angle_rad), math.sin(angle_rad)
+    return (cosine * v[0] - sine * v[1], sine * v[0] + cosine * v[1], v[2])
+
+
 @inlined
 def limited(v: Vec3, length: float) -> Vec3:
     """Return `v`, shortened to at most `length`; the direction is kept."""

@@ -63,7 +63,7 @@ class FlockTask:
         law.hear(estimates, period_s)
         self.centre = centre = consensus.centre(position, estimates)
         self.flock_velocity = law.flock_velocity(t_s, path, centre, self.flock_velocity, estimates)
-        flock = self.flock_velocity.velocity
+        flock = self.flock_velocity.at(t_s)
         view = View(position, centre, flock, Positions(estimates), self._obstacles, path, estimates, sensed)
         velocity = law.velocity(view)
         if not is_waiting:

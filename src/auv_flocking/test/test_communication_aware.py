@@ -229,6 +229,53 @@ def test_leader_steers_the_centre_no_faster_than_it_knows_it():
     assert far.velocity == pytest.approx((0.1, 0.0, Params().steering_limit_mps))
 
 
+def test_leader_steers_no_farther_within_one_age_than_its_reach():
+    estimates = [_estimate(ORIGIN, age_s=30.0)]
+    law = _law(estimates, is_leader=True, age_memory_s=1e-9, path_gain_ps=DISTANT)
+    far = law.flock_velocity(3.0, PATH, (0.0, 1.0, -90.0), NOTHING_HEARD, estimates)
+    assert far.velocity == pytest.approx((0.1, 0.0, Params().steering_reach_m / 30.0))
+
+
+@MODERATE
+@given(course_rad=st.floats(-3.0, 3.0), rate_radps=st.floats(-0.1, 0.1), ahead_s=st.floats(0.0, 60.0))
+def test_the_velocity_that_a_leader_sets_follows_a_circle(course_rad, rate_radps, ahead_s):
+    speed_mps = 0.4
+
+    def path(course):
+        velocity = (speed_mps * math.cos(course), speed_mps * math.sin(course), 0.02)
+        return PathPoint(ORIGIN, velocity, (-velocity[1] * rate_radps, velocity[0] * rate_radps, 0.0))
+
+    set_then = _law(is_leader=True).flock_velocity(3.0, path(course_rad), ORIGIN, NOTHING_HEARD, [])
+    heard = _estimate(ORIGIN, heard=(set_then.velocity, set_then.stamp_s))
+    heard = heard._replace(flock_turn_rate_radps=set_then.turn_rate_radps)
+    passed_on = _law([heard]).flock_velocity(9.0, PATH, ORIGIN, NOTHING_HEARD, [heard])
+    assert passed_on == set_then
+    then = path(course_rad + rate_radps * ahead_s).velocity
+    np.testing.assert_allclose(passed_on.at(3.0 + ahead_s), then, atol=1e-12)
+
+
+@MODERATE
+@given(distance_m=st.floats(0.3, 1.2), silence_s=st.floats(30.0, 300.0))
+def test_a_vehicle_retreats_from_whom_it_knows_whatever_it_does_not_know_of_others(distance_m, silence_s):
+    near = _estimate((distance_m, 0.0, 0.0))
+    silent = _estimate((0.0, 6.0, 0.0), age_s=silence_s, address=3)
+    asked = _correction(_law([near, silent]), _view(ORIGIN, [near, silent]))
+    p = Params()
+    retreat_mps = 0.5 * p.barrier_rate_ps * (p.barrier_distance_m - distance_m)
+    assert asked[0] <= -min(retreat_mps, p.correction_limit_mps) + 1e-6
+
+
+@MODERATE
+@given(distance_m=st.floats(1.3, 3.0), closing_mps=st.floats(0.0, 0.4))
+def test_a_vehicle_yields_to_a_neighbour_that_comes_nearer_by_more_than_its_half(distance_m, closing_mps):
+    other = _estimate((distance_m, 0.0, 0.0), velocity=(W[0] - closing_mps, 0.0, 0.0))
+    asked = _correction(_law([other]), _view(ORIGIN, [other], centre=(2.0, 0.0, 0.0)))
+    p = Params()
+    whole_mps = p.barrier_rate_ps * (distance_m - p.barrier_distance_m)
+    allowed_mps = min(0.5 * whole_mps, whole_mps - closing_mps)
+    assert asked[0] <= max(allowed_mps, -p.correction_limit_mps) + 1e-6
+
+
 def test_flock_that_is_carried_towards_an_obstacle_stops_before_it():
     obstacles = (((1.3, 0.0, 0.0), 2.0),)
     asked = _law().velocity(_view(ORIGIN, [], obstacles=obstacles, centre=(0.5, 0.0, 0.0)))

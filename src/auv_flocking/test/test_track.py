@@ -14,7 +14,7 @@ from scipy.linalg import expm
 from auv_core.messages import VehicleState
 from auv_flocking.neighbours import navigation_offset as offset
 from auv_flocking.neighbours.filter import NeighbourConfig, NeighbourFilter
-from auv_flocking.neighbours.motion import grown, process_noise, transition_matrix
+from auv_flocking.neighbours.motion import carried, flock_motion, grown, process_noise, transition_matrix
 from auv_flocking.neighbours.navigation_offset import OwnFix, Stated
 from auv_flocking.neighbours.sonar_contact import contact_of, sighting
 from auv_flocking.neighbours.synthetic_neighbour import Setting, fly
@@ -360,3 +360,34 @@ def test_exact_navigations_need_no_offset_and_stated_errors_switch_to_it():
                 table.receive(report)
             table.estimates(now.t_s, now.nav)
         assert len(table.tracks[0].belief.x) == states
+
+
+@MODERATE
+@given(rate_radps=st.floats(-0.1, 0.1), dt_s=st.floats(0.0, 90.0), memory_s=st.floats(2.0, 60.0))
+def test_a_neighbour_is_carried_along_the_circle_of_its_flock(rate_radps, dt_s, memory_s):
+    """The way is compared with a sum over short steps; the filter's own prediction is the same."""
+    flock, state = (0.2, -0.1, 0.05), np.array([1.0, 2.0, 3.0, 0.3, 0.1, 0.0])
+    position, velocity = carried(state, dt_s, memory_s, (*flock, rate_radps))
+    steps = 4000
+    middle_s = (np.arange(steps) + 0.5) * dt_s / steps
+    turn = rate_radps * middle_s
+    of_flock = np.array(
+        [
+            np.cos(turn) * flock[0] - np.sin(turn) * flock[1],
+            np.sin(turn) * flock[0] + np.cos(turn) * flock[1],
+            np.full(steps, flock[2]),
+        ]
+    )
+    own = np.exp(-middle_s / memory_s) * (state[3:] - flock)[:, None]
+    np.testing.assert_allclose(position, state[:3] + (of_flock + own).mean(axis=1) * dt_s, atol=1e-4)
+    ahead = transition_matrix(dt_s, memory_s) @ state + flock_motion(dt_s, memory_s, (*flock, rate_radps))
+    np.testing.assert_allclose(ahead, (*position, *velocity), atol=1e-12)
+
+
+def test_a_neighbour_that_holds_station_is_not_carried_with_the_flock():
+    config = replace(CONFIG, velocity_memory_s=15.0)
+    report = _report(0.0)._replace(flock_velocity=(0.3, 0.0, 0.0), flock_stamp_s=-5.0)
+    holding = _track(HeardReport(report._replace(is_holding=True), Stated(0.0, 0.0)), config)
+    flying = _track(HeardReport(report, Stated(0.0, 0.0)), config)
+    assert holding.estimate(60.0).position == ZERO
+    assert flying.estimate(60.0).position[0] > 10.0

@@ -36,11 +36,11 @@ _FLOCK_ON_A_MODEM: dict[str, Any] = {
     "separation": {"kind": "mathematical"},
     "consensus": {"kind": "neighbour_mean"},
     "neighbours": {
-        "timeout_s": 300.0,
+        "timeout_s": 900.0,
         "acceleration_memory_s": 60.0,
         "velocity_memory_s": 15.0,
     },
-    "hold_s": 120.0,
+    "hold_s": 60.0,
 }
 
 

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_core.contracts import class_of, fulfilled
-from auv_core.geometry import Vec3
 from auv_core.params import Section
+from auv_flocking.neighbours.motion import Turning
 from auv_flocking.neighbours.sonar_contact import Sighting
 
 Matrix = NDArray[np.float64]
@@ -31,15 +31,15 @@ class Motion(NamedTuple):
     How the state moves over an interval (`auv_flocking.neighbours.motion`).
 
     dt_s: its length (s); psd, rate_psd: spectral densities of the acceleration (m^2/s^3) and of the offset's
-    rate (m^2/s^3); memory_s: relaxation time of the velocity to the flock's (s; 0: never); flock_velocity
-    (m/s; NED).
+    rate (m^2/s^3); memory_s: relaxation time of the velocity to the flock's (s; 0: never); flock: the
+    flock's velocity (m/s; NED) and its rate of turn (rad/s).
     """
 
     dt_s: float
     psd: float
     rate_psd: float
     memory_s: float
-    flock_velocity: Vec3
+    flock: Turning
 
 
 class Updated(NamedTuple):

@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_core.compiled import entry, fastest
-from auv_core.geometry import Vec3
 from auv_flocking.estimators import Motion, NeighbourEstimator, Updated, linearised
 from auv_flocking.neighbours.kalman import predicted, updated
-from auv_flocking.neighbours.motion import flock_motion, process_noise, transition_matrix
+from auv_flocking.neighbours.motion import Turning, flock_motion, process_noise, transition_matrix
 from auv_flocking.neighbours.navigation_offset import offset_noise, offset_transition
 from auv_flocking.neighbours.sonar_contact import Sighting
 
@@ -29,10 +28,10 @@ class Params:
 
 @entry(
     "Tuple((float64[::1], float64[:, ::1]))"
-    "(float64[::1], float64[:, ::1], float64, float64, float64, float64, TUPLE3)"
+    "(float64[::1], float64[:, ::1], float64, float64, float64, float64, TUPLE4)"
 )
 def _ahead(
-    x: Matrix, P: Matrix, dt_s: float, psd: float, rate_psd: float, memory_s: float, flock_velocity: Vec3
+    x: Matrix, P: Matrix, dt_s: float, psd: float, rate_psd: float, memory_s: float, flock: Turning
 ) -> tuple[Matrix, Matrix]:
     """Return x and P after an interval, without (6,) or with (10,) the offset."""
     if len(x) == 6:
@@ -41,7 +40,7 @@ def _ahead(
         F, Q = offset_transition(dt_s, memory_s), offset_noise(dt_s, psd, rate_psd, memory_s)
         x, P = predicted(x, P, F, Q)
     if memory_s > 0.0:
-        x[:6] += flock_motion(dt_s, memory_s, flock_velocity)
+        x[:6] += flock_motion(dt_s, memory_s, flock)
     return x, P
 
 

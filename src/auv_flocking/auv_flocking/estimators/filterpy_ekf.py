@@ -30,7 +30,7 @@ def models(size: int, motion: Motion) -> tuple[Matrix, Matrix, Matrix]:
     dt_s, memory_s = motion.dt_s, motion.memory_s
     carried = np.zeros(size)
     if memory_s > 0.0:
-        carried[:6] = flock_motion(dt_s, memory_s, motion.flock_velocity)
+        carried[:6] = flock_motion(dt_s, memory_s, motion.flock)
     if size == 6:
         return transition_matrix(dt_s, memory_s), process_noise(dt_s, motion.psd, memory_s), carried
     noise = offset_noise(dt_s, motion.psd, motion.rate_psd, memory_s)

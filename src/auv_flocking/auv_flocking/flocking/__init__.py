@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol
 
 from auv_control.references import PathPoint
 from auv_core.contracts import class_of, fulfilled
-from auv_core.geometry import Vec3
+from auv_core.geometry import Vec3, turned
 from auv_core.params import Section
 from auv_flocking.neighbours.estimates import Neighbours
 from auv_flocking.separation import LearningLaw, ObstacleLearningLaw, SeparationLaw
@@ -32,6 +32,12 @@ class FlockVelocity(NamedTuple):
     velocity: Vec3
     stamp_s: float
     turn_rate_radps: float = 0.0
+
+    def at(self, t_s: float) -> Vec3:
+        """Return the velocity at `t_s` (m/s; NED), turned since its stamp."""
+        if self.turn_rate_radps == 0.0 or math.isinf(self.stamp_s):
+            return self.velocity
+        return turned(self.velocity, self.turn_rate_radps * (t_s - self.stamp_s))
 
 
 NOTHING_HEARD = FlockVelocity((0.0, 0.0, 0.0), -math.inf)

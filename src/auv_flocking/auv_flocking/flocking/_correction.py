@@ -55,7 +55,8 @@ class Outlook(NamedTuple):
     """
     A neighbour estimate relative to the own vehicle.
 
-    normal: direction from the neighbour; sigma_m: deviation sigma_j; spacing_m: d_j; gain: g_j.
+    normal: direction from the neighbour; sigma_m: deviation sigma_j; spacing_m: d_j; gain: g_j; closing_mps:
+    its velocity in the flock along the normal, positive if it comes nearer.
     """
 
     normal: Vec3
@@ -64,6 +65,7 @@ class Outlook(NamedTuple):
     sigma_m: float
     spacing_m: float
     gain: float
+    closing_mps: float
 
 
 strength = obstacle_strength = no_strength
@@ -176,17 +178,22 @@ def outlook(row: Matrix, usual_s: float, own: Vec3, flock: Vec3, gains: Gains) -
     wider_m = gains.spacing_sigmas * sigma_m + gains.navigation_sigmas * lasting_m
     spacing_m = gains.spacing_m + min(wider_m, gains.widening_limit_m)
     gain = matched(gains.lag_budget_rad, gain_age_s)
-    return Outlook(normal, distance_m, age_s, sigma_m, spacing_m, gain)
+    closing_mps = normal[0] * vx + normal[1] * vy + normal[2] * vz
+    return Outlook(normal, distance_m, age_s, sigma_m, spacing_m, gain, closing_mps)
 
 
 @inner
-def _neighbour_bound(view: Outlook, limit_mps: float, gains: Gains) -> float:
+def _neighbour_bound(view: Outlook, gains: Gains) -> float:
     """
     Return the smallest allowed velocity along the direction from a neighbour (m/s), in the flock's frame.
+
+    It is half of what both may close, or what is left of the whole if the neighbour closes by more than half.
     """
-    rate_ps = 0.5 * min(gains.barrier_rate_ps, 1.0 / max(view.age_s, _NO_AGE_S))
+    rate_ps = min(gains.barrier_rate_ps, 1.0 / max(view.age_s, _NO_AGE_S))
     unsure_m = min(gains.barrier_sigmas * view.sigma_m, gains.widening_limit_m)
-    return min(-rate_ps * (view.distance_m - gains.barrier_distance_m - unsure_m), limit_mps)
+    whole_mps = rate_ps * (view.distance_m - gains.barrier_distance_m - unsure_m)
+    least_mps = max(-0.5 * whole_mps, view.closing_mps - whole_mps)
+    return min(least_mps, gains.correction_limit_mps)
 
 
 @entry(
@@ -237,7 +244,7 @@ def correction(
             view = outlook(rows[k], float(usual_s[addresses[k]]), own, flock, gains)
             normal, factor, spacing_m = view.normal, view.gain, view.spacing_m
             other = (float(rows[k, POSITION]), float(rows[k, POSITION + 1]), float(rows[k, POSITION + 2]))
-            bound_mps = _neighbour_bound(view, limit_mps, gains)
+            bound_mps = _neighbour_bound(view, gains)
         else:
             row = obstacles[k - n]
             other, spacing_m = (float(row[0]), float(row[1]), float(row[2])), obstacle_spacing_m(row, gains)

@@ -2,10 +2,11 @@
 Flocking that is no faster than its information: the thesis's law for a real modem.
 
     u   = w + barrier( limited( g k_c (c - eta) + sum_j g_j F(eta - eta_j, d_j),  min(u_max, l / A) ) )
-    w   = eta_d_dot + limited( g k_l (eta_d - c),  w_max )          leader; followers: the newest they heard
+    w   = eta_d_dot + limited( g k_l (eta_d - c),  min(w_max, s / A) )   leader; followers: the newest heard
     g   = min(1, phi / A),        g_j = min(1, phi / A_j)
     d_j = d + min(k_s sigma_j + k_n q_j, m),   sigma_j^2 = n_j . P_j n_j + (k_v a_j |v_j - w|)^2
-    barrier:  n_j . (u - w) >= -1/2 min(alpha, 1 / a_j) (r_j - D - min(k_b sigma_j, m))     for every j
+    barrier:  n_j . (u - w) >= max(-1/2 h_j, n_j . (v_j - w) - h_j)     for every j
+              h_j = min(alpha, 1 / a_j) (r_j - D - min(k_b sigma_j, m))
 
 eta, eta_j: own position and the neighbour's estimated position, r_j their distance, n_j the direction from
 the neighbour; c: own estimate of the flock's centre; F: the separation law; P_j: covariance of the relative
@@ -27,9 +28,13 @@ sonar sees the neighbour; A: mean of the packets' A_j over the neighbours.
    centre to the path (thesis: "the average centre of the group will follow the desired trajectory"). Vehicles
    pass w on with the leader's time stamp, so that the newest one is used, and vehicles that do not hear the
    leader still follow.
+   w turns with the path: it is passed on with its rate of turn, so that a velocity that is a minute old still
+   points along the path. A leader steers no faster than others can follow: a change of w reaches them one age
+   later, and by then the flock has spread by the product.
 5. The barrier bounds the approach to every neighbour. Each vehicle takes half, so that two vehicles that
    obey it do not come closer than D plus margin, whatever the sum of the attractions is
-   (`auv_flocking.flocking._half_spaces`).
+   (`auv_flocking.flocking._half_spaces`). The other half is the neighbour's only as long as it knows of this
+   vehicle; so a vehicle also counts on the neighbour's velocity as it is: it yields to one that does not.
 
 Deviation: thesis Eqs. (5.22)-(5.24) have g = g_j = 1 and d_j = d, a leader that steers itself, and followers
 that do not know w. With fresh information, one leader and no margin this law equals that law with u_max.
@@ -58,12 +63,19 @@ from auv_flocking.flocking._correction import (
     outlook,
     remember_ages,
 )
-from auv_flocking.neighbours.estimates import FLOCK_STAMP, FLOCK_VELOCITY, Estimates, Neighbours
+from auv_flocking.neighbours.estimates import (
+    FLOCK_STAMP,
+    FLOCK_TURN_RATE,
+    FLOCK_VELOCITY,
+    Estimates,
+    Neighbours,
+)
 from auv_flocking.separation import CentralLaw, LearningLaw, SeparationLaw, obstacle_velocity_of
 from auv_flocking.trackers import Sensed
 
 Matrix = NDArray[np.float64]
 _ADDRESSES = 256
+_STANDS_M2PS2 = 1e-6
 _NO_PUSHES, _NO_NUMBERS = np.empty((0, 3)), np.empty(0)
 
 
@@ -87,11 +99,16 @@ class Params:
     correction_limit_mps: float = param("largest correction u_max (m/s)", default=0.25, above=0.0)
     reach_m: float = param(
         "largest distance l that a correction may cover within one age of information (m)",
-        default=2.0,
+        default=6.0,
         above=0.0,
     )
     steering_limit_mps: float = param(
         "largest speed w_max that a leader adds to the path's velocity (m/s)", default=0.15, minimum=0.0
+    )
+    steering_reach_m: float = param(
+        "largest distance s that this speed may cover within one age of information (m)",
+        default=1.5,
+        above=0.0,
     )
     spacing_sigmas: float = param(
         "standard deviations k_s by which the spacing is widened", default=2.0, minimum=0.0
@@ -215,23 +232,24 @@ class Flocking(FlockingLaw):
 
         """
         if self._is_leader:
-            return FlockVelocity(self._steered(path, centre), t_s)
+            return FlockVelocity(self._steered(path, centre), t_s, _turn_rate_radps(path))
         rows, newest = Estimates.of(estimates).rows, own
         index = self._newer_stamp(rows, own.stamp_s)
         if index >= 0:
-            x, y, z, stamp_s = rows[index, FLOCK_VELOCITY : FLOCK_STAMP + 1].tolist()
-            newest = FlockVelocity((x, y, z), stamp_s)
+            x, y, z, stamp_s, turn_rate_radps = rows[index, FLOCK_VELOCITY : FLOCK_TURN_RATE + 1].tolist()
+            newest = FlockVelocity((x, y, z), stamp_s, turn_rate_radps)
         if self._params.relay == "newest":
             return newest
         heard = [own.velocity, *rows[:, FLOCK_VELOCITY:FLOCK_STAMP].tolist()]
         x, y, z = (sum([v[axis] for v in heard]) / len(heard) for axis in range(3))
-        return FlockVelocity((x, y, z), newest.stamp_s)
+        return newest._replace(velocity=(x, y, z))
 
     def _steered(self, path: PathPoint, centre: Vec3) -> Vec3:
         p, gain = self._params, self._params.path_gain_ps * self.bandwidth_ratio
         x, y, z = path.position
         steer = limited(
-            (gain * (x - centre[0]), gain * (y - centre[1]), gain * (z - centre[2])), p.steering_limit_mps
+            (gain * (x - centre[0]), gain * (y - centre[1]), gain * (z - centre[2])),
+            min(p.steering_limit_mps, p.steering_reach_m / max(self.age_s, p.response_s)),
         )
         return (path.velocity[0] + steer[0], path.velocity[1] + steer[1], path.velocity[2] + steer[2])
 
@@ -286,6 +304,13 @@ def _correction(law: CentralLaw) -> Callable[..., Vec3]:
     """Return the fastest correction with a separation law that acts along a line."""
     strengths = {"strength": law.strength, "obstacle_strength": law.obstacle_strength}
     return fastest(specialised(correction, **strengths))
+
+
+def _turn_rate_radps(path: PathPoint) -> float:
+    """Return the rate at which the path's velocity turns about the vertical (rad/s; from north to east)."""
+    (vx, vy, _), (ax, ay, _) = path.velocity, path.acceleration
+    square = vx * vx + vy * vy
+    return (vx * ay - vy * ax) / square if square > _STANDS_M2PS2 else 0.0
 
 
 def _gains(params: Params) -> Gains:

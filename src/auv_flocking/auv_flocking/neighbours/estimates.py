@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from auv_core.compiled import entry, inner
 from auv_core.geometry import Vec3
-from auv_flocking.neighbours.motion import carried, grown
+from auv_flocking.neighbours.motion import Turning, carried, grown
 
 Matrix = NDArray[np.float64]
 
@@ -30,9 +30,9 @@ PUBLISHED = CENTRE
 
 # Columns of a source: the state (10) and its covariance (36) at a time, and the newest report.
 _STATE, _STATE_COVARIANCE, _STATE_TIME, _PSD, _DRIFTS, _TOWARDS = 0, 10, 46, 47, 48, 49
-_REPORT_TIME, _REPORT_CENTRE, _REPORT_FLOCK, _REPORT_STAMP, _REPORT_TURN_RATE = 52, 53, 56, 59, 60
-_REPORT_HEADING, _REPORT_SD, _REPORT_HOLDS, _REPORT_WITHIN, _REPORT_MASK, _SEEN = 61, 62, 63, 64, 65, 66
-SOURCE_WIDTH = 67
+_REPORT_TIME, _REPORT_CENTRE, _REPORT_FLOCK, _REPORT_STAMP, _REPORT_TURN_RATE = 53, 54, 57, 60, 61
+_REPORT_HEADING, _REPORT_SD, _REPORT_HOLDS, _REPORT_WITHIN, _REPORT_MASK, _SEEN = 62, 63, 64, 65, 66, 67
+SOURCE_WIDTH = 68
 REPORTED = _SEEN - _REPORT_TIME
 
 
@@ -205,7 +205,7 @@ def position_rows(heard: Neighbours) -> Matrix:
 
 
 @entry(
-    "void(float64[::1], float64, float64[::1], float64[:, ::1], float64, TUPLE3, TUPLE14, float64)",
+    "void(float64[::1], float64, float64[::1], float64[:, ::1], float64, TUPLE4, TUPLE14, float64)",
     allocates=False,
 )
 def write_source(
@@ -214,7 +214,7 @@ def write_source(
     state: Matrix,
     covariance: Matrix,
     psd: float,
-    towards: Vec3,
+    towards: Turning,
     report: tuple[float, ...],
     seen_s: float,
 ) -> None:
@@ -231,8 +231,8 @@ def write_source(
         The estimate; see `filter.Belief`.
     psd : float
         Spectral density of the neighbour's acceleration (m^2/s^3).
-    towards : (3,) tuple
-        Velocity to which its own relaxes (m/s; NED).
+    towards : (4,) tuple
+        Velocity to which its own relaxes (m/s; NED), and its rate of turn (rad/s).
     report : (REPORTED,) tuple
         Data of its newest packet: time tag, centre, flock velocity, its stamp and turn rate, heading, stated
         deviation, whether it holds station, age class (s) and mask of what it has heard.
@@ -247,7 +247,7 @@ def write_source(
             source[_STATE_COVARIANCE + 6 * i + j] = covariance[i, j]
     source[_STATE_TIME], source[_PSD], source[_SEEN] = time_s, psd, seen_s
     source[_DRIFTS] = 1.0 if len(state) > 6 else 0.0
-    for k in range(3):
+    for k in range(4):
         source[_TOWARDS + k] = towards[k]
     for k in range(REPORTED):
         source[_REPORT_TIME + k] = report[k]
@@ -287,7 +287,12 @@ def carried_to(
 def _carry(t_s: float, memory_s: float, source: Matrix, row: Matrix) -> None:
     dt_s = max(t_s - float(source[_STATE_TIME]), 0.0)
     age_s = max(t_s - float(source[_REPORT_TIME]), 0.0)
-    towards = (float(source[_TOWARDS]), float(source[_TOWARDS + 1]), float(source[_TOWARDS + 2]))
+    towards = (
+        float(source[_TOWARDS]),
+        float(source[_TOWARDS + 1]),
+        float(source[_TOWARDS + 2]),
+        float(source[_TOWARDS + 3]),
+    )
     position, velocity = carried(source, dt_s, memory_s, towards)
     for axis in range(3):
         row[POSITION + axis] = position[axis]

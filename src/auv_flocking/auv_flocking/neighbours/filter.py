@@ -23,6 +23,7 @@ from auv_core.geometry import Vec3
 from auv_core.params import Section, param
 from auv_flocking.estimators import Motion, Updated, ekf, make_estimator
 from auv_flocking.neighbours import navigation_offset as offset
+from auv_flocking.neighbours.motion import Turning, later
 from auv_flocking.neighbours.navigation_offset import OwnFix, Stated, Unaided
 from auv_flocking.neighbours.sonar_contact import Sighting
 from auv_flocking.report import Report
@@ -156,8 +157,8 @@ class Belief(NamedTuple):
         Its covariance.
     psd : float
         Spectral density of its acceleration (m^2/s^3).
-    flock_velocity : tuple of 3 float
-        The neighbour's estimate of the flock's velocity (m/s; NED).
+    flock : tuple of 4 float
+        Velocity of the flock as the neighbour estimates it (m/s; NED), and its rate of turn (rad/s).
     unaided : Unaided or None
         Knowledge of the offset without sonar; None without an offset.
     unrest : Unrest or None
@@ -171,7 +172,7 @@ class Belief(NamedTuple):
     x: Matrix
     P: Matrix
     psd: float
-    flock_velocity: Vec3
+    flock: Turning
     unaided: Unaided | None = None
     unrest: Unrest | None = None
     innovation: Matrix | None = None
@@ -201,9 +202,9 @@ class NeighbourFilter:
             psd *= _MOST_RATIO
             unrest = Unrest.begun(report, psd)
         if stated.is_exact:
-            return Belief(report.time_s, z, self._noise.copy(), psd, report.flock_velocity, None, unrest)
+            return Belief(report.time_s, z, self._noise.copy(), psd, _flock_of(report), None, unrest)
         x, P, unaided = offset.first(z, self._noise, stated, self._config.drift_rate_mps)
-        return Belief(report.time_s, x, P, psd, report.flock_velocity, unaided, unrest)
+        return Belief(report.time_s, x, P, psd, _flock_of(report), unaided, unrest)
 
     def after_packet(self, belief: Belief, report: Report, stated: Stated) -> Belief:
         """
@@ -221,7 +222,7 @@ class NeighbourFilter:
             innovation, H = _numbers(report) - offset.PACKET @ ahead.x, offset.PACKET
         now = psd if unrest is None else self._bounded(unrest.psd)
         update = self._estimator.updated(ahead.x, ahead.P, innovation, H, self._noise)
-        after = _after(ahead, update)._replace(psd=now, flock_velocity=report.flock_velocity)
+        after = _after(ahead, update)._replace(psd=now, flock=_flock_of(report))
         if after.unaided is not None and after.nis > _SENSELESS:
             return self.first(report, stated)
         return after
@@ -271,16 +272,26 @@ class NeighbourFilter:
     def _predicted(self, belief: Belief, t_s: float, psd: float, unrest: Unrest | None) -> Belief:
         dt_s = t_s - belief.time_s
         memory_s, unaided = self._config.velocity_memory_s, belief.unaided
-        motion = Motion(dt_s, psd, self._rate_psd, memory_s, belief.flock_velocity)
+        motion = Motion(dt_s, psd, self._rate_psd, memory_s, belief.flock)
         x, P = self._estimator.predicted(belief.x, belief.P, motion)
         if unaided is not None:
             unaided = unaided.after(dt_s, self._rate_psd)
-        return Belief(t_s, x, P, psd, belief.flock_velocity, unaided, unrest)
+        return Belief(t_s, x, P, psd, later(belief.flock, dt_s), unaided, unrest)
 
 
 def _after(ahead: Belief, update: Updated) -> Belief:
     x, P, innovation, precision = update
     return ahead._replace(x=x, P=P, innovation=innovation, precision=precision)
+
+
+def _flock_of(report: Report) -> Turning:
+    """Return the flock's velocity as the sender flies it at its time tag: none while it holds station."""
+    if report.is_holding:
+        return (0.0, 0.0, 0.0, 0.0)
+    if math.isinf(report.flock_stamp_s) or math.isnan(report.flock_turn_rate_radps):
+        return (*report.flock_velocity, 0.0)
+    set_then = (*report.flock_velocity, report.flock_turn_rate_radps)
+    return later(set_then, report.time_s - report.flock_stamp_s)
 
 
 def _numbers(report: Report) -> Matrix:

@@ -2,10 +2,11 @@
 Motion model of a neighbour: constant velocity with white acceleration of spectral density q, or a velocity
 that relaxes to the flock's.
 
-State: position p (m) and velocity v (m/s), NED. With a memory T, dv/dt = -(v - w)/T + white acceleration,
-where w is the neighbour's estimate of the flock's velocity: motion relative to the flock decays, so that a
-vehicle is not extrapolated with its gathering velocity through half a minute of silence. Without memory (T =
-0) dv/dt is the white acceleration alone. Both are discretised exactly for any interval.
+State: position p (m) and velocity v (m/s), NED. With a memory T, v = w + u and du/dt = -u/T + white
+acceleration, where w is the neighbour's estimate of the flock's velocity, which turns at a constant rate:
+motion relative to the flock decays, so that a vehicle is not extrapolated with its gathering velocity through
+half a minute of silence. Without memory (T = 0) dv/dt is the white acceleration alone. Both are discretised
+exactly for any interval.
 
 Source: Singer, Estimating optimal tracking filter performance for manned maneuvering targets (1970), one
 derivative lower: an Ornstein-Uhlenbeck velocity about w.
@@ -19,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_core.compiled import inner
-from auv_core.geometry import Vec3
+from auv_core.geometry import Vec3, turned
 
 Matrix = NDArray[np.float64]
 
@@ -29,6 +30,10 @@ def _on_every_axis(block: list[list[float]]) -> Matrix:
     return np.asarray(np.kron(block, np.eye(3)), dtype=np.float64)
 
 
+Turning = tuple[float, float, float, float]
+"""A velocity (m/s; NED), and the rate at which it turns about the vertical (rad/s; from north to east)."""
+
+_STRAIGHT_RAD = 1e-6
 _IDENTITY = np.eye(6)
 _DRIFT = _on_every_axis([[0.0, 1.0], [0.0, 0.0]])
 _POSITION = _on_every_axis([[1.0, 0.0], [0.0, 0.0]])
@@ -69,35 +74,55 @@ def _noise(dt_s: float, memory_s: float) -> tuple[float, float, float]:
     return memory_s * memory_s * (dt_s - 2.0 * reach_s + velocity_s), 0.5 * reach_s * reach_s, velocity_s
 
 
+def later(flock: Turning, dt_s: float) -> Turning:
+    """Return a turning velocity after `dt_s`."""
+    rate_radps = flock[3]
+    return (*turned((flock[0], flock[1], flock[2]), rate_radps * dt_s), rate_radps)
+
+
 @inner
-def flock_motion(dt_s: float, memory_s: float, flock_velocity: Vec3) -> Matrix:
+def _flock_after(flock: Turning, dt_s: float) -> tuple[Vec3, Vec3]:
+    """Return the way of the flock in `dt_s` (m; NED), and its velocity then (m/s; NED)."""
+    x, y, z, rate_radps = flock
+    half_rad = 0.5 * rate_radps * dt_s
+    chord = math.sin(half_rad) / half_rad if abs(half_rad) > _STRAIGHT_RAD else 1.0
+    along = turned((x, y, z), half_rad)
+    way = (dt_s * chord * along[0], dt_s * chord * along[1], dt_s * z)
+    return way, turned((x, y, z), 2.0 * half_rad)
+
+
+@inner
+def flock_motion(dt_s: float, memory_s: float, flock: Turning) -> Matrix:
     """Return the term that the flock's motion adds to F x (6,)."""
     kept = math.exp(-dt_s / memory_s)
-    way_s = dt_s - memory_s * (1.0 - kept)
-    x, y, z = flock_velocity
-    left = 1.0 - kept
-    return np.array((way_s * x, way_s * y, way_s * z, left * x, left * y, left * z))
+    reach_s = memory_s * (1.0 - kept)
+    way, then = _flock_after(flock, dt_s)
+    return np.array(
+        (
+            way[0] - reach_s * flock[0],
+            way[1] - reach_s * flock[1],
+            way[2] - reach_s * flock[2],
+            then[0] - kept * flock[0],
+            then[1] - kept * flock[1],
+            then[2] - kept * flock[2],
+        )
+    )
 
 
 @inner
-def carried(x: Matrix, dt_s: float, memory_s: float, flock_velocity: Vec3) -> tuple[Vec3, Vec3]:
+def carried(x: Matrix, dt_s: float, memory_s: float, flock: Turning) -> tuple[Vec3, Vec3]:
     """Return position and velocity (m, m/s; NED) after `dt_s`, from a state's first six numbers."""
+    px, py, pz = float(x[0]), float(x[1]), float(x[2])
     vx, vy, vz = float(x[3]), float(x[4]), float(x[5])
-    wx, wy, wz = flock_velocity
-    kept, reach_s = 1.0, dt_s
     if memory_s == 0.0:
-        wx, wy, wz = 0.0, 0.0, 0.0
-    else:
-        kept = math.exp(-dt_s / memory_s)
-        reach_s = memory_s * (1.0 - kept)
-    ux, uy, uz = vx - wx, vy - wy, vz - wz
+        return (px + dt_s * vx, py + dt_s * vy, pz + dt_s * vz), (vx, vy, vz)
+    kept = math.exp(-dt_s / memory_s)
+    reach_s = memory_s * (1.0 - kept)
+    ux, uy, uz = vx - flock[0], vy - flock[1], vz - flock[2]
+    way, then = _flock_after(flock, dt_s)
     return (
-        (
-            float(x[0]) + dt_s * wx + reach_s * ux,
-            float(x[1]) + dt_s * wy + reach_s * uy,
-            float(x[2]) + dt_s * wz + reach_s * uz,
-        ),
-        (wx + kept * ux, wy + kept * uy, wz + kept * uz),
+        (px + way[0] + reach_s * ux, py + way[1] + reach_s * uy, pz + way[2] + reach_s * uz),
+        (then[0] + kept * ux, then[1] + kept * uy, then[2] + kept * uz),
     )
 
 

@@ -135,7 +135,7 @@ class Track:
             float(report.heard_mask or 0),
         )
         self._write_source(
-            source, belief.time_s, belief.x, belief.P, belief.psd, belief.flock_velocity, said, self.seen_s
+            source, belief.time_s, belief.x, belief.P, belief.psd, belief.flock, said, self.seen_s
         )
 
     def estimate(self, t_s: float) -> NeighbourEstimate:

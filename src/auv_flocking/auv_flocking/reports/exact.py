@@ -13,6 +13,7 @@ import math
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from auv_core.geometry import Box
 from auv_flocking.codec import Field
@@ -47,6 +48,19 @@ _LAYOUT = (
 @dataclass(frozen=True)
 class Params:
     """Nothing to choose."""
+
+
+class _Head(NamedTuple):
+    """The whole numbers at the beginning of a report."""
+
+    version_byte: int
+    address: int
+    is_bounded: int
+    is_holding: int
+    heard_code: int
+    heard_mask: int
+    operator_command: int
+    operator_acknowledgement: int
 
 
 class Format(ReportFormat):
@@ -152,15 +166,16 @@ class Format(ReportFormat):
     def _newest(self, payload: bytes) -> Report:
         if len(payload) != self.payload_bytes:
             raise ReportError(f"a report has {self.payload_bytes} bytes, this has {len(payload)}")
-        first, address, bounded, holding, code, mask, command, answer, time_s, *v = self._layout.unpack(
-            payload
-        )
-        if first != _FIRST_BYTE or max(bounded, holding) > 1 or code >= CODES or command or answer:
+        numbers = self._layout.unpack(payload)
+        head, time_s, v = _Head(*numbers[:8]), float(numbers[8]), numbers[9:]
+        is_reserved = head.operator_command or head.operator_acknowledgement
+        is_known = max(head.is_bounded, head.is_holding) <= 1 and head.heard_code < CODES
+        if head.version_byte != _FIRST_BYTE or is_reserved or not is_known:
             raise ReportError("bits without a meaning are not zero")
         p, u, c, w = [(v[i], v[i + 1], v[i + 2]) for i in range(0, 12, 3)]
         stamp_s, turn_radps, heading_rad, sd_m, *shared = v[12:]
         return Report(
-            address,
+            head.address,
             time_s,
             p,
             u,
@@ -170,9 +185,9 @@ class Format(ReportFormat):
             turn_radps,
             heading_rad,
             sd_m,
-            bool(bounded),
-            bool(holding),
-            code,
-            mask,
+            bool(head.is_bounded),
+            bool(head.is_holding),
+            head.heard_code,
+            head.heard_mask,
             tuple(shared),
         )
