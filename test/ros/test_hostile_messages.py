@@ -52,7 +52,7 @@ def originals():
     """Return type and one good message by topic."""
     packet = Packet(3, 2, 0, 2, bytes(range(32)))
     inbox = Inbox(4, True, (Reception(packet, 0.1, 0.2, 9.0),) * 2, (SonarContact(5.0, 0.1, 0.2),) * 2)
-    state = convert.state_stencil().filled(1.0, 7, True, *[0.5] * 15)
+    state = convert.state_stencil().filled(1.0, 7, True, True, *[0.5] * 15)
     wrench = convert.command_stencil("auv_1", takes_velocity=False).filled(1.0, *[2.0] * 6)
     messages = {
         "/auv_1/nav": (VehicleState, state),

@@ -39,7 +39,7 @@ def readers():
 
     packet = Packet(3, 1, 0, 2, b"0123456789")
     inbox = Inbox(4, True, (Reception(packet, 0.1, 0.2, 9.0),) * 2, (SonarContact(1.0, 0.1, 0.2),) * 2)
-    state = convert.state_stencil().filled(1.0, 7, True, *[0.5] * 15)
+    state = convert.state_stencil().filled(1.0, 7, True, True, *[0.5] * 15)
     wrench = convert.command_stencil("auv_1", takes_velocity=False).filled(1.0, *[2.0] * 6)
     status = FlockStatus(state="running", lost_vehicles=["auv_2"], detail="words")
     return {
@@ -79,7 +79,7 @@ def test_bytes_that_are_no_message_are_never_more_than_a_value_error(name):
 def test_a_message_of_the_run_with_padding_at_its_end_is_read():
     from auv_ros.wire import conversions as convert
 
-    state = convert.state_stencil().filled(1.0, 7, True, *[0.5] * 15)
+    state = convert.state_stencil().filled(1.0, 7, True, True, *[0.5] * 15)
     assert convert.state_from_bytes(state + bytes(3)) == convert.state_from_bytes(state)
 
 
@@ -91,7 +91,7 @@ def test_a_node_counts_what_it_leaves_out_and_hears_what_follows():
     from auv_ros.qos import EVERY_TICK
     from auv_ros.wire import conversions as convert
 
-    state = convert.state_stencil().filled(1.0, 7, True, *[0.5] * 15)
+    state = convert.state_stencil().filled(1.0, 7, True, True, *[0.5] * 15)
     with desk() as at:
         publisher = at.publisher(VehicleState, "said")
         hearing, heard = Hearing(at.node), []

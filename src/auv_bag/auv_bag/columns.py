@@ -32,8 +32,13 @@ class _Numbers(NamedTuple):
     at: int
     dtype: np.dtype[Any]
     length: int | None
+    is_flag: bool = False
 
     def of(self, rows: Bytes) -> NDArray[Any]:
+        values = self._stored(rows)
+        return values != 0 if self.is_flag else values
+
+    def _stored(self, rows: Bytes) -> NDArray[Any]:
         n, size = rows.shape
         if self.length is None:
             return np.ndarray((n,), self.dtype, rows, self.at, (size,))
@@ -44,8 +49,8 @@ class Columns:
     """
     Messages of one shape: the fields of one message, but each number is an array with one for each message.
 
-    A sequence of messages is a list of Columns. Texts and lengths are the same for all messages. A flag is a
-    number, 0 if it is not set.
+    A sequence of messages is a list of Columns. Texts and lengths are the same for all messages. Any
+    byte but 0 is a set flag.
     """
 
     def __init__(self, rows: Bytes, fields: dict[str, Any]) -> None:
@@ -191,7 +196,7 @@ class _Walk:
         dtype = np.dtype(_NUMPY_NAMES.get(name, name)).newbyteorder(self._order)
         if count != 0:
             self._at = aligned(self._at, dtype.itemsize)
-        numbers = _Numbers(self._at, dtype, count)
+        numbers = _Numbers(self._at, dtype, count, name == "bool")
         self._pass(dtype.itemsize * (1 if count is None else count))
         return numbers
 

@@ -17,10 +17,10 @@ def _tails() -> dict[str, Meaning]:
     meanings = {}
     for name, percent, expected in (("95", "95", 0.05), ("997", "99.7", 0.003)):
         key = f"neighbour_nees_beyond_{name}"
-        words = f"share of the squared errors of relative positions beyond their {percent} % point"
+        words = f"share of squared errors of neighbours beyond the {percent} % point"
         for index, low_s in enumerate(AGES_S):
             meanings[f"{key}_age_{low_s}s_ratio"] = _share(
-                f"{words}, newest packet {age_words(index)} old ({expected:g} expected)", 4
+                f"{words}, packet {age_words(index)} old ({expected:g} expected)", 4
             )
         meanings[f"{key}_first_minute_ratio"] = _share(
             f"{words}, in the first minute ({expected:g} expected)", 4

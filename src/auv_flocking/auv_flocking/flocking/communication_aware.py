@@ -236,8 +236,9 @@ class Flocking(FlockingLaw):
         rows, newest = Estimates.of(estimates).rows, own
         index = self._newer_stamp(rows, own.stamp_s)
         if index >= 0:
-            x, y, z, stamp_s, turn_rate_radps = rows[index, FLOCK_VELOCITY : FLOCK_TURN_RATE + 1].tolist()
-            newest = FlockVelocity((x, y, z), stamp_s, turn_rate_radps)
+            row = rows[index]
+            x, y, z = row[FLOCK_VELOCITY:FLOCK_STAMP].tolist()
+            newest = FlockVelocity((x, y, z), float(row[FLOCK_STAMP]), float(row[FLOCK_TURN_RATE]))
         if self._params.relay == "newest":
             return newest
         heard = [own.velocity, *rows[:, FLOCK_VELOCITY:FLOCK_STAMP].tolist()]
