@@ -144,7 +144,7 @@ def forge_ends_during(at, run, state):
     ("state", "mode", "layout"),
     [
         (FlockStatus.FINISHED, "lockstep", "node"),
-        (FlockStatus.ABORTED, "lockstep", "single"),
+        pytest.param(FlockStatus.ABORTED, "lockstep", "single", marks=pytest.mark.slow),
         (FlockStatus.ABORTED, "realtime", "single"),
     ],
 )

@@ -26,7 +26,11 @@ pytestmark = pytest.mark.ros
 
 PATIENCE_S = 120.0
 SHORT_S = 3.0
-SHORT = ("flock_acoustic", "ch4_region_limited", "ch2_pfpd")
+SHORT = (
+    "flock_acoustic",
+    "ch2_pfpd",
+    pytest.param("ch4_region_limited", marks=pytest.mark.slow),
+)
 FULL_LENGTH = ("compare_path_laws", "ch4_region", "swarm")
 LATE_S, NEAR_M = 0.2, 0.1
 """How far from lock-step on a busy machine: two ticks' delay of a command, and a third of a hull's radius."""
