@@ -8,6 +8,7 @@ in lock-step, reports of version 3, and state messages without `bounded`.
 import json
 import tarfile
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,11 +18,14 @@ from auv_experiment.re_estimate import re_estimate
 from auv_experiment.scenario.loading import load_scenario
 from auv_flocking.agent_config import report_format
 
+# Older releases of Python 3.11 have no filters.
+_SAFELY: dict[str, Any] = {"filter": "data"} if hasattr(tarfile, "data_filter") else {}
+
 
 @pytest.fixture
 def recorded(tmp_path):
     with tarfile.open(Path(__file__).parent / "run_with_compact_3.tar.xz") as archive:
-        archive.extractall(tmp_path, filter="data")
+        archive.extractall(tmp_path, **_SAFELY)
     return tmp_path
 
 
