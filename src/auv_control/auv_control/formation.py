@@ -24,7 +24,7 @@ from auv_control.controllers import MotionView
 from auv_control.path_motion import Motion, motion_of
 from auv_control.references import PathPoint
 from auv_control.start_blend import wrapped
-from auv_core.geometry import Vec3, added, distance, heading_from_quaternion, limited
+from auv_core.geometry import Vec3, added, clipped, distance, heading_from_quaternion, limited
 from auv_core.integrate import State
 from auv_core.messages import Vec6
 from auv_core.params import param
@@ -124,5 +124,5 @@ def limited_wrench(forces: Vec4, max_force_n: float | None) -> tuple[Vec6, bool]
     x, y, z, n = forces
     if max_force_n is None:
         return (x, y, z, 0.0, 0.0, n), False
-    fx, fy, fz = (max(-max_force_n, min(max_force_n, force)) for force in (x, y, z))
+    fx, fy, fz = (clipped(force, max_force_n) for force in (x, y, z))
     return (fx, fy, fz, 0.0, 0.0, n), (fx, fy, fz) != (x, y, z)
