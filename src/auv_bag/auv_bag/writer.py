@@ -31,7 +31,7 @@ from mcap.writer import CompressionType, Writer
 from auv_bag.definitions import MessageType
 from auv_bag.file import BagFile, TimedMessage, chunk_of
 from auv_bag.metadata import METADATA_FILE, dump, information_text, metadata_text, topic_text
-from auv_core.machine.whole_files import write_text
+from auv_core.machine.whole_files import reason, write_text
 
 CHUNK_BYTES = 64 * 1024
 INFINITE_NS = 2**63 - 1
@@ -78,7 +78,7 @@ class BagWriter:
     Parameters
     ----------
     bag_dir
-        Folder to create; it must not exist.
+        Folder to create; it must not exist, and the folder around it must.
     ros_distro
         Name of the ROS distribution in the bag.
 
@@ -191,14 +191,19 @@ class BagWriter:
             _register(writer, topic, schema_ids)
 
     def _create(self) -> BagFile:
-        """Make the folder and the MCAP file in it."""
+        """
+        Make the folder and the MCAP file in it.
+
+        The folder around it must exist: if results are moved while a flight begins, they are not made again
+        at their old place.
+        """
         try:
-            self._dir.mkdir(parents=True)
+            self._dir.mkdir()
             return BagFile(self._dir / self._file_name)
         except FileExistsError:
             raise BagError(f"{self._dir} exists already; a bag is never overwritten") from None
         except OSError as error:
-            raise BagError(f"cannot create the bag {self._dir}: {error.strerror}") from None
+            raise BagError(f"cannot create the bag {self._dir}: {reason(error)}") from None
 
     def _information(self, held: Sequence[TimedMessage] = ()) -> str:
         held_counts = Counter(each.channel for each in held)

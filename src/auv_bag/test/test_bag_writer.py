@@ -182,6 +182,12 @@ def test_a_bag_is_never_overwritten(tmp_path):
         BagWriter(tmp_path / "file" / "bag")
 
 
+def test_a_folder_that_was_moved_away_is_not_made_again(tmp_path):
+    with pytest.raises(BagError, match=r"cannot create the bag .*: its folder is gone: it was moved"):
+        BagWriter(tmp_path / "moved" / "bag")
+    assert list(tmp_path.iterdir()) == []
+
+
 KILLED_WRITER = """
 import os, signal, sys
 sys.path[:0] = {paths!r}

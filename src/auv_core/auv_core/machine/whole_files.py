@@ -85,11 +85,14 @@ def _reserved(path: Path) -> Path:
 
 def write_error(path: Path | str, error: OSError) -> WriteError:
     """Return an error with one line that says why `path` cannot be written."""
+    return WriteError(f"cannot write {path}: {reason(error)}")
+
+
+def reason(error: OSError) -> str:
+    """Return in words why a file or folder cannot be written."""
     if isinstance(error, FileNotFoundError):
-        reason = "its folder is gone: it was moved or removed"
-    else:
-        reason = error.strerror or str(error)
-    return WriteError(f"cannot write {path}: {reason}")
+        return "its folder is gone: it was moved or removed"
+    return error.strerror or str(error)
 
 
 def is_no_room(error: OSError) -> bool:
