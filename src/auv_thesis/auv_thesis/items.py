@@ -63,6 +63,7 @@ READING_ORDER = (
     "group_flock_laws",
     "conclusions",
     "acoustics",
+    "envelope",
 )
 _TITLES = {
     "ch2": "Chapter 2: path following of one vehicle",
@@ -76,6 +77,7 @@ _TITLES = {
     "separation_laws": "Separation laws in one flock",
     "conclusions": "Abstract and conclusions of the thesis",
     "acoustics": "Acoustic communication",
+    "envelope": "Safety envelope of the flock on a modem",
 }
 _FOLDERS = ("acoustics", "ch2", "ch3", "ch4_6", "laws")
 _SHARED_FOLDERS = ("ch4_6", "laws")

@@ -77,6 +77,20 @@ def test_a_second_call_flies_what_is_new_only(tmp_path, flights):
     assert all(time_s > 0.0 for time_s in second.times_s[first.resolved[FOUR].key])
 
 
+@pytest.mark.parametrize(
+    ("costs", "known", "words"),
+    [
+        ([100.0] * 6, [(50.0, 100.0)], "; they take about 10 min in 2 processes"),
+        ([100.0] * 60, [(50.0, 100.0), (25.0, 50.0)], "; they take about 1 h 40 min in 2 processes"),
+        ([500.0, 100.0], [(50.0, 100.0)], "; they take about 17 min in 2 processes"),
+        ([10.0], [(50.0, 100.0)], ""),
+        ([], [], ""),
+    ],
+)
+def test_a_long_call_says_how_long_it_takes_by_what_is_kept(costs, known, words):
+    assert runner._duration_words(costs, known, 2) == words
+
+
 def changed_digit(folder):
     path = folder / "metrics.json"
     path.write_text(re.sub(r"(?<=\.)\d", lambda found: str(9 - int(found[0])), path.read_text(), count=1))

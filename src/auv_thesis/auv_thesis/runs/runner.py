@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -15,6 +15,11 @@ from auv_core.params import ConfigError
 from auv_experiment.inprocess.evaluated_run import load_source, run_evaluated
 from auv_thesis.items import RunSpec
 from auv_thesis.runs.store import ResolvedRun, Store, resolve_run
+
+_EFFORT_PER_S = 150_000.0
+"""Evaluations of a law per second and process, a rough value for the case that no run is kept."""
+_TOLD_FROM_S = 60.0
+_MANY_RUNS = 200
 
 
 @dataclass
@@ -71,12 +76,17 @@ def fly_all(
 
     """
     flown = Flown()
-    _plan(dict.fromkeys(specs), flown, tally)
+    _plan(list(dict.fromkeys(specs)), flown, tally)
     by_key = _by_key(flown)
     flown.kept = set() if is_fresh else _kept(store, by_key.values(), tally)
     missing = sorted((run for key, run in by_key.items() if key not in flown.kept), key=_longest_first)
+    for key in flown.kept:
+        if (times_s := store.times_s(key)) is not None:
+            flown.times_s[key] = times_s
     kept = f", and {len(flown.kept)} kept from an earlier call" if flown.kept else ""
-    tally.start(len(missing), sum(run.cost for run in missing), kept)
+    known = [(by_key[key].cost, wall_s) for key, (wall_s, _) in flown.times_s.items()]
+    remark = kept + _duration_words([run.cost for run in missing], known, n_workers)
+    tally.start(len(missing), sum(run.cost for run in missing), remark)
 
     def note(index: int, result: Failure | str) -> None:
         run = missing[index]
@@ -100,6 +110,30 @@ def fly_all(
         if (times_s := store.times_s(key)) is not None:
             flown.times_s[key] = times_s
     return flown
+
+
+def _duration_words(costs: Sequence[float], known: Sequence[tuple[float, float]], n_workers: int) -> str:
+    """
+    Return how long runs will take, roughly; '' for less than a minute.
+
+    Parameters
+    ----------
+    costs : sequence of float
+        Expected efforts of the runs that are missing.
+    known : sequence of (2,) tuples
+        Effort and wall time (s) of runs that are kept.
+    n_workers : int
+        Number of processes.
+
+    """
+    flown_s = sum(wall_s for _, wall_s in known)
+    effort_per_s = sum(cost for cost, _ in known) / flown_s if flown_s > 0.0 else _EFFORT_PER_S
+    duration_s = max(sum(costs) / n_workers, max(costs, default=0.0)) / effort_per_s
+    if duration_s < _TOLD_FROM_S:
+        return ""
+    hours, minutes = divmod(round(duration_s / 60.0), 60)
+    words = f"{hours} h {minutes} min" if hours else f"{minutes} min"
+    return f"; they take about {words} in {n_workers} process{'es' if n_workers != 1 else ''}"
 
 
 def _by_key(flown: Flown) -> dict[str, ResolvedRun]:
@@ -126,7 +160,9 @@ def _kept(store: Store, runs: Iterable[ResolvedRun], tally: Tally) -> set[str]:
     return kept
 
 
-def _plan(specs: Iterable[RunSpec], flown: Flown, tally: Tally) -> None:
+def _plan(specs: Sequence[RunSpec], flown: Flown, tally: Tally) -> None:
+    if len(specs) > _MANY_RUNS:
+        tally.message(f"checking the scenarios of {len(specs)} runs")
     for spec in specs:
         try:
             flown.resolved[spec] = resolve_run(spec)
