@@ -101,7 +101,8 @@ class MotionLaw(Protocol):
         """Return the wrench (N, N m; body FRD) and the rate of `state` per second."""
 
     def constrained(self, state: State) -> State:
-        """Return `state` projected to allowed values, after each step."""
+        """Return `state` projected to allowed values, after each step; as it is if all are allowed."""
+        return state
 
     def lyapunov(
         self, state: State, view: MotionView, kinetic_energy: Callable[[Vec6], float]

@@ -121,10 +121,6 @@ class Controller(MotionLaw):
         """Return q = 0 and the start of the blend."""
         return (0.0, 0.0, 0.0, 0.0, *blend_start(view, self._params))
 
-    def constrained(self, state: State) -> State:
-        """Return `state`."""
-        return state
-
     def evaluate(self, state: State, view: MotionView) -> tuple[Vec6, State]:
         """Return the wrench (N, N m; body) and the rate of the state."""
         p = self._params

@@ -67,10 +67,6 @@ class Controller(MotionLaw):
         """Return the start of the blend."""
         return blend_start(view, self._params)
 
-    def constrained(self, state: State) -> State:
-        """Return `state`."""
-        return state
-
     def evaluate(self, state: State, view: MotionView) -> tuple[Vec6, State]:
         """Return the wrench (N, N m; body) and the rate of the state: zeros."""
         p = self._params

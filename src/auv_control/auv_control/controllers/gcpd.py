@@ -130,10 +130,6 @@ class Controller(RegionLaw):
         """Return (): the law has no state."""
         return ()
 
-    def constrained(self, state: State) -> State:
-        """Return `state`."""
-        return state
-
     def evaluate(self, state: State, view: MotionView) -> tuple[Vec6, State]:
         """Return the wrench of thesis Eq. (4.13) (N, N m; body) and ()."""
         nav = view.nav

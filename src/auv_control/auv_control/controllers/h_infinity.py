@@ -104,10 +104,6 @@ class Controller(MotionLaw):
         """Return q = 0."""
         return (0.0, 0.0)
 
-    def constrained(self, state: State) -> State:
-        """Return `state`."""
-        return state
-
     def evaluate(self, state: State, view: MotionView) -> tuple[Vec6, State]:
         """Return the wrench (N, N m; in the frame's axes) and the rate of q (m; NED)."""
         p = self._params

@@ -88,10 +88,6 @@ class Controller(MotionLaw):
         fx, fy = self._repulsion(view)
         return (x + fx, y + fy, 0.0, 0.0, 0.0, n), state
 
-    def constrained(self, state: State) -> State:
-        """Return `state` as it is."""
-        return state
-
     def lyapunov(
         self, state: State, view: MotionView, kinetic_energy: Callable[[Vec6], float]
     ) -> tuple[float, ...]:

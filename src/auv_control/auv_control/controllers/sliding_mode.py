@@ -96,10 +96,6 @@ class Controller(MotionLaw):
         """Return (): nothing is remembered."""
         return ()
 
-    def constrained(self, state: State) -> State:
-        """Return `state`."""
-        return state
-
     def evaluate(self, state: State, view: MotionView) -> tuple[Vec6, State]:
         """Return the wrench (N, N m; in the frame's axes) and the rate of the empty state."""
         p = self._params
