@@ -27,6 +27,7 @@ from auv_experiment.recording_shapes import NEIGHBOURS, dtype_of, fits, shapes_o
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 FORMAT_VERSION = 3
 _VERSION_KEY = "format_version"

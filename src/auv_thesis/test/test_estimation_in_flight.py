@@ -1,8 +1,9 @@
-"""The filter's stated errors in flight: shares beyond its ellipsoids, and the verdict that follows."""
+"""The filter's stated errors in flight: the verdict that follows from shares beyond its ellipsoids."""
 
 import numpy as np
 import pytest
 
+from auv_experiment.metrics.neighbours import TAILS, JudgedErrors
 from auv_thesis.acoustics import estimation_in_flight as study
 from auv_thesis.acoustics.estimation_runs import DURATION_S
 from auv_thesis.items import DOES_NOT_HOLD, HOLDS, HOLDS_IN_PART
@@ -10,11 +11,12 @@ from auv_thesis.items import DOES_NOT_HOLD, HOLDS, HOLDS_IN_PART
 N = 20_000
 
 
-def test_a_gaussian_has_the_stated_shares_beyond_its_ellipsoids():
+def test_the_levels_are_those_of_the_metrics_points():
     square = np.random.default_rng(1).chisquare(3, 200_000)
-    assert study.beyond(square, 0.95) == pytest.approx(0.05, abs=0.002)
-    assert study.beyond(square, 0.997) == pytest.approx(0.003, abs=0.0005)
-    assert np.isnan(study.beyond(np.array([]), 0.95))
+    assert tuple(study.LEVELS) == tuple(TAILS)
+    for tail, level in study.LEVELS.items():
+        (share,) = study._shares([square, np.array([])], tail)
+        assert share == pytest.approx(1.0 - level, rel=0.1)
 
 
 def _flown(scale, tail):
@@ -24,7 +26,7 @@ def _flown(scale, tail):
     flights = []
     for _ in study.SEEDS:
         square = scale**2 * rng.chisquare(3, N) + 100.0 * (rng.random(N) < tail)
-        flights.append(study.Squares(t_s, np.ones(N), square))
+        flights.append(JudgedErrors(t_s, np.ones(N), square))
     return flights
 
 
@@ -35,3 +37,10 @@ def _flown(scale, tail):
 def test_caution_holds_in_part_and_sure_tails_do_not(monkeypatch, scale, tail, verdict):
     monkeypatch.setattr(study, "_by_case", lambda _runs: {case: _flown(scale, tail) for case in study.CASES})
     assert study._judge([]).holds == verdict
+
+
+def test_the_table_has_phases_and_the_bins_of_the_metrics(monkeypatch):
+    monkeypatch.setattr(study, "_by_case", lambda _runs: {case: _flown(1.0, 0.0) for case in study.CASES})
+    quantities = [row.quantity for row in study._rows([])]
+    wanted = ("gathering", "formed", "age of the information 0 to 2 s")
+    assert quantities == [f"{case}, {words}" for case in study.CASES for words in wanted]

@@ -23,8 +23,6 @@ from auv_experiment.metrics.finite import finite
 from auv_experiment.metrics.windows import SETTLED_AFTER_S, after
 from auv_experiment.recording import FloatArray, IntArray, Recording
 
-BoolArray = NDArray[np.bool_]
-
 LOSSES = (Outcome.OUTAGE, Outcome.NOISE, Outcome.COLLISION, Outcome.HALF_DUPLEX, Outcome.RANGE)
 """Causes in the order in which figures and tables show them."""
 CHI2_3_95PCT = 7.8147

@@ -6,16 +6,13 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from auv_experiment.metrics.finite import norm
-from auv_experiment.recording import FloatArray, Recording
+from auv_experiment.recording import BoolArray, FloatArray, Recording
 from auv_sim.obstacle_field import ObstacleField
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
-
-BoolArray = NDArray[np.bool_]
 
 
 def vehicle_pairs(n_vehicles: int) -> list[tuple[int, int]]:

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from auv_experiment.metrics.distances import flock_pair_distances_m, pair_distances_m, pair_is_gone
 from auv_experiment.metrics.finite import largest, smallest
@@ -17,12 +16,11 @@ from auv_experiment.metrics.windows import (
     TIME_TOLERANCE_S,
     after,
 )
-from auv_experiment.recording import FloatArray, Recording
+from auv_experiment.recording import BoolArray, FloatArray, Recording
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
-BoolArray = NDArray[np.bool_]
 
 APPROACH_MEAN_AFTER_S = 20.0
 APPROACH_BAND_RATIO = 0.02

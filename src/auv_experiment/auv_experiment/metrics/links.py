@@ -6,9 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_experiment.metrics.finite import largest, mean
-from auv_experiment.recording import Recording
-
-BoolArray = NDArray[np.bool_]
+from auv_experiment.recording import BoolArray, Recording
 
 
 def link_counts(recording: Recording) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -13,13 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from auv_experiment.metrics.acoustics import (
+    CHI2_3_95PCT,
     has_modem,
     judged_ticks,
     neighbour_nees,
     relative_position_error_ned_m,
 )
 from auv_experiment.metrics.finite import largest, mean, norm, rms
-from auv_experiment.metrics.windows import AGES_S, SETTLED_AFTER_S, BoolArray, after
+from auv_experiment.metrics.windows import AGES_S, SETTLED_AFTER_S, after
 from auv_experiment.recording import FloatArray, Recording
 
 _KEYS = (
@@ -29,7 +30,7 @@ _KEYS = (
     "neighbour_age_max_s",
 )
 
-TAILS = {"95": 7.8147, "997": 13.9314}
+TAILS = {"95": CHI2_3_95PCT, "997": 13.9314}
 """The 95 % and 99.7 % points of a chi-square distribution with three degrees of freedom."""
 FIRST_MINUTE_S = 60.0
 
@@ -40,6 +41,11 @@ class JudgedErrors(NamedTuple):
     t_s: FloatArray
     age_s: FloatArray
     nees: FloatArray
+
+    def between(self, from_s: float, to_s: float) -> JudgedErrors:
+        """Return the estimates from `from_s` on and before `to_s` (s)."""
+        rows = (self.t_s >= from_s) & (self.t_s < to_s)
+        return JudgedErrors(self.t_s[rows], self.age_s[rows], self.nees[rows])
 
 
 def neighbour_error_ned_m(recording: Recording) -> FloatArray:
@@ -103,10 +109,20 @@ def judged_errors(recording: Recording) -> JudgedErrors:
     return JudgedErrors(t_s[exists], recording.neighbour_age_s[ticks][exists], nees[exists])
 
 
+def by_age(errors: JudgedErrors) -> list[FloatArray]:
+    """Return the NEES of the estimates in each bin of `AGES_S`."""
+    bins = np.searchsorted(AGES_S, errors.age_s, side="right") - 1
+    return [errors.nees[bins == index] for index in range(len(AGES_S))]
+
+
+def share_beyond(nees: FloatArray, point: float) -> float | None:
+    """Return the share of NEES beyond a point of their distribution (`TAILS`), None if there are none."""
+    return float((nees > point).mean()) if nees.size else None
+
+
 def tail_shares(errors: JudgedErrors, point: float) -> list[float | None]:
     """Return the share of the NEES beyond `point` in each bin of `AGES_S`, None for an empty bin."""
-    bins = np.searchsorted(AGES_S, errors.age_s, side="right") - 1
-    return [_share(errors.nees[bins == index] > point) for index in range(len(AGES_S))]
+    return [share_beyond(nees, point) for nees in by_age(errors)]
 
 
 def tail_metrics(recording: Recording) -> dict[str, float | None]:
@@ -120,10 +136,6 @@ def tail_metrics(recording: Recording) -> dict[str, float | None]:
     for name, point in TAILS.items():
         for low_s, share in zip(AGES_S, tail_shares(errors, point), strict=True):
             metrics[f"neighbour_nees_beyond_{name}_age_{low_s}s_ratio"] = share
-        early = errors.nees[errors.t_s < FIRST_MINUTE_S]
-        metrics[f"neighbour_nees_beyond_{name}_first_minute_ratio"] = _share(early > point)
+        early = errors.between(0.0, FIRST_MINUTE_S).nees
+        metrics[f"neighbour_nees_beyond_{name}_first_minute_ratio"] = share_beyond(early, point)
     return metrics
-
-
-def _share(is_beyond: BoolArray) -> float | None:
-    return float(is_beyond.mean()) if is_beyond.size else None

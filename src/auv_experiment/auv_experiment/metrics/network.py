@@ -21,12 +21,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_experiment.recording import FloatArray, Recording
+from auv_experiment.recording import BoolArray, FloatArray, Recording
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
-BoolArray = NDArray[np.bool_]
 
 WINDOW_S = 30.0
 """Age up to which a packet counts as heard."""

@@ -10,15 +10,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from auv_control.region import Ring
-from auv_experiment.recording import FloatArray, Recording
+from auv_experiment.recording import BoolArray, FloatArray, Recording
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
-BoolArray = NDArray[np.bool_]
 
 REACHED_M = 0.05
 """The force vanishes at the ring's edge, so vehicles approach it slowly; this distance counts as reached."""

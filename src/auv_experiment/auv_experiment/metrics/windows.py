@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
-from auv_experiment.recording import FloatArray
-
-BoolArray = NDArray[np.bool_]
+from auv_experiment.recording import BoolArray, FloatArray
 
 SETTLED_AFTER_S = 100.0
 GATHERED_AFTER_S = 150.0

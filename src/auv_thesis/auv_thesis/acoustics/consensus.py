@@ -26,7 +26,6 @@ from auv_thesis.acoustics.consensus_runs import (
     N_VEHICLES,
     PI,
     PUSH_SUM,
-    SEEDS,
     STATIC,
     THESIS,
     VARIED,
@@ -36,6 +35,7 @@ from auv_thesis.acoustics.consensus_runs import (
     payload,
     worst,
 )
+from auv_thesis.cases import by_case
 from auv_thesis.items import (
     AGREES,
     DIFFERS,
@@ -89,8 +89,7 @@ def thesis_disagreement_m(run: Run) -> float:
 
 def _static_rows(runs: list[Run]) -> list[Row]:
     rows = []
-    for index, (name, loss) in enumerate(STATIC):
-        group = runs[index * len(SEEDS) : (index + 1) * len(SEEDS)]
+    for (name, loss), group in by_case(STATIC, runs).items():
         found, (size, rate) = worst(group), payload(group[0])
         expected, verdict = "not given", NO_NUMBER
         if name in (THESIS, HELD):
@@ -166,8 +165,7 @@ def _draw(canvas: Canvas, runs: list[Run]) -> None:
 
 def _by_loss(runs: list[Run]) -> dict[float, Numbers]:
     """Return the worst numbers of one filter at every loss, from its runs in the order of `STATIC`."""
-    count = len(SEEDS)
-    return {loss: worst(runs[index * count : (index + 1) * count]) for index, loss in enumerate(LOSSES)}
+    return {loss: worst(drawn) for loss, drawn in by_case(LOSSES, runs).items()}
 
 
 def _of(name: str) -> tuple[RunSpec, ...]:

@@ -9,21 +9,14 @@ ellipsoid and 0.3 % beyond its 99.7 % ellipsoid, at every age.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import chi2
 
+from auv_experiment.metrics.neighbours import TAILS, JudgedErrors, by_age, judged_errors, share_beyond
+from auv_experiment.metrics.windows import age_words
 from auv_experiment.recording import FloatArray
-from auv_thesis.acoustics.estimation_runs import (
-    DRIFT,
-    DURATION_S,
-    EVERY_TICKS,
-    FORMED_S,
-    relative_errors,
-    spec_of,
-)
+from auv_thesis.acoustics.estimation_runs import DRIFT, DURATION_S, FORMED_S, spec_of
+from auv_thesis.cases import by_case
 from auv_thesis.intervals import mean_bounds
 from auv_thesis.items import DOES_NOT_HOLD, HOLDS, HOLDS_IN_PART, NO_NUMBER, Claim, Row, Run, Table, Verdict
 
@@ -34,39 +27,19 @@ RUNS = {
     name: tuple(spec_of(_SLOT_S, _LOSS, *changes, seed=seed) for seed in SEEDS)
     for name, changes in CASES.items()
 }
-LEVELS = (0.95, 0.997)
-AGES_S = (0.0, 2.0, 4.0, 8.0, np.inf)
+LEVELS = {"95": 0.95, "997": 0.997}
+"""The ellipsoids of `TAILS`, as shares that a consistent filter has inside."""
 PHASES = {"gathering": (0.0, FORMED_S), "formed": (FORMED_S, DURATION_S)}
-_NUMBERS = 3
 
 
-class Squares(NamedTuple):
-    """Normalised squared errors (M,) of one run, with time (s) and age of the information (s) of each."""
-
-    t_s: FloatArray
-    age_s: FloatArray
-    square: FloatArray
+def _shares(groups: Sequence[FloatArray], tail: str) -> list[float]:
+    """Return the share beyond an ellipsoid in each run's NEES, without the runs that have none."""
+    shares = [share_beyond(nees, TAILS[tail]) for nees in groups]
+    return [share for share in shares if share is not None]
 
 
-def squares_of(run: Run) -> Squares:
-    """Return the normalised squared errors of all relative positions of a run, every half second."""
-    relative = relative_errors(run)
-    age_s = run.recording.neighbour_age_s[: len(run.recording.t_s) - 1][::EVERY_TICKS]
-    known = np.isfinite(relative.errors_m).all(axis=-1) & np.isfinite(age_s)
-    errors_m, covariance = relative.errors_m[known], relative.covariance[known]
-    solved = np.linalg.solve(covariance, errors_m[..., None])[..., 0]
-    t_s = np.broadcast_to(relative.t_s[:, None, None], known.shape)[known]
-    return Squares(t_s, age_s[known], (errors_m * solved).sum(axis=1))
-
-
-def beyond(square: FloatArray, level: float) -> float:
-    """Return the share of squares beyond the ellipsoid of a level, NaN for none."""
-    return float(np.mean(square > chi2.ppf(level, _NUMBERS))) if len(square) else np.nan
-
-
-def _share_words(shares: Sequence[float]) -> str:
+def _share_words(known: Sequence[float]) -> str:
     """Return the mean of the runs' shares with its interval (%); a run is one draw."""
-    known = [share for share in shares if np.isfinite(share)]
     if len(known) < 2:
         return "too few runs"
     low, high = (100.0 * min(max(bound, 0.0), 1.0) for bound in mean_bounds(known))
@@ -74,10 +47,9 @@ def _share_words(shares: Sequence[float]) -> str:
 
 
 def _row(quantity: str, groups: Sequence[FloatArray]) -> Row:
-    nees = [float(square.mean()) for square in groups if len(square)]
+    nees = [float(group.mean()) for group in groups if len(group)]
     words = "; ".join(
-        f"{_share_words([beyond(square, level) for square in groups])} beyond {100 * level:g} %"
-        for level in LEVELS
+        f"{_share_words(_shares(groups, tail))} beyond {100 * level:g} %" for tail, level in LEVELS.items()
     )
     return Row(
         quantity, "5 %, 0.3 %, 3", f"{words}; NEES {np.mean(nees):.2f}", NO_NUMBER, f"{len(nees)} runs"
@@ -87,30 +59,26 @@ def _row(quantity: str, groups: Sequence[FloatArray]) -> Row:
 def _rows(runs: list[Run]) -> list[Row]:
     rows = []
     for case, found in _by_case(runs).items():
-        for phase, (from_s, to_s) in PHASES.items():
-            part = [one.square[(one.t_s >= from_s) & (one.t_s < to_s)] for one in found]
-            rows.append(_row(f"{case}, {phase}", part))
-        for low_s, high_s in pairwise(AGES_S):
-            part = [one.square[(one.age_s >= low_s) & (one.age_s < high_s)] for one in found]
-            until = f"{low_s:g} to {high_s:g} s old" if np.isfinite(high_s) else f"older than {low_s:g} s"
-            if any(len(square) for square in part):
-                rows.append(_row(f"{case}, information {until}", part))
+        for phase, span_s in PHASES.items():
+            rows.append(_row(f"{case}, {phase}", [errors.between(*span_s).nees for errors in found]))
+        for index, groups in enumerate(zip(*[by_age(errors) for errors in found], strict=True)):
+            if any(len(group) for group in groups):
+                rows.append(_row(f"{case}, age of the information {age_words(index)}", groups))
     return rows
 
 
-def _by_case(runs: list[Run]) -> dict[str, list[Squares]]:
-    n = len(SEEDS)
-    return {case: [squares_of(run) for run in runs[n * i : n * (i + 1)]] for i, case in enumerate(CASES)}
+def _by_case(runs: list[Run]) -> dict[str, list[JudgedErrors]]:
+    return by_case(CASES, [judged_errors(run.recording) for run in runs])
 
 
 def _judge(runs: list[Run]) -> Verdict:
     """Judge both ellipsoids: a filter may be too cautious in most errors and too sure in the tails."""
     words, covered, cautious = [], [], []
     for case, found in _by_case(runs).items():
-        for phase, (from_s, to_s) in PHASES.items():
-            part = [one.square[(one.t_s >= from_s) & (one.t_s < to_s)] for one in found]
-            by_level = [[beyond(square, level) for square in part] for level in LEVELS]
-            for level, shares in zip(LEVELS, by_level, strict=True):
+        for phase, span_s in PHASES.items():
+            groups = [errors.between(*span_s).nees for errors in found]
+            by_level = [_shares(groups, tail) for tail in LEVELS]
+            for level, shares in zip(LEVELS.values(), by_level, strict=True):
                 low, high = mean_bounds(shares)
                 covered.append(low <= 1.0 - level <= high)
                 cautious.append(low <= 1.0 - level)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from auv_core.geometry import Vec3, body_to_ned
+from auv_experiment.metrics.acoustics import relative_position_error_ned_m
 from auv_experiment.recording import FloatArray, Recording
 from auv_flocking.neighbours.table import NeighbourConfig, NeighbourTable
 from auv_flocking.report import Report
@@ -233,6 +234,5 @@ def relative_errors(run: Run) -> Relative:
     """Return the relative errors of a run, every half second."""
     r = run.recording
     ticks = np.arange(0, len(r.t_s) - 1, EVERY_TICKS)
-    true_m = r.position_ned_m[ticks][:, None] - r.position_ned_m[ticks][:, :, None]
-    seen_m = r.neighbour_position_ned_m[ticks] - r.nav_position_ned_m[ticks][:, :, None]
-    return Relative(r.t_s[ticks], seen_m - true_m, r.neighbour_covariance[ticks][..., :3, :3])
+    errors_m = relative_position_error_ned_m(r, ticks)
+    return Relative(r.t_s[ticks], errors_m, r.neighbour_covariance[ticks][..., :3, :3])

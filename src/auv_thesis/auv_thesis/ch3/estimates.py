@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from auv_thesis.ch3.runs import CIRCLE, DRIFT_RUNS, DRIFT_S, DRIFT_SEEDS, WIND_UP, estimate, late_rms_m
+from auv_thesis.cases import by_case
+from auv_thesis.ch3.runs import CIRCLE, DRIFT_RUNS, DRIFT_S, WIND_UP, estimate, late_rms_m
 from auv_thesis.intervals import mean_words
 from auv_thesis.items import NO_NUMBER, Row, Run, Table
 
@@ -30,8 +31,7 @@ def _estimates(runs: list[Run]) -> list[Row]:
             "The initial errors wind it up, and no term brings it back.",
         ),
     ]
-    n = len(DRIFT_SEEDS)
-    rows += [_drift_row(name, drift[n * i : n * (i + 1)]) for i, name in enumerate(DRIFT_RUNS)]
+    rows += [_drift_row(name, drawn) for name, drawn in by_case(DRIFT_RUNS, drift).items()]
     return rows
 
 

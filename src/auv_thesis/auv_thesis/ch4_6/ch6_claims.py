@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from auv_experiment.confidence.binomial import share_words
+from auv_thesis.cases import by_case
 from auv_thesis.ch4_6.ch5_claims import FOLLOWS_WITHIN_M, judge_potential
 from auv_thesis.ch4_6.ch5_tables import seconds, settled_m
 from auv_thesis.ch4_6.flock_runs import (
@@ -37,7 +38,6 @@ from auv_thesis.items import (
     Claim,
     Row,
     Run,
-    RunSpec,
     Table,
     Verdict,
 )
@@ -75,16 +75,12 @@ def _judge_nearer(runs: list[Run]) -> Verdict:
     return Verdict(HOLDS if all(nearer) else HOLDS_IN_PART if any(nearer) else DOES_NOT_HOLD, evidence)
 
 
-def _by_case(runs: list[Run]) -> dict[RunSpec, list[Run]]:
-    return {spec: runs[STARTS * i : STARTS * (i + 1)] for i, spec in enumerate(DRAWN)}
-
-
 def _times_s(runs: Sequence[Run]) -> list[float]:
     return [float(run.metrics["approach_time_2pct_s"]) for run in runs]
 
 
 def _judge_faster(runs: list[Run]) -> Verdict:
-    found = {spec: _times_s(part) for spec, part in _by_case(runs).items()}
+    found = {spec: _times_s(part) for spec, part in by_case(DRAWN, runs).items()}
     words, faster = [], []
     for case, plain, fuzzy, equal in zip(_CASES, _MATHEMATICAL, _FUZZY, _EQUAL, strict=True):
         words.append(
@@ -141,7 +137,7 @@ def _judge_flocking(runs: list[Run]) -> Verdict:
 
 
 def _rows_6_d(runs: list[Run]) -> list[Row]:
-    settled, drawn = runs[: len(_ALL)], _by_case(runs[len(_ALL) :])
+    settled, drawn = runs[: len(_ALL)], by_case(DRAWN, runs[len(_ALL) :])
     laws = ("mathematical, gain 1", "fuzzy", f"mathematical, gain {EQUAL_GAIN:.2f}")
     rows = []
     for i, (spec, run) in enumerate(zip(_ALL, settled, strict=True)):

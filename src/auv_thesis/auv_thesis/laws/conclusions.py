@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from auv_thesis.cases import by_case
 from auv_thesis.ch4_6.flock_runs import (
     EQUAL_FOUR_LEADERS,
     EQUAL_ONE_LEADER,
@@ -103,15 +104,10 @@ def _path_errors_m(runs: Sequence[Run]) -> list[float]:
     return [float(run.metrics["centroid_path_rms_m"]) for run in runs]
 
 
-def _by_law(runs: list[Run]) -> dict[str, list[Run]]:
-    n = len(SEEDS)
-    return {law: runs[n * i : n * (i + 1)] for i, law in enumerate(_NOMINAL)}
-
-
 def _judge_path(runs: list[Run]) -> Verdict:
     count = len(_KINEMATIC)
     error_m = dict(zip(_KINEMATIC, _path_errors_m(runs[:count]), strict=True))
-    drawn = {law: _path_errors_m(part) for law, part in _by_law(runs[count:]).items()}
+    drawn = {law: _path_errors_m(part) for law, part in by_case(_NOMINAL, runs[count:]).items()}
     clear_m = [runs[i].metrics["obstacle_clearance_min_m"] for i in (2, 5)]
     evidence = (
         f"centroid to path, rms, as the thesis simulates it: four leaders {error_m[FOUR_LEADERS]:.4f} m "
@@ -135,9 +131,8 @@ def _judge_path(runs: list[Run]) -> Verdict:
 
 def _judge_damping(runs: list[Run]) -> Verdict:
     """Judge by how much other damping changes what the law is for: distances and the path."""
-    nominal = _by_law(runs)
-    rest, n = runs[len(SEEDS) * len(_NOMINAL) :], len(SEEDS)
-    damped = {case: rest[n * i : n * (i + 1)] for i, case in enumerate(_DAMPED)}
+    count = len(_EVERY_NOMINAL)
+    nominal, damped = by_case(_NOMINAL, runs[:count]), by_case(_DAMPED, runs[count:])
     words, better = [], []
     for factor in _FACTORS:
         changes = {
@@ -164,8 +159,8 @@ def _judge_damping(runs: list[Run]) -> Verdict:
             )
     evidence = (
         "the thesis's flocks are single integrators, which have no damping. On hulls with a velocity "
-        f"controller and a modem, n = {n} draws, compared draw by draw: {'; '.join(words)}. Neither law "
-        "knows or learns the damping"
+        f"controller and a modem, n = {len(SEEDS)} draws, compared draw by draw: {'; '.join(words)}. Neither "
+        "law knows or learns the damping"
     )
     return Verdict(HOLDS if all(better) else HOLDS_IN_PART if any(better) else DOES_NOT_HOLD, evidence)
 

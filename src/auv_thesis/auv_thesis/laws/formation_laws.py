@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 from auv_experiment.figures.plotting import colour, legend_below, marker
+from auv_thesis.cases import by_case
 from auv_thesis.intervals import difference_bounds, difference_words, mean_words
 from auv_thesis.items import (
     DOES_NOT_HOLD,
@@ -73,9 +74,7 @@ def _by_case(runs: list[Run]) -> dict[tuple[str, str], FormationNumbers]:
 
 def _noisy_mm(runs: list[Run]) -> dict[str, list[float]]:
     """Return the rms errors of each law with noise, one per seed (mm)."""
-    values = [numbers_of(run).rms_mm for run in runs]
-    n = len(SEEDS)
-    return {law: values[n * i : n * (i + 1)] for i, law in enumerate(NOISY_LAWS)}
+    return by_case(NOISY_LAWS, [numbers_of(run).rms_mm for run in runs])
 
 
 def _rows(runs: list[Run]) -> list[Row]:

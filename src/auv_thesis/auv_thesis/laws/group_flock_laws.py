@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from auv_thesis.cases import by_case
 from auv_thesis.intervals import difference_bounds, difference_words, mean_words
 from auv_thesis.items import (
     DOES_NOT_HOLD,
@@ -35,12 +36,6 @@ from auv_thesis.laws.separation_runs import SEEDS
 Case = tuple[str, str]
 
 
-def _by_draws(cases: dict[Case, tuple[RunSpec, ...]], runs: Sequence[Run]) -> dict[Case, list[Run]]:
-    """Return the runs of every drawn case, in the order of the seeds."""
-    n = len(SEEDS)
-    return {case: list(runs[n * i : n * (i + 1)]) for i, case in enumerate(cases)}
-
-
 def _specs(cases: dict[Case, tuple[RunSpec, ...]]) -> tuple[RunSpec, ...]:
     return tuple(spec for specs in cases.values() for spec in specs)
 
@@ -62,7 +57,7 @@ def _controller_rows(runs: list[Run]) -> list[Row]:
             f"smallest {found['smallest_m']:.2f} m"
         )
         rows.append(Row(f"{condition}: {controller}", "not in the thesis", words, NO_NUMBER))
-    for (controller, condition), drawn in _by_draws(DRAWN, runs[len(RUNS) :]).items():
+    for (controller, condition), drawn in by_case(DRAWN, runs[len(RUNS) :]).items():
         words = f"worst {mean_words(_worst_m(drawn), 'm', 3)}, n = {len(drawn)}"
         rows.append(Row(f"{condition}: {controller}, drawn", "not in the thesis", words, NO_NUMBER))
     return rows
@@ -70,7 +65,7 @@ def _controller_rows(runs: list[Run]) -> list[Row]:
 
 def _obstacle_rows(runs: list[Run]) -> list[Row]:
     rows = []
-    for (law, condition), drawn in _by_draws(PAST, runs).items():
+    for (law, condition), drawn in by_case(PAST, runs).items():
         pairs_m = min(float(run.metrics["pair_distance_min_m"]) for run in drawn)
         words = (
             f"smallest distance to the obstacle {mean_words(_clearance_m(drawn), 'm')}, least "
@@ -83,7 +78,7 @@ def _obstacle_rows(runs: list[Run]) -> list[Row]:
 
 def _judge_controllers(runs: list[Run]) -> Verdict:
     """Judge by the largest error of a distance with noise, paired draw by draw with PI."""
-    found = {controller: _worst_m(drawn) for (controller, _), drawn in _by_draws(DRAWN, runs).items()}
+    found = {controller: _worst_m(drawn) for (controller, _), drawn in by_case(DRAWN, runs).items()}
     better = sum(difference_bounds(found[law], found[PI])[1] < 0.0 for law in ROBUST)
     words = "; ".join(f"{law} {difference_words(found[law], found[PI], 'm', 4)}" for law in ROBUST)
     evidence = (
@@ -95,7 +90,7 @@ def _judge_controllers(runs: list[Run]) -> Verdict:
 
 
 def _judge_obstacles(runs: list[Run]) -> Verdict:
-    found = {law: _clearance_m(drawn) for (law, _), drawn in _by_draws(PAST, runs).items()}
+    found = {law: _clearance_m(drawn) for (law, _), drawn in by_case(PAST, runs).items()}
     learning = found[LEARNING]
     rivals = [law for law in found if law != LEARNING]
     is_farther = all(difference_bounds(learning, found[law])[0] > 0.0 for law in rivals)

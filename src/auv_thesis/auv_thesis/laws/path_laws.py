@@ -15,6 +15,7 @@ from matplotlib.figure import Figure as Canvas
 from auv_experiment.figures.plotting import colour, legend_below, marker
 from auv_experiment.metrics import path as metrics_path
 from auv_experiment.metrics.distances import obstacle_distances_m
+from auv_thesis.cases import by_case
 from auv_thesis.intervals import mean_words
 from auv_thesis.items import (
     DOES_NOT_HOLD,
@@ -147,7 +148,7 @@ def _judge_robustness(runs: list[Run]) -> Verdict:
 
 def _judge_noise_and_limits(runs: list[Run]) -> Verdict:
     results = _numbers_by_case(runs[: len(CASES)])
-    noisy = _noise_by_law(runs[len(CASES) :])
+    noisy = by_case(NOISY_LAWS, [numbers_of(run) for run in runs[len(CASES) :]])
     parts, good = [], 0
     for law in NOISY_LAWS:
         rms_mm = [1e3 * one.rms_m for one in noisy[law]]
@@ -161,11 +162,6 @@ def _judge_noise_and_limits(runs: list[Run]) -> Verdict:
         )
     evidence = f"n = {len(SEEDS)} draws of the noise; {'; '.join(parts)}. The limit of 5 cm is ours"
     return Verdict((DOES_NOT_HOLD, HOLDS_IN_PART, HOLDS)[good], evidence)
-
-
-def _noise_by_law(runs: list[Run]) -> dict[str, list[LawNumbers]]:
-    n = len(SEEDS)
-    return {law: [numbers_of(run) for run in runs[n * i : n * (i + 1)]] for i, law in enumerate(NOISY_LAWS)}
 
 
 FIGURES = (

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure as Canvas
 
 from auv_experiment.figures.plotting import vehicle_style
 from auv_experiment.metrics.distances import pair_distances_m
+from auv_thesis.cases import by_case
 from auv_thesis.ch4_6.flock_drawing import distance_panels, legend_of
 from auv_thesis.intervals import difference_bounds, difference_words, mean_words
 from auv_thesis.items import (
@@ -128,9 +129,7 @@ def _drawn_rows(runs: list[Run]) -> list[Row]:
 
 def _by_draws(runs: list[Run]) -> dict[tuple[str, str], list[Run]]:
     """Return the runs of every drawn case, in the order of the seeds."""
-    cases = (*DRAWN, *((law, NOMINAL) for law in NARROW_DRAWN))
-    n = len(SEEDS)
-    return {case: runs[n * index : n * (index + 1)] for index, case in enumerate(cases)}
+    return by_case((*DRAWN, *((law, NOMINAL) for law in NARROW_DRAWN)), runs)
 
 
 def _draw(canvas: Canvas, runs: list[Run]) -> None:
