@@ -46,6 +46,7 @@ PLUGIN_FOLDERS = (
     "auv_sim/acoustics/outage",
     "auv_sim/acoustics/propagation",
     "auv_sim/acoustics/sonar",
+    "auv_sim/currents",
     "auv_sim/navigation",
     "auv_sim/obstacles",
 )

@@ -47,10 +47,12 @@ from auv_sim.acoustics.modem import AcousticModem, LevelModem
 from auv_sim.acoustics.outage import PacketLoss
 from auv_sim.acoustics.propagation import SoundPropagation
 from auv_sim.acoustics.sonar import HullSonar
+from auv_sim.currents import WaterCurrent
 from auv_sim.navigation import OwnNavigation
 from auv_sim.obstacles import ObstacleMotion
 
 PERIOD_S = 0.1
+MEAN_NED_MPS = (0.08, 0.06, 0.0)
 SEPARATION = mathematical.Separation(mathematical.Params())
 
 
@@ -341,6 +343,16 @@ def _use_obstacle_motion(module, params, _inputs):
     return offsets
 
 
+def _use_current(module, params, _inputs):
+    current, other = (module.Current(params, MEAN_NED_MPS, 3, 1, PERIOD_S) for _ in range(2))
+    ticks = range(0, 900, 3)
+    velocities = [current.at(tick) for tick in ticks]
+    assert [other.at(tick) for tick in reversed(ticks)] == velocities[::-1], "only the tick may matter"
+    away_mps = [distance(velocity, MEAN_NED_MPS) for velocity in velocities]
+    assert sum(away > current.varies_by_mps + 1e-12 for away in away_mps) < 0.05 * len(ticks)
+    return [*itertools.chain(*velocities), current.varies_by_mps]
+
+
 def _use_tracker(module, params, inputs):
     tracker, known = module.Tracker(params, ((30.0, 0.0, 0.0),)), inputs.point()
     nav = VehicleState(0, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0,) * 6)
@@ -448,6 +460,7 @@ ROLES = {
     "auv_flocking.estimators": Role("Estimator", (NeighbourEstimator,), (), _use_estimator),
     "auv_flocking.reports": Role("Format", (ReportFormat,), ((),), _use_format),
     "auv_flocking.trackers": Role("Tracker", (ObstacleTracker,), ((),), _use_tracker),
+    "auv_sim.currents": Role("Current", (WaterCurrent,), (MEAN_NED_MPS, 3, 1, PERIOD_S), _use_current),
     "auv_sim.obstacles": Role("Motion", (ObstacleMotion,), (), _use_obstacle_motion),
     "auv_sim.navigation": Role("Navigation", (OwnNavigation,), (3, 1, PERIOD_S), _use_navigation),
     "auv_sim.acoustics.propagation": Role("Propagation", (SoundPropagation,), (), _use_propagation),

@@ -61,6 +61,7 @@ WATER = (
         " outage: {kind: gilbert_elliott}, sonar: {kind: active, params: {max_range_m: 30.0}}}"
     ),
     "environment.navigation={kind: dead_reckoning, params: {fix: lbl, fix_period_s: 3.0}}",
+    "environment.current={kind: gauss_markov, params: {memory_s: 5.0}}",
 )
 
 
@@ -184,7 +185,7 @@ def test_noise_and_failures_of_the_navigation_are_the_same_in_lockstep(tmp_path)
     assert 0.02 < metrics["safe_command_ratio"] < 0.3
 
 
-def test_sound_sonar_and_drift_are_the_same_in_lockstep(tmp_path):
+def test_sound_sonar_drift_and_a_varying_current_are_the_same_in_lockstep(tmp_path):
     settings = [word for override in WATER for word in ("--set", override)]
     recorded = assert_equals_in_process(fly("flock_acoustic", tmp_path, 6, *settings, "--layout", "vehicle"))
     outcomes = set(recorded.events[:, 1].tolist())

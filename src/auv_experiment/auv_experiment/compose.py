@@ -13,6 +13,7 @@ from auv_core.compiled import use_compiler
 from auv_core.models import make_model
 from auv_core.params import extended
 from auv_core.state_checks import LARGEST
+from auv_experiment.scenario.reach import water_speed_mps
 from auv_experiment.scenario.schema import Scenario
 from auv_flocking.agent import Agent
 from auv_flocking.agent_config import AgentConfig
@@ -70,7 +71,7 @@ def input_limits(scenario: Scenario) -> InputLimits:
     if limits.speed_max_mps is not None:
         return limits
     held_mps = max(make_model(vehicle.model).top_speed_mps for vehicle in scenario.vehicles)
-    fastest_mps = held_mps + math.hypot(*scenario.environment.current_ned_mps)
+    fastest_mps = held_mps + water_speed_mps(scenario)
     return replace(limits, speed_max_mps=min(_SPEED_MARGIN * fastest_mps, LARGEST))
 
 

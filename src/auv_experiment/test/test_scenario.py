@@ -8,8 +8,10 @@ import pytest
 
 from auv_core.geometry import distance
 from auv_core.params import ConfigError
+from auv_experiment.compose import input_limits
 from auv_experiment.scenario.file import SCENARIOS_DIR, read_raw
 from auv_experiment.scenario.loading import list_scenarios, load_scenario, scenario_to_yaml
+from auv_experiment.scenario.reach import water_speed_mps
 from auv_sim.acoustics.propagation import bellhop
 
 BUILT_IN = [name for name, _ in list_scenarios()]
@@ -153,6 +155,27 @@ def test_starts_drawn_so_near_that_hulls_touch_are_refused():
 def test_a_current_with_kinematic_vehicles_is_refused():
     message = _refusal("ch5_one_leader", overrides=["environment.current_ned_mps=[0.1, 0, 0]"])
     assert message.startswith("scenario.environment.current_ned_mps: a current is not allowed")
+
+
+VARYING = "environment.current={kind: gauss_markov, params: {sd_ned_mps: [%s, 0, 0]}}"
+
+
+def test_a_varying_current_is_refused_where_vehicles_or_time_do_not_allow_it():
+    kinematic = _refusal("ch5_one_leader", overrides=[VARYING % 0.1, "sampling=sampled"])
+    assert kinematic.startswith("scenario.environment.current.kind: 'gauss_markov' is not allowed")
+    continuous = _refusal("ch3_circle", overrides=[VARYING % 0.1])
+    assert continuous.endswith("allowed: sampled, unless environment.current is steady")
+
+
+def test_a_current_counts_with_three_standard_deviations():
+    held = load_scenario("flock_modem", overrides=[VARYING % 0.1])
+    assert water_speed_mps(held) == pytest.approx(0.1 + 0.3)
+    varying_mps, steady_mps = (
+        input_limits(scenario).speed_max_mps or 0.0 for scenario in (held, load_scenario("flock_modem"))
+    )
+    assert varying_mps - steady_mps == pytest.approx(3.0)
+    message = _refusal("flock_modem", overrides=[VARYING % 1.0])
+    assert message.startswith("scenario.environment.current: runs at 3.1 m/s, which is not allowed")
 
 
 @pytest.mark.parametrize(

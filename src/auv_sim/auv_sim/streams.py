@@ -24,6 +24,7 @@ class Purpose(enum.IntEnum):
     BURST = 7
     FIX = 8
     OBSTACLE_SONAR = 14
+    CURRENT = 15
 
 
 def uniform(seed: int, purpose: Purpose, source: int, destination: int, sequence: int) -> float:

@@ -11,11 +11,14 @@ from auv_core.messages import Command, VehicleState, command_numbers
 from auv_core.models import make_model
 from auv_core.params import Section, param, same
 from auv_core.run_settings import RunSettings
+from auv_sim.currents import make_current, steady
 from auv_sim.navigation import exact, make_navigation
 
 MODELS = "auv_core.models"
 NAVIGATION = "auv_sim.navigation"
+CURRENTS = "auv_sim.currents"
 EXACT = Section("exact", exact.Params())
+STEADY = Section("steady", steady.Params())
 
 _MOST_SUBSTEPS = 1_000_000
 
@@ -31,8 +34,9 @@ class VehicleConfig:
         "start heading (rad, from north towards east)", default=0.0, minimum=-7.0, maximum=7.0
     )
     current_ned_mps: Vec3 = param(
-        "velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0), minimum=-5.0, maximum=5.0
+        "mean velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0), minimum=-5.0, maximum=5.0
     )
+    current: Section = param("how the velocity of the water varies", default=STEADY, plugins=CURRENTS)
     dt_s: float = same(RunSettings, "dt_s")
     period_s: float = same(RunSettings, "period_s")
     address: int = param("acoustic address of this vehicle, from 1", default=1, minimum=1, maximum=254)
@@ -88,7 +92,9 @@ class Vehicle:
 
     def __init__(self, config: VehicleConfig) -> None:
         self._model = make_model(config.model)
-        self._current = config.current_ned_mps
+        self._current = make_current(
+            config.current, config.current_ned_mps, config.seed, config.address, config.period_s
+        )
         self._dt_s = config.dt_s
         self._substeps = substeps(config.period_s, config.dt_s)
         self._tick = 0
@@ -119,7 +125,9 @@ class Vehicle:
         """
         values = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if command is None else command_numbers(command)
         given = self._model.limited_command(values)
-        self._state = self._model.step(self._state, given, self._current, self._dt_s, self._substeps)
+        self._state = self._model.step(
+            self._state, given, self._current.at(self._tick), self._dt_s, self._substeps
+        )
         check_finite(self._state, self._name, self._tick * self._period_s)
         self._tick += 1
         self.state = state = self._record()

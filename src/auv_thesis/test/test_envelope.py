@@ -202,6 +202,14 @@ def test_the_figure_is_drawn_with_cells_missing():
     envelope.FIGURES[0].draw(Canvas(), [_run(study.STUDY[cell][0], GOOD) for cell in study.FIRST_LOOK])
 
 
+def test_the_current_of_two_cells_varies():
+    kinds = {
+        cell: resolve_run(specs[0]).scenario.environment.current.kind for cell, specs in study.STUDY.items()
+    }
+    varying = [cell for cell, kind in kinds.items() if kind == "gauss_markov"]
+    assert varying == [study.Cell(4, slot_s, is_current_varying=True) for slot_s in study.SLOTS_S]
+
+
 def test_a_cell_is_flock_modem_but_for_what_it_names():
     plain = load_scenario("flock_modem", seed=study.FIRST_SEED)
     flown = resolve_run(study.STUDY[study.Cell(4, 2.0)][0]).scenario

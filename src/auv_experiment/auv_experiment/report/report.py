@@ -24,6 +24,7 @@ from auv_experiment.report.html import embedded_png, head
 from auv_experiment.report.numbers_table import numbers_table
 from auv_experiment.report.template import PAGE
 from auv_experiment.report.verdicts import verdicts
+from auv_sim.vehicle import STEADY
 
 if TYPE_CHECKING:
     from auv_experiment.figures.files import SavedFigures
@@ -125,7 +126,9 @@ def _water(scenario: Scenario) -> str:
     current_mps = math.hypot(*scenario.environment.current_ned_mps)
     told = f" ({unknown} of them not known before)" if unknown else ""
     parts = [f"{count} obstacle{'s' if count != 1 else ''}{told}"] if count else []
-    parts += [f"a current of {current_mps:.2f} m/s"] if current_mps > 0.0 else []
+    is_steady = scenario.environment.current.kind == STEADY.kind
+    varying = "" if is_steady else " that varies"
+    parts += [f"a current of {current_mps:.2f} m/s{varying}"] if current_mps > 0.0 or not is_steady else []
     return f", with {' and '.join(parts)}" if parts else ""
 
 

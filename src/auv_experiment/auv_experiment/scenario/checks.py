@@ -18,6 +18,7 @@ from auv_flocking.flocking import flocking_params, make_flocking
 from auv_flocking.separation import LearningLaw, make_separation
 from auv_sim.acoustics.medium import AcousticMedium
 from auv_sim.navigation import make_navigation
+from auv_sim.vehicle import STEADY
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -127,7 +128,13 @@ def _check_commands(scenario: Scenario) -> None:
                 "allowed: a controller that gives "
                 f"the {taken} command that the model of vehicles[{index}] takes"
             )
-    if scenario.kinematic and any(scenario.environment.current_ned_mps):
+    environment = scenario.environment
+    if scenario.kinematic and environment.current.kind != STEADY.kind:
+        raise ValueError(
+            f"environment.current.kind: {environment.current.kind!r} is not allowed; allowed: "
+            f"{STEADY.kind} with kinematic vehicles, whose velocity command is over ground"
+        )
+    if scenario.kinematic and any(environment.current_ned_mps):
         raise ValueError(
             "environment.current_ned_mps: a current is not allowed; allowed: [0, 0, 0] with "
             "kinematic vehicles, "
@@ -173,6 +180,8 @@ def _check_continuous(scenario: Scenario) -> None:
         )
     if scenario.environment.navigation.kind != "exact":
         raise _not_continuous(", unless environment.navigation is exact")
+    if scenario.environment.current.kind != STEADY.kind:
+        raise _not_continuous(f", unless environment.current is {STEADY.kind}")
     ideal = acoustics.propagation.kind == "instant" and acoustics.outage.kind == "none"
     ideal = ideal and acoustics.mac.kind == "unlimited" and acoustics.modem.kind == "ideal"
     if not ideal and scenario.follows != "path":

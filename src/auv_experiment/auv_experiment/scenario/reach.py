@@ -22,6 +22,7 @@ from auv_flocking.flocking import flocking_params
 from auv_flocking.reports import Bounds, ReportFormat
 from auv_sim.acoustics.modem import AcousticModem, LevelModem, make_modem
 from auv_sim.acoustics.propagation import SoundPropagation, bottom_m, make_propagation
+from auv_sim.currents import make_current
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -54,21 +55,33 @@ def check_reach(scenario: Scenario) -> None:
         check(scenario)
 
 
+def water_speed_mps(scenario: Scenario) -> float:
+    """Return a speed that the current seldom exceeds (m/s)."""
+    return math.hypot(*scenario.environment.current_ned_mps) + _current_varies_by_mps(scenario)
+
+
+def _current_varies_by_mps(scenario: Scenario) -> float:
+    environment = scenario.environment
+    mean_ned_mps = environment.current_ned_mps
+    return make_current(environment.current, mean_ned_mps, scenario.seed, 1, scenario.period_s).varies_by_mps
+
+
 def _check_speeds(scenario: Scenario) -> None:
     """Check that the actuators hold a vehicle in the current and move it along its path through the water."""
     current = scenario.environment.current_ned_mps
+    water_mps, varies_by_mps = water_speed_mps(scenario), _current_varies_by_mps(scenario)
+    water_key = "environment.current_ned_mps" if varies_by_mps == 0.0 else "environment.current"
     for index, vehicle in enumerate(scenario.vehicles):
         model = make_model(vehicle.model)
         held_mps = model.speed_held_mps(max_force_of(scenario.agent.controller.params))
         holder = "actuators" if held_mps == model.top_speed_mps else "controller and actuators"
         held = f"at most {held_mps:.3g} m/s, which the {holder} of vehicles[{index}] hold against the drag"
-        if math.hypot(*current) > held_mps:
+        if water_mps > held_mps:
             raise ValueError(
-                f"environment.current_ned_mps: runs at {math.hypot(*current):.3g} m/s, which is not allowed; "
-                f"allowed: {held}"
+                f"{water_key}: runs at {water_mps:.3g} m/s, which is not allowed; allowed: {held}"
             )
         path = scenario.reference_of(index)
-        speed_mps = 0.0 if path is None else _fastest_mps(path, scenario.duration_s, current)
+        speed_mps = 0.0 if path is None else _fastest_mps(path, scenario.duration_s, current) + varies_by_mps
         if speed_mps > held_mps:
             raise ValueError(
                 f"{_path_key(scenario, index)}: runs at {speed_mps:.3g} m/s through the water, "
@@ -126,7 +139,7 @@ def _check_report_velocities(scenario: Scenario) -> None:
         if scenario.agent.flocking is not None:
             model = make_model(vehicle.model)
             asked_mps = fastest_mps + flocking_params(scenario.agent.flocking).largest_correction_mps
-            driven_mps = model.top_speed_mps + math.hypot(*scenario.environment.current_ned_mps)
+            driven_mps = model.top_speed_mps + water_speed_mps(scenario)
             bounded_mps = min(asked_mps, driven_mps)
             if math.isfinite(bounded_mps):  # else the law's error sets the speed, and only the path is known
                 fastest_mps = bounded_mps

@@ -50,6 +50,7 @@ class Environment:
     """The water and its obstacles."""
 
     current_ned_mps: Vec3 = same(VehicleConfig, "current_ned_mps")
+    current: Section = same(VehicleConfig, "current")
     obstacles: tuple[Obstacle, ...] = param("points to avoid, known or to be sensed", default=())
     navigation: Section = same(VehicleConfig, "navigation")
 

@@ -9,6 +9,7 @@ independent runs, or as many as there are seeds.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.figure import Figure as Canvas
@@ -161,7 +162,7 @@ def _draw(canvas: Canvas, runs: list[Run]) -> None:
         shown = {
             (SLOTS_S.index(cell.slot_s), FLEETS.index(cell.n_vehicles)): summaries.get(cell)
             for cell in CELLS
-            if cell.wanted_burst_s == burst_s and cell.start_radius_m is None
+            if replace(cell, runs_per_seed=1) == Cell(cell.n_vehicles, cell.slot_s, burst_s)
         }
         nearest_m = np.full((len(SLOTS_S), len(FLEETS)), np.nan)
         for place, summary in shown.items():

@@ -36,6 +36,7 @@ BURSTS_S = (20.0, 160.0)
 LOSS_PROB = 0.3
 WIDE_M = 40.0
 _MOST_CHANGE_PROB = 0.5
+_VARYING = "{kind: gauss_markov, params: {sd_ned_mps: [0.05, 0.05, 0.02], memory_s: 60.0, common_share: 0.5}}"
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,8 @@ class Cell:
         Mean time that a link stays bad (s), at least two cycles; without it losses are independent.
     start_radius_m : float, optional
         Radius of the ball of the starts (m), by default that of four vehicles in 10 m at the same density.
+    is_current_varying : bool
+        Whether the current varies about its mean, partly alike at all vehicles and partly not.
     runs_per_seed : int
         Number of runs for every seed that is asked for.
 
@@ -62,6 +65,7 @@ class Cell:
     slot_s: float
     wanted_burst_s: float | None = None
     start_radius_m: float | None = None
+    is_current_varying: bool = False
     runs_per_seed: int = 1
 
     def __str__(self) -> str:
@@ -72,6 +76,8 @@ class Cell:
         words = [f"{self.n_vehicles} vehicles", f"slots of {self.slot_s:g} s", losses]
         if self.start_radius_m is not None:
             words.append(f"starts within {self.start_radius_m:g} m")
+        if self.is_current_varying:
+            words.append("current that varies")
         return ", ".join(words)
 
     @property
@@ -109,6 +115,8 @@ class Cell:
         words += fleet(self.n_vehicles)
         if self.start_radius_m is not None:
             words.append(f"random_starts.radius_m={self.start_radius_m}")
+        if self.is_current_varying:
+            words.append(f"environment.current={_VARYING}")
         return tuple(words)
 
 
@@ -123,6 +131,7 @@ CELLS = (
         for slot_s in SLOTS_S
     ),
     Cell(4, 2.0, start_radius_m=WIDE_M),
+    *(Cell(4, slot_s, is_current_varying=True) for slot_s in SLOTS_S),
 )
 
 
