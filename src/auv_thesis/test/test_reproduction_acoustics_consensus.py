@@ -5,12 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from auv_core.messages import Outcome
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.loading import load_scenario
 from auv_thesis.acoustics import consensus as study
 from auv_thesis.acoustics import consensus_runs as runs
-from auv_thesis.items import Run
+from auv_thesis.items import AGREES, DIFFERS, Run
 
 IDS = ("auv_1", "auv_2", "auv_3", "auv_4")
 SQUARE = np.array([[5.0, 0.0, 10.0], [0.0, 5.0, 10.0], [-5.0, 0.0, 10.0], [0.0, -5.0, 10.0]])
@@ -59,6 +60,37 @@ def test_what_does_not_settle_never_does():
     assert runs.numbers(_run(_errors(8.0, 0.5, 40.0))).settled_s is None
     assert runs.worst([_run(_errors(8.0, 0.1, 40.0)), _run(_errors(8.0, 0.5, 40.0))]).settled_s is None
     assert runs.worst([_run(_errors(8.0, 0.1, 40.0)), _run(_errors(8.0, 0.1, 9.0))]).settled_s == 40.0
+
+
+def test_roundings_of_reports_stay_within_the_bounds_of_the_table():
+    """Broadcast centres with any rounding move the steady state (L + I) c = eta + sums by no more."""
+    n, rng = runs.N_VEHICLES, np.random.default_rng(4)
+    steps_m = np.array([0.04, 0.04, 0.08])
+    assert pytest.approx(0.5 * np.linalg.norm(steps_m)) == study._ROUNDED_M
+    complete = n * np.eye(n) - np.ones((n, n))
+    biases_m, away_m = [], []
+    for _ in range(2000):
+        rounding = rng.choice([-0.5, 0.5], (n, 3)) * steps_m
+        moved = np.linalg.solve(complete + np.eye(n), rounding.sum(axis=0) - rounding)
+        mean = moved.mean(axis=0)
+        biases_m.append(np.linalg.norm(mean))
+        away_m.append(np.linalg.norm(moved - mean, axis=1).max())
+    assert max(biases_m) == pytest.approx(study._BIAS_M)
+    assert max(away_m) == pytest.approx(study._DISAGREEMENT_M)
+
+
+@pytest.mark.parametrize(
+    ("share_of_disagreement", "share_of_bias", "verdict"),
+    [(0.9, 0.9, AGREES), (1.1, 0.9, DIFFERS), (0.9, 1.1, DIFFERS)],
+)
+def test_a_filter_off_by_more_than_rounding_differs(share_of_disagreement, share_of_bias, verdict):
+    wanted_m = study.thesis_disagreement_m(_run(_errors(8.0, 0.0, 40.0)))
+    errors = _errors(8.0, wanted_m + share_of_disagreement * study._DISAGREEMENT_M, 40.0)
+    errors[..., 2] += share_of_bias * study._BIAS_M
+    run = _run(errors)
+    run.recording.events = np.array([[0, int(Outcome.SENT), 1, 0, 1, 32]])
+    rows = study._static_rows([run] * (len(runs.STATIC) * len(runs.SEEDS)))
+    assert rows[0].verdict == verdict
 
 
 def test_the_thesis_disagreement_is_that_of_a_complete_graph():

@@ -8,10 +8,14 @@ three seeds.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 from auv_experiment.figures.plotting import legend_below, vehicle_style
+from auv_flocking.codec import Field
+from auv_flocking.reports.compact import Params, base_fields
 from auv_thesis.acoustics.consensus_runs import (
     DURATION_S,
     FILTERS,
@@ -53,8 +57,18 @@ from auv_thesis.items import (
 )
 
 _SMALL_M = 0.02
-_ROUNDING_M = 0.15
-"""Three neighbours' estimates, each rounded by up to 2 cm north and east, and 4 cm down."""
+_ROUNDED_M = 0.5 * math.hypot(
+    *(
+        field.resolution
+        for field in base_fields(Params())
+        if isinstance(field, Field) and field.name.startswith("centre_minus_position_")
+    )
+)
+"""Largest error of a centre in a report: half a step along each axis."""
+_BIAS_M = (N_VEHICLES - 1) * _ROUNDED_M
+"""An estimate adds up the others' rounded centres; (L + I)^-1 leaves the mean of these sums as it is."""
+_DISAGREEMENT_M = 2.0 * (N_VEHICLES - 1) / N_VEHICLES * _ROUNDED_M / (N_VEHICLES + 1)
+"""Reports are broadcast, so the sums differ by own roundings alone; (L + I)^-1 divides them by n + 1."""
 _LOST_M = 10.0
 _ALL_STATIC = tuple(spec for specs in STATIC.values() for spec in specs)
 _SHOWN = tuple(STATIC[name, loss][0] for loss in LOSSES for name in FILTERS)
@@ -94,8 +108,8 @@ def _static_rows(runs: list[Run]) -> list[Row]:
         expected, verdict = "not given", NO_NUMBER
         if name in (THESIS, HELD):
             wanted_m = thesis_disagreement_m(group[0])
-            near = abs(found.disagreement_m - wanted_m) < _ROUNDING_M and found.bias_m < _ROUNDING_M
-            expected, verdict = f"bias 0, disagreement {_m(wanted_m)}", AGREES if near else DIFFERS
+            is_near = abs(found.disagreement_m - wanted_m) < _DISAGREEMENT_M and found.bias_m < _BIAS_M
+            expected, verdict = f"bias 0, disagreement {_m(wanted_m)}", AGREES if is_near else DIFFERS
         ours = f"{_words(found)}; {size} B, {rate:.0f} B/s"
         rows.append(Row(f"{name}, {100 * loss:.0f} % lost", expected, ours, verdict))
     return rows
