@@ -46,6 +46,7 @@ results:
   DIR/index.html      the page: one self-contained file, to send or print
   DIR/summary.json    the same content as data
   DIR/figures/*       the figures as single files
+  DIR/chapters/*.md   claims and tables of a chapter, to paste into a document
   DIR/failures.txt    tracebacks of failures; only if something failed
   A run that fails does not stop the others. The page marks each item that depends on it.
 
@@ -63,6 +64,7 @@ examples:
   ./scripts/reproduce --only ch3 --format pdf        one chapter, its figures for a paper, too
   ./scripts/reproduce --only ch2,ch4 --out /tmp/two_chapters
   ./scripts/reproduce --only acoustics --seeds 100   the studies with all their seeds
+  ./scripts/reproduce --only envelope --seeds 100    the safety envelope; hours, Ctrl-C and go on
   ./scripts/reproduce --docs             write equations.md and figures.md of docs/reference again
 """
 

@@ -191,9 +191,23 @@ def test_the_summary_says_the_same_in_json(made):
     assert all(run["wall_s"] > 0.0 and run["cpu_s"] > 0.0 for run in summary["runs"])
 
 
+def test_claims_and_tables_are_there_as_markdown(made):
+    (file,) = (made[1] / "chapters").iterdir()
+    text = file.read_text(encoding="utf-8")
+    assert file.name == "ch5.md"
+    assert [text.count(f"**{verdict}.** ") for verdict in ("holds", "does not hold")] == [1, 1]
+    assert text.index("**holds.**") < text.index("| quantity | asked <for> | ours | verdict | note |")
+    rows = json.loads((made[1] / "summary.json").read_text(encoding="utf-8"))["chapters"]["ch5"]["tables"][0][
+        "rows"
+    ]
+    assert sum(f"| {row['ours']} | {row['verdict']} |" in text for row in rows) == len(rows) > 0
+
+
 def test_what_fails_is_told_and_touches_nothing_else(made, tmp_path, capfd):
     (tmp_path / "figures").mkdir()
     (tmp_path / "figures/figure_9-9.png").touch()
+    (tmp_path / "chapters").mkdir()
+    (tmp_path / "chapters/ch9.md").touch()
     status = cli.main(["--out", str(tmp_path), "--workers", "2"], [GOOD, BAD])
     assert status == 1
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
@@ -203,6 +217,9 @@ def test_what_fails_is_told_and_touches_nothing_else(made, tmp_path, capfd):
     for words in ("unknown key &#x27;nonsense&#x27;", "ValueError: nothing to draw", "must return rows"):
         assert words in text
     assert len(list((tmp_path / "figures").iterdir())) == 2, "those of an earlier call are gone"
+    assert {path.name for path in (tmp_path / "chapters").iterdir()} == {"ch5.md", "ch6.md"}
+    failed = (tmp_path / "chapters/ch6.md").read_text(encoding="utf-8")
+    assert failed.count("Could not be made: ") == 2
     assert "in raise_in_two_lines" in (tmp_path / "failures.txt").read_text(encoding="utf-8")
     *_, last = capfd.readouterr().err.splitlines()
     assert last.startswith("error: 5 items could not be made; see ")

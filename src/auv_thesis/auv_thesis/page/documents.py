@@ -14,6 +14,7 @@ from typing import Any
 from auv_core.machine.whole_files import write_text
 from auv_thesis.items import Chapter, ChapterError, Item, RunSpec, function_of
 from auv_thesis.page.equations import EQUATIONS_FILE, EquationList, load_equations
+from auv_thesis.page.markdown import markdown_table
 
 EQUATIONS_PAGE = "docs/reference/equations.md"
 FIGURES_PAGE = "docs/reference/figures.md"
@@ -72,10 +73,10 @@ def _equations_page(listed: EquationList) -> str:
                 )
                 for entry in entries
             ]
-            parts.append(_table(("equation", "what", "function", "test", "deviation"), rows))
+            parts.append(markdown_table(("equation", "what", "function", "test", "deviation"), rows))
     parts.append("## Not implemented, and why\n")
     parts.append(
-        _table(
+        markdown_table(
             ("equation", "what", "why"),
             [(_parenthesised(entry.equations), entry.what, entry.why) for entry in listed.left_out],
         )
@@ -98,7 +99,7 @@ def _figures_page(chapters: Sequence[Chapter]) -> str:
         ):
             rows = [(item.number, _words(item), _runs(item.runs), f"`{_function(item)}`") for item in items]
             if rows:
-                parts.append(_table((kind, "what", "runs", "function"), rows))
+                parts.append(markdown_table((kind, "what", "runs", "function"), rows))
     return "\n".join(parts)
 
 
@@ -123,15 +124,6 @@ def _function(item: Item) -> str:
 def _qualified_name(function: Callable[..., Any]) -> str:
     """Return the name of a function; for one made by another function, the name of the latter."""
     return function.__qualname__.partition(".<locals>")[0]
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(_cell(text) for text in line)} |" for line in lines) + "\n"
-
-
-def _cell(text: str) -> str:
-    return " ".join(text.split()).replace("|", "\\|")
 
 
 def _parenthesised(equations: str) -> str:

@@ -20,6 +20,7 @@ from auv_experiment.report.html import head, pairs_table
 from auv_thesis.items import Figure
 from auv_thesis.page.chapter import chapter_section
 from auv_thesis.page.made import MadeChapter
+from auv_thesis.page.markdown import chapter_markdown
 from auv_thesis.page.overview import all_claims, contents, counts_table, failures
 from auv_thesis.page.summary import FIGURES_FOLDER, figure_file, summary_of
 from auv_thesis.page.template import PAGE
@@ -29,13 +30,14 @@ if TYPE_CHECKING:
 
 PAGE_FILE = "index.html"
 SUMMARY_FILE = "summary.json"
+MARKDOWN_FOLDER = "chapters"
 
 _TITLE = "The thesis, redone"
 
 
 def write_page(folder: Path, chapters: Sequence[MadeChapter], making: Making) -> Path:
     """
-    Write index.html, summary.json and figures/*.
+    Write index.html, summary.json, figures/* and chapters/*.
 
     Parameters
     ----------
@@ -54,6 +56,7 @@ def write_page(folder: Path, chapters: Sequence[MadeChapter], making: Making) ->
     """
     folder.mkdir(parents=True, exist_ok=True)
     _write_figures(folder / FIGURES_FOLDER, chapters)
+    _write_markdown(folder / MARKDOWN_FOLDER, chapters)
     summary = summary_of(chapters, making)
     text = json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False)
     write_text(folder / SUMMARY_FILE, text + "\n")
@@ -91,6 +94,14 @@ def _write_figures(folder: Path, chapters: Sequence[MadeChapter]) -> None:
             if isinstance(made.item, Figure) and isinstance(made.content, dict):
                 for file_format, data in made.content.items():
                     write_bytes(folder / figure_file(made.item, file_format), data)
+
+
+def _write_markdown(folder: Path, chapters: Sequence[MadeChapter]) -> None:
+    folder.mkdir(exist_ok=True)
+    for path in folder.glob("*.md"):
+        path.unlink()
+    for made in chapters:
+        write_text(folder / f"{made.chapter.key}.md", chapter_markdown(made))
 
 
 def _runs_table(making: Making) -> str:
