@@ -81,6 +81,7 @@ def make_scenario(**changes: Any) -> Any:
         "environment": kind(
             current_ned_mps=(0.03, 0.04, 0.0),
             obstacles=(Obstacle(position_ned_m=(5.0, 0.0, 10.0)),),
+            current=kind(kind="steady"),
             navigation=kind(kind="exact"),
         ),
     }
@@ -239,6 +240,15 @@ def test_it_says_how_vehicles_knew_where_they_were(tmp_path: Path) -> None:
         "They knew their own position by dead reckoning with lbl fixes every 60 s and saw each other by sonar"
     )
     assert f"{words} up to 10 m." in outline.text
+
+
+def test_it_says_whether_the_current_varied(tmp_path: Path) -> None:
+    scenario, results = make_scenario(), make_results(tmp_path)
+    _, outline = read(write_report(results, scenario, make_metrics(scenario), SavedFigures()))
+    assert "a current of 0.05 m/s." in outline.text
+    scenario.environment.current = SimpleNamespace(kind="gauss_markov")
+    _, outline = read(write_report(results, scenario, make_metrics(scenario), SavedFigures()))
+    assert "a current of 0.05 m/s that varies." in outline.text
 
 
 def test_the_thesis_stands_beside_its_own_scenarios(tmp_path: Path) -> None:
