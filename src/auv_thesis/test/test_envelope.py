@@ -10,6 +10,9 @@ import pytest
 from matplotlib.figure import Figure as Canvas
 
 from auv_core.cli.tally import Tally
+from auv_core.messages import Outcome
+from auv_experiment.inprocess.sampled import run_in_process
+from auv_experiment.recording import acoustic_log
 from auv_experiment.scenario.loading import load_scenario
 from auv_sim.acoustics.outage.gilbert_elliott import Outage
 from auv_thesis.items import (
@@ -66,11 +69,16 @@ def test_bursts_are_as_long_as_the_cell_says(cell):
     assert f"bursts of {cell.burst_s:.0f} s" in str(cell)
 
 
-def test_a_cycle_is_what_the_medium_makes_of_the_slots():
-    for cell in study.CELLS:
-        scenario = resolve_run(study.STUDY[cell][0]).scenario
-        assert scenario.acoustics.mac.kind == "tdma"
-        assert len(scenario.vehicles) * scenario.acoustics.mac.params.slot_s == pytest.approx(cell.cycle_s)
+@pytest.mark.parametrize("cell", [study.Cell(12, 0.5, 20.0), study.WORST], ids=str)
+def test_every_vehicle_sends_one_packet_per_cycle(cell):
+    spec = replace(study.STUDY[cell][0], duration_s=6.0 * cell.cycle_s)
+    recording = run_in_process(resolve_run(spec).scenario)
+    sent = [event for event in acoustic_log(recording) if event.outcome is Outcome.SENT]
+    for address in range(1, cell.n_vehicles + 1):
+        own = [event for event in sent if event.source == address]
+        assert [event.sequence for event in own] == list(range(own[0].sequence, own[0].sequence + len(own)))
+        assert len(own) in (5, 6)
+        assert np.diff([event.start_s for event in own]) == pytest.approx(cell.cycle_s)
 
 
 def test_cells_differ_and_have_the_wanted_starts():
