@@ -121,15 +121,15 @@ def test_a_contact_is_said_first():
 
 def test_contacts_are_pooled_as_independent_runs_and_by_seed():
     n_runs = len(_runs())
-    assert f"none of {n_runs} (under " in envelope.pooled_words(_runs())
-    assert "none of 100 (under 3 %) seeds" in envelope.pooled_words(_runs())
+    assert f"in runs none of {n_runs} (under " in envelope.pooled_words(_runs())
+    assert "in seeds, which all cells share, none of 100 (under 3 %)" in envelope.pooled_words(_runs())
     twice = [
         _run(run.spec, TOUCHES if study.seed_of(run) == f"seed={study.FIRST_SEED}" else GOOD)
         for run in _runs()
     ]
     words = envelope.pooled_words(twice)
-    assert f"{len(study.CELLS)} of {n_runs} (" in words
-    assert "1 of 100 (0.025 to 5.5 %) seeds" in words
+    assert f"in runs {len(study.CELLS)} of {n_runs} (" in words
+    assert "in seeds, which all cells share, 1 of 100 (0.025 to 5.5 %)" in words
 
 
 def test_runs_without_contact_that_are_few_are_not_called_safe():

@@ -100,9 +100,8 @@ def pooled_words(runs: Sequence[Run]) -> str:
     shared = set.intersection(*flown)
     hit = {seed_of(run) for run in touching} & shared
     return (
-        f"Over all cells hulls touch in {share_words(len(touching), len(runs))} runs if cells are "
-        f"independent, and in {share_words(len(hit), len(shared))} seeds, which all cells share, if these "
-        "decide."
+        f"Contact over all cells: in runs {share_words(len(touching), len(runs))}, if cells are independent; "
+        f"in seeds, which all cells share, {share_words(len(hit), len(shared))}, if these decide."
     )
 
 
@@ -166,10 +165,10 @@ def _draw(canvas: Canvas, runs: list[Run]) -> None:
         }
         nearest_m = np.full((len(SLOTS_S), len(FLEETS)), np.nan)
         for place, summary in shown.items():
-            words = "not flown"
+            words = "not\nflown"
             if summary is not None:
                 nearest_m[place] = summary.nearest_m
-                words = f"{summary.nearest_m:.2f} m\n{summary.n_touching} / {summary.n_apart} of {summary.n}"
+                words = f"{summary.nearest_m:.2f} m\n{summary.n_touching} / {summary.n_apart}\nof {summary.n}"
             axes.text(place[1], place[0], words, ha="center", va="center", fontsize="small")
         axes.imshow(nearest_m, cmap="RdYlGn", vmin=0.0, vmax=2.0, origin="lower", aspect="auto")
         axes.grid(visible=False)
