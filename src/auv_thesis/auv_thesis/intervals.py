@@ -24,16 +24,16 @@ def mean_words(values: Sequence[float], unit: str, digits: int = 2) -> str:
     values : sequence
         One number per run.
     unit : str
-        Their unit.
+        Their unit, or nothing.
     digits : int
         Digits behind the point.
 
     """
-    mean = float(np.mean(values))
+    mean = f"{np.mean(values):.{digits}f} {unit}".rstrip()
     low, high = mean_bounds(values)
     if low == high:
-        return f"{mean:.{digits}f} {unit}"
-    return f"{mean:.{digits}f} {unit} ({low:.{digits}f} to {high:.{digits}f})"
+        return mean
+    return f"{mean} ({low:.{digits}f} to {high:.{digits}f})"
 
 
 def median_bounds(values: Sequence[float]) -> tuple[float, float]:

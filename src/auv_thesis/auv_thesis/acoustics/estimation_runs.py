@@ -23,7 +23,7 @@ DURATION_S = 300.0
 FORMED_S = 150.0
 SLOTS_S = (0.25, 0.5, 1.0, 2.0)
 LOSSES = (0.0, 0.3, 0.6)
-SEED = 131
+SEEDS = tuple(range(131, 141))
 
 EVERY_TICKS = 5
 _POSITION_STEP_M, _VELOCITY_STEP_MPS = 0.02, 0.0025
@@ -38,7 +38,7 @@ _FIXES = "environment.navigation={kind: dead_reckoning, params: {fix: lbl, fix_p
 _SONAR = "acoustics.sonar={kind: active}"
 
 
-def spec_of(slot_s: float, loss_prob: float, *changes: str, seed: int = SEED) -> RunSpec:
+def spec_of(slot_s: float, loss_prob: float, *changes: str, seed: int = SEEDS[0], nth: int = 0) -> RunSpec:
     """Return the main job's flock without obstacles on a channel, with changes."""
     return RunSpec(
         "flock_acoustic",
@@ -51,11 +51,17 @@ def spec_of(slot_s: float, loss_prob: float, *changes: str, seed: int = SEED) ->
             *changes,
         ),
         DURATION_S,
+        nth=nth,
     )
 
 
-GRID = {(slot_s, loss): spec_of(slot_s, loss) for loss in LOSSES for slot_s in SLOTS_S}
-BAR = tuple(spec_of(2.0, 0.3, seed=seed) for seed in (SEED, SEED + 1, SEED + 2))
+def _flights(slot_s: float, loss_prob: float) -> tuple[RunSpec, ...]:
+    return tuple(spec_of(slot_s, loss_prob, seed=seed, nth=nth) for nth, seed in enumerate(SEEDS))
+
+
+GRID = {(slot_s, loss): _flights(slot_s, loss) for loss in LOSSES for slot_s in SLOTS_S}
+"""A study of many seeds in each cell of slot length (s) and loss."""
+BAR = tuple(spec_of(2.0, 0.3, seed=seed) for seed in SEEDS[:3])
 DRIFTING = {
     "exact navigation": spec_of(0.5, 0.3),
     "exact navigation, sonar": spec_of(0.5, 0.3, _SONAR),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
@@ -191,7 +191,11 @@ def evaluate_item(
 
 
 class _KeptRun(Run):
-    """A run from the store; its recording is read at first use, since many tables need metrics only."""
+    """
+    A run from the store; its recording is read at use, since many tables need metrics only.
+
+    Only the last few recordings stay in memory: hundreds of a study would not fit.
+    """
 
     def __init__(self, resolved: ResolvedRun, store: Store) -> None:
         for name, value in (
@@ -202,7 +206,7 @@ class _KeptRun(Run):
         ):
             object.__setattr__(self, name, value)
 
-    @cached_property
+    @property
     def recording(self) -> Recording:
         """The recording of the run."""
         recording: Recording = self.__dict__["_read"]()
