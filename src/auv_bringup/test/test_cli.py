@@ -151,6 +151,27 @@ def test_a_run_in_one_process_leaves_everything_and_says_it_last(tmp_path, capsy
     assert any("two hulls touched" in line for line in lines)
 
 
+RUN_WITHOUT_FIGURES = """
+import sys
+from auv_bringup.tools.run import main
+
+words = ["ch2_pfpd", "--mode", "inprocess", "--duration", "1", "--no-figures", "--out", sys.argv[1]]
+assert main(words) == 0
+print([name for name in sys.modules if name.partition(".")[0] == "matplotlib"])
+"""
+
+
+def test_a_run_without_figures_does_not_load_what_draws_them(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-c", RUN_WITHOUT_FIGURES, str(tmp_path)],
+        capture_output=True,
+        text=True,
+        timeout=120.0,
+        check=True,
+    )
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
 def test_the_written_scenario_gives_the_same_run(tmp_path):
     run(
         tmp_path,

@@ -282,12 +282,13 @@ def write_results(
     if warning := failure_warning(metrics):
         tell(warning)
 
-    from auv_experiment.figures.files import SavedFigures, save_figures
+    from auv_experiment.figures import SavedFigures
     from auv_experiment.report.report import write_report
 
     saved = SavedFigures()
     if formats:
         from auv_experiment.figures.by_law import run_drawers
+        from auv_experiment.figures.files import save_figures
 
         on_step("figures")
         saved = save_figures(run_drawers(recording, scenario), scenario, results_dir / FIGURES, formats)

@@ -17,7 +17,8 @@ from matplotlib import rc_context
 
 from auv_control.references import circle
 from auv_core.cli.one_line_parser import OneLineParser
-from auv_experiment.figures.files import Figure, save_figures
+from auv_experiment.figures import Figure
+from auv_experiment.figures.files import save_figures
 from auv_experiment.figures.flock import flock_drawers
 from auv_experiment.figures.formats import add_format_option
 from auv_experiment.figures.plotting import (

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from auv_core.messages import Outcome
+from auv_experiment.figures import Figure
 from auv_experiment.figures.acoustics import acoustics_drawers
 from auv_experiment.figures.by_law import run_drawers
-from auv_experiment.figures.files import Figure, save_figures
+from auv_experiment.figures.files import save_figures
 from auv_experiment.recording import Recording
 
 OF_ESTIMATES = ["packet_delivery", "estimate_error"]

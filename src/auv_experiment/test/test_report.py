@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from auv_experiment.figures.files import Figure, SavedFigures
+from auv_experiment.figures import Figure, SavedFigures
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.recording import Recording
 from auv_experiment.report.report import write_report

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
@@ -29,6 +30,23 @@ class Drawing:
     canvas: Canvas
     title: str
     caption: str
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure on disk: its PNG file, title and caption."""
+
+    path: Path
+    title: str
+    caption: str
+
+
+@dataclass(frozen=True)
+class SavedFigures:
+    """The figures of a run, and a line for each own figure that failed."""
+
+    figures: tuple[Figure, ...] = ()
+    failures: tuple[str, ...] = ()
 
 
 Drawer = Callable[[], Drawing | None]

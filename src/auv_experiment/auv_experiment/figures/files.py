@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from matplotlib import rc_context
 
 from auv_core.machine.whole_files import whole_file
-from auv_experiment.figures import Drawer, Drawing
+from auv_experiment.figures import Drawer, Drawing, Figure, SavedFigures
 from auv_experiment.figures.formats import PAGE_FORMAT
 from auv_experiment.figures.own import OwnFigureError
 from auv_experiment.figures.plotting import PAGE_STYLE, save_canvas, style_of, wrap_words
@@ -28,23 +27,6 @@ _THESIS_FIGURES = {
     )
     for name, number in (("plan", f"{tracks} (b)"), ("space", f"{tracks} (a)"), ("pair_distances", pairs))
 }
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A figure on disk: its PNG file, title and caption."""
-
-    path: Path
-    title: str
-    caption: str
-
-
-@dataclass(frozen=True)
-class SavedFigures:
-    """The figures of a run, and a line for each own figure that failed."""
-
-    figures: tuple[Figure, ...] = ()
-    failures: tuple[str, ...] = ()
 
 
 def draw_in_style(draw: Drawer) -> Drawing | None:

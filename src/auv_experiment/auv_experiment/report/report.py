@@ -27,7 +27,7 @@ from auv_experiment.report.verdicts import verdicts
 from auv_sim.vehicle import STEADY
 
 if TYPE_CHECKING:
-    from auv_experiment.figures.files import SavedFigures
+    from auv_experiment.figures import SavedFigures
     from auv_experiment.scenario.schema import Scenario
 
 REPORT_FILE = "report.html"
