@@ -10,6 +10,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+import yaml
 
 from auv_bag.bag import Bag
 from auv_bag.compare import compare_bags
@@ -19,41 +20,35 @@ from auv_core.messages import Outcome
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.recording import acoustic_log
 from auv_experiment.recording_from_bag import read_recording
-from auv_experiment.scenario.loading import list_scenarios, load_scenario
+from auv_experiment.scenario.loading import list_scenarios, load_scenario, scenario_to_yaml
 from auv_sim.acoustics.event_log import half_duplex_violations
 from auv_sim.acoustics.propagation import bellhop
 
 pytestmark = pytest.mark.ros
+WITH_THE_LOSSY_RUNS = pytest.mark.xdist_group("lossy_runs")
 
 TOLERANCE = 1e-9
 # Times of the water: whole nanoseconds in messages and in recordings of one process alike.
 EXACT = {"delay_s", "event_values"}
-# As others, which fly in every test run, but for a start, an obstacle or a limit.
-AS_OTHERS = {
-    "ch2_pfapd",
-    "ch2_pfapd_corrected",
-    "ch2_pfapd_obstacles",
-    "ch2_pfpd_corrected",
-    "ch2_pfpd_obstacles",
-    "ch3_circle_corrected",
-    "ch3_spiral",
-    "ch4_region_limited",
-    "ch5_communication",
-    "ch5_four_leaders",
-    "ch5_obstacles",
-    "ch6_four_leaders",
-    "ch6_one_leader",
-    "flock_modem",
+# What flies in every test run: between them, and with what else flies here, all kinds of the scenarios.
+QUICK = (
+    "ch2_pfapd_obstacles_corrected",
+    "ch3_circle",
+    "ch3_spiral_corrected",
+    "ch4_region",
+    "ch5_communication_obstacles",
+    "ch6_obstacles",
+    "flock_drift",
     "medium_access",
     "passage",
-    "range_sweep",
-}
+)
+FLOWN_BELOW = ("flock_acoustic", "flock_sensed", "ch2_pfpd")
 # All layouts make one bag (a test says so), so most fly in the one that starts and flies fastest.
 WITH_A_PROCESS_PER_NODE = {"ch3_circle", "ch5_one_leader", "flock_drift"}
 SHIPPED = [name for name, _ in list_scenarios()]
 QUICK_S, LONG_S = 8, 20
-QUICK = [(name, QUICK_S) for name in SHIPPED if name not in AS_OTHERS | {"flock_acoustic"}]
-LONG = [pytest.param(name, LONG_S, marks=pytest.mark.slow) for name in SHIPPED]
+FLIGHTS = [pytest.param(name, QUICK_S) for name in QUICK]
+FLIGHTS += [pytest.param(name, LONG_S, marks=pytest.mark.slow) for name in SHIPPED]
 WATER = (
     "agent.neighbours.timeout_s=60",
     (
@@ -98,6 +93,16 @@ def assert_equals_in_process(results_dir):
     return recorded
 
 
+def kinds_of(part, section=""):
+    """Return the plugins that a part of a scenario names, each with its section."""
+    if isinstance(part, list):
+        return set().union(*(kinds_of(each, section) for each in part))
+    if not isinstance(part, dict):
+        return set()
+    own = {(section, part["kind"])} if isinstance(part.get("kind"), str) else set()
+    return own.union(*(kinds_of(value, name) for name, value in part.items()))
+
+
 @pytest.fixture(scope="module")
 def lossy_runs(tmp_path_factory):
     """
@@ -110,6 +115,7 @@ def lossy_runs(tmp_path_factory):
     ]
 
 
+@WITH_THE_LOSSY_RUNS
 @pytest.mark.parametrize("other", range(1, 1 + len(LAYOUTS)), ids=LAYOUTS)
 def test_lockstep_runs_with_one_seed_give_byte_identical_bags_in_all_layouts(lossy_runs, other):
     bags = [run / "bag" for run in (lossy_runs[0], lossy_runs[other])]
@@ -119,6 +125,7 @@ def test_lockstep_runs_with_one_seed_give_byte_identical_bags_in_all_layouts(los
     assert (bags[0] / "metadata.yaml").read_bytes() == (bags[1] / "metadata.yaml").read_bytes()
 
 
+@WITH_THE_LOSSY_RUNS
 def test_the_runs_lose_packets_and_feel_a_current(lossy_runs):
     scenario = load_scenario(str(lossy_runs[0] / "scenario.yaml"))
     recording = read_recording(lossy_runs[0] / "bag", scenario)
@@ -126,6 +133,7 @@ def test_the_runs_lose_packets_and_feel_a_current(lossy_runs):
     assert 0 < len(recording.received) < 3 * len(recording.sent)
 
 
+@WITH_THE_LOSSY_RUNS
 def test_topics_come_as_often_as_they_are_declared_to(lossy_runs):
     scenario = load_scenario(str(lossy_runs[0] / "scenario.yaml"))
     counts = Counter(message.topic for message in Bag(lossy_runs[0] / "bag").messages())
@@ -140,11 +148,18 @@ def test_topics_come_as_often_as_they_are_declared_to(lossy_runs):
     } == {}
 
 
+@WITH_THE_LOSSY_RUNS
 def test_a_lockstep_run_equals_the_run_in_one_process(lossy_runs):
     assert_equals_in_process(lossy_runs[0])
 
 
-@pytest.mark.parametrize(("scenario", "duration_s"), [*QUICK, *LONG])
+def test_what_flies_in_every_test_run_has_every_kind_of_the_scenarios():
+    kinds = {name: kinds_of(yaml.safe_load(scenario_to_yaml(load_scenario(name)))) for name in SHIPPED}
+    flown = set().union(*(kinds[name] for name in (*QUICK, *FLOWN_BELOW)))
+    assert set().union(*kinds.values()) - flown == set()
+
+
+@pytest.mark.parametrize(("scenario", "duration_s"), FLIGHTS)
 def test_every_scenario_in_lockstep_equals_the_run_in_one_process(scenario, duration_s, tmp_path):
     layout = "node" if scenario in WITH_A_PROCESS_PER_NODE else "single"
     assert_equals_in_process(fly(scenario, tmp_path, duration_s, "--layout", layout))
@@ -212,6 +227,7 @@ def test_sensed_and_moving_obstacles_are_the_same_in_lockstep(tmp_path):
     assert {"unknown obstacles", "auv_1 sensed"} <= drawn
 
 
+@WITH_THE_LOSSY_RUNS
 def test_another_seed_gives_another_bag(lossy_runs, tmp_path):
     other = fly("flock_acoustic", tmp_path, 2, "--seed", "4", "--layout", "single")
     assert compare_bags(lossy_runs[0] / "bag", other / "bag") != []
