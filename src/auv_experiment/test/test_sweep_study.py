@@ -222,6 +222,6 @@ def test_the_study_of_the_documentation_is_allowed():
 
 def test_an_unknown_study_is_told_with_the_known_ones():
     with pytest.raises(
-        ConfigError, match=r"study: 'no_such' is not allowed; allowed: obstacles, quick, safety"
+        ConfigError, match=r"study: 'no_such' is not allowed; allowed: modems, obstacles, quick, safety"
     ):
         load_study("no_such")
