@@ -26,7 +26,7 @@ from auv_flocking.central import along
 from auv_flocking.codec import Field, Layout
 from auv_flocking.consensus import ConsensusFilter, ContinuousFilter
 from auv_flocking.estimators import Motion, NeighbourEstimator
-from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, View
+from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, Member, View
 from auv_flocking.neighbours.association import Leftovers
 from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.neighbours.sonar_contact import contact_of, sighting
@@ -187,7 +187,7 @@ def _follow_reference(module, params, _inputs):
 def _use_flocking(module, params, inputs):
     outputs: list[Any] = []
     for is_leader in (True, False):
-        law = module.Flocking(params, SEPARATION, is_leader)
+        law = module.Flocking(params, SEPARATION, Member(is_leader))
         assert params.formation_spacing_m > 0.0
         assert params.largest_correction_mps > 0.0
         belief = NOTHING_HEARD
@@ -454,7 +454,9 @@ ROLES = {
         "Controller", (MotionLaw, VelocityController), (PERIOD_S,), _use_controller
     ),
     "auv_control.references": Role("Reference", (ReferencePath,), (), _follow_reference),
-    "auv_flocking.flocking": Role("Flocking", (FlockingLaw,), (SEPARATION, True), _use_flocking),
+    "auv_flocking.flocking": Role(
+        "Flocking", (FlockingLaw,), (SEPARATION, Member(is_leader=True)), _use_flocking
+    ),
     "auv_flocking.separation": Role("Separation", (SeparationLaw,), (), _use_separation),
     "auv_flocking.consensus": Role("Consensus", (ConsensusFilter,), (4,), _use_consensus),
     "auv_flocking.estimators": Role("Estimator", (NeighbourEstimator,), (), _use_estimator),

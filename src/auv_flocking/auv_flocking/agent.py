@@ -17,7 +17,7 @@ from auv_core.state_checks import is_command
 from auv_flocking.agent_config import AgentConfig
 from auv_flocking.consensus import ConsensusFilter, make_consensus
 from auv_flocking.flock_task import FlockTask
-from auv_flocking.flocking import FlockVelocity, make_flocking
+from auv_flocking.flocking import FlockVelocity, Member, make_flocking
 from auv_flocking.heard import class_of_all, mask_of
 from auv_flocking.holding import NO_FINITE_COMMAND, OUT_OF_REPORT
 from auv_flocking.motion_task import MotionTask
@@ -74,7 +74,8 @@ class Agent:
         if config.flocking is None or config.separation is None or consensus is None:
             raise RuntimeError("a flock without its laws: AgentConfig should have refused it")
         separation = make_separation(config.separation)
-        law = make_flocking(config.flocking, separation, is_leader=config.is_leader)
+        member = Member(config.is_leader, config.address, config.fleet_size)
+        law = make_flocking(config.flocking, separation, member)
         return FlockTask(law, consensus, controller, config.obstacles, config.period_s)
 
     @property

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from auv_control.references import PathPoint
 from auv_core.params import ConfigError, load
 from auv_flocking.consensus import thesis
-from auv_flocking.flocking import View
+from auv_flocking.flocking import Member, View
 from auv_flocking.flocking import potential as flocking
 from auv_flocking.separation import fuzzy, mathematical
 from auv_flocking.separation.adaptive_fuzzy import Params, Separation
@@ -24,7 +24,7 @@ DISTANCES = st.lists(st.floats(0.0, 20.0), max_size=5)
 def _fly(params, duration_s, period_s=0.1):
     """Fly four single integrators round the thesis's circle; return pair distances over time and the laws."""
     separations = [Separation(params) for _ in STARTS]
-    laws = [flocking.Flocking(flocking.Params(), s, i == 0) for i, s in enumerate(separations)]
+    laws = [flocking.Flocking(flocking.Params(), s, Member(i == 0)) for i, s in enumerate(separations)]
     consensus = thesis.Consensus(thesis.Params(), len(STARTS))
     places, centres, distances = list(STARTS), list(STARTS), []
     for tick in range(round(duration_s / period_s)):
@@ -109,7 +109,9 @@ def test_obstacles_are_met_with_peaks_at_rest():
 
 
 def test_laws_without_a_memory_have_nothing_to_learn():
-    law = flocking.Flocking(flocking.Params(), mathematical.Separation(mathematical.Params()), True)
+    law = flocking.Flocking(
+        flocking.Params(), mathematical.Separation(mathematical.Params()), Member(is_leader=True)
+    )
     view = View(ORIGIN, ORIGIN, ORIGIN, ((1.0, 0.0, 0.0),), (), PathPoint(ORIGIN, ORIGIN))
     before = law.velocity(view)
     law.adapt(view, 0.1)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_control.references import PathPoint
-from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View, potential
+from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, Member, View, potential
 from auv_flocking.flocking._correction import outlook
 from auv_flocking.flocking.communication_aware import Flocking, Params
 from auv_flocking.neighbours.estimates import Estimates, NeighbourEstimate
@@ -54,7 +54,7 @@ def _view(own, estimates, *, centre=None, obstacles=(), flock=W):
 
 
 def _law(estimates=(), *, is_leader=False, **numbers):
-    law = Flocking(Params(**numbers), SEPARATION, is_leader)
+    law = Flocking(Params(**numbers), SEPARATION, Member(is_leader))
     law.hear(tuple(estimates), PERIOD_S)
     return law
 
@@ -84,7 +84,7 @@ def test_with_fresh_information_it_is_the_potential_law_in_the_flocks_frame(own,
     estimates = [_estimate(other, address=2 + k) for k, other in enumerate(others)]
     law = _law(estimates, barrier=False, correction_limit_mps=DISTANT, reach_m=DISTANT)
     thesis = potential.Flocking(
-        potential.Params(followers="blind", feedforward="flock"), SEPARATION, is_leader=False
+        potential.Params(followers="blind", feedforward="flock"), SEPARATION, Member()
     )
     view = _view(own, estimates)
     np.testing.assert_allclose(law.velocity(view), thesis.velocity(view), rtol=1e-9, atol=1e-9)
@@ -100,7 +100,7 @@ def test_gain_times_age_is_the_lag_budget(age_s):
 
 
 def test_age_is_measured_and_remembered():
-    law = Flocking(Params(age_memory_s=40.0), SEPARATION, False)
+    law = Flocking(Params(age_memory_s=40.0), SEPARATION, Member())
     for _ in range(100):
         law.hear((), PERIOD_S)
     assert law.age_s == pytest.approx(10.0)  # nothing heard for as long as it runs
@@ -191,7 +191,7 @@ def test_over_a_cycle_of_packets_the_gain_changes_by_a_factor_of_two_and_not_by_
         "correction_limit_mps": DISTANT,
         "reach_m": DISTANT,
     }
-    law = Flocking(Params(**numbers), SEPARATION, is_leader=False)
+    law = Flocking(Params(**numbers), SEPARATION, Member())
     pushes = []
     for tick in range(4000):
         estimates = [_estimate((1.5, 0.0, 0.0), age_s=0.1 * (1 + tick % 20))]
@@ -297,7 +297,7 @@ def test_separation_law_with_a_memory_learns():
             self.learned = (distances_m, spacing_m, dt_s)
 
     learner = Learner(mathematical.Params())
-    Flocking(Params(), learner, False).adapt(_view(ORIGIN, [_estimate((3.0, 0.0, 4.0))]), PERIOD_S)
+    Flocking(Params(), learner, Member()).adapt(_view(ORIGIN, [_estimate((3.0, 0.0, 4.0))]), PERIOD_S)
     assert learner.learned == ([5.0], 2.0, PERIOD_S)
 
 
@@ -354,3 +354,71 @@ def test_an_uncertain_obstacle_is_kept_farther_away(distance_m, sigma_m):
         return _law().velocity(view._replace(sensed=(_sensed((distance_m, 0.0, 0.0), sigma_m=sigma),)))[0]
 
     assert ahead_mps(sigma_m) <= ahead_mps(0.0)
+
+
+def _silent(address, *, fleet_size=4, silent_s=1.0, **numbers):
+    """Return the law of a vehicle that has heard nobody for long enough to take its layer at 10 m."""
+    params = Params(layer_depth_m=10.0, silent_s=silent_s, **numbers)
+    law = Flocking(params, SEPARATION, Member(False, address, fleet_size))
+    law.hear((), silent_s + PERIOD_S)
+    return law
+
+
+@settings(max_examples=20, deadline=None)
+@given(fleet_size=st.integers(2, 128), span_m=st.floats(1.0, 18.0))
+def test_every_vehicle_without_news_goes_to_a_depth_of_its_own(fleet_size, span_m):
+    pitch_m = min(1.5, span_m / (fleet_size - 1))
+    for address in {1, 2, fleet_size // 2, fleet_size} - {0}:
+        own_m = 10.0 + pitch_m * (address - 0.5 * (fleet_size + 1))
+        law = _silent(address, fleet_size=fleet_size, layer_span_m=span_m)
+        for off_m in (-0.2, 0.0, 0.2):
+            view = _view((0.0, 0.0, own_m + off_m), [], centre=(3.0, 0.0, 0.0))
+            assert _correction(law, view)[2] == pytest.approx(-0.3 * off_m, abs=1e-9)
+
+
+def test_a_vehicle_goes_to_its_layer_first_and_to_the_centre_then():
+    law, centre = _silent(1), (3.0, 0.0, 7.75)
+    on_the_way = _correction(law, _view((0.0, 0.0, 10.0), [], centre=centre))
+    in_it = _correction(law, _view((0.0, 0.0, 7.75), [], centre=centre))
+    assert on_the_way[2] < -0.1
+    np.testing.assert_allclose(on_the_way[:2], 0.0, atol=1e-12)
+    assert in_it[0] > 0.1
+    np.testing.assert_allclose(in_it[1:], 0.0, atol=1e-12)
+
+
+@MODERATE
+@given(other=POINTS, velocity=SPEEDS, age_s=AGES)
+def test_in_its_layer_a_vehicle_gives_way_sideways_only(other, velocity, age_s):
+    law = _silent(1)
+    neighbour = _estimate((other[0], other[1], 7.75 + other[2]), velocity=velocity, age_s=age_s)
+    view = _view((0.0, 0.0, 7.75), [neighbour], centre=(3.0, 0.0, 7.75))
+    assert _correction(law, view)[2] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_who_hears_everybody_leaves_its_layer_and_who_misses_one_takes_it():
+    heard = [_estimate((5.0 * k, 0.0, 10.0), address=k, age_s=2.0) for k in (2, 3, 4)]
+    law = _silent(1, silent_s=3.0)
+    view = _view((0.0, 0.0, 10.0), heard, centre=(3.0, 0.0, 10.0))
+    law.hear(heard, PERIOD_S)
+    assert _correction(law, view)[2] == pytest.approx(0.0, abs=1e-12)
+    old = [*heard[:2], heard[2]._replace(age_s=3.5)]
+    law.hear(old, PERIOD_S)
+    assert _correction(law, view)[2] < -0.1
+
+
+def test_a_layer_above_the_surface_is_refused():
+    with pytest.raises(
+        ValueError, match=r"layer_depth_m: 4.0 is not allowed; allowed: more than half of lay"
+    ):
+        Params(layer_depth_m=4.0)
+
+
+@pytest.mark.parametrize(
+    ("distance_m", "expected_mps"), [(3.0, 0.045), (4.0, 0.06), (8.0, 0.18), (12.0, 0.3)]
+)
+def test_the_way_to_the_centre_from_outside_has_a_budget_of_its_own(distance_m, expected_mps):
+    """At an age of 20 s: 0.3 / 20 per metre up to 4 m, and 0.6 / 20 for the share of the way outside."""
+    far = [_estimate((30.0, 0.0, 0.0), age_s=20.0)]
+    law = _law(far, age_memory_s=1e-9, correction_limit_mps=DISTANT, reach_m=DISTANT, barrier=False)
+    asked = _correction(law, _view(ORIGIN, far, centre=(distance_m, 0.0, 0.0)))
+    np.testing.assert_allclose(asked, [expected_mps, 0.0, 0.0], rtol=1e-9)

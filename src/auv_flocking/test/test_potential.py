@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_control.references import PathPoint
-from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, View
+from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, Member, View
 from auv_flocking.flocking.potential import Flocking, Params
 from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.separation import mathematical
@@ -46,7 +46,7 @@ VIEWS = st.builds(
 
 
 def _law(is_leader=True, **changes):
-    return Flocking(replace(PARAMS, **changes), SEPARATION, is_leader)
+    return Flocking(replace(PARAMS, **changes), SEPARATION, Member(is_leader))
 
 
 def _estimate(flock_velocity, stamp_s=0.0):
@@ -163,7 +163,7 @@ def test_an_obstacle_is_met_with_the_laws_own_way_where_it_has_one():
         def obstacle_velocity(self, own, obstacle, spacing_m):
             return (0.0, 7.0, spacing_m)
 
-    law = Flocking(replace(PARAMS, followers="blind"), Odd(), is_leader=False)
+    law = Flocking(replace(PARAMS, followers="blind"), Odd(), Member())
     np.testing.assert_allclose(law.velocity(VIEW), COHESION + np.array([1.0, 7.0, 2.0]))
 
 

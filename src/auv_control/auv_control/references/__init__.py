@@ -13,6 +13,8 @@ from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Box, Vec3
 from auv_core.params import Section
 
+_STANDS_M2PS2 = 1e-6
+
 
 class PathPoint(NamedTuple):
     """
@@ -28,6 +30,15 @@ class PathPoint(NamedTuple):
     heading_rad: float = 0.0
     heading_rate_radps: float = 0.0
     heading_acceleration_radps2: float = 0.0
+
+    @property
+    def turn_rate_radps(self) -> float:
+        """
+        Rate at which the velocity turns about the vertical (rad/s; from north to east), 0 if it stands.
+        """
+        (vx, vy, _), (ax, ay, _) = self.velocity, self.acceleration
+        square_m2ps2 = vx * vx + vy * vy
+        return (vx * ay - vy * ax) / square_m2ps2 if square_m2ps2 > _STANDS_M2PS2 else 0.0
 
 
 class ReferencePath(Protocol):

@@ -31,7 +31,7 @@ from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario, VehicleEntry
 from auv_flocking.consensus import thesis
 from auv_flocking.flock_rates import FlockLaw, flock_law, flock_rates
-from auv_flocking.flocking import potential
+from auv_flocking.flocking import Member, potential
 from auv_flocking.separation import CentralLaw, make_separation
 from auv_sim.vehicle import check_finite
 
@@ -192,7 +192,9 @@ def _law(scenario: Scenario, is_leader: Sequence[bool]) -> FlockLaw:
     separation = make_separation(agent.separation)
     assert isinstance(separation, CentralLaw)
     consensus = thesis.Consensus(agent.consensus.params, len(is_leader))
-    law_of = {leads: potential.Flocking(agent.flocking.params, separation, leads) for leads in (True, False)}
+    law_of = {
+        leads: potential.Flocking(agent.flocking.params, separation, Member(leads)) for leads in (True, False)
+    }
     laws = [law_of[leads] for leads in is_leader]
     obstacles = tuple((o.position_ned_m, o.safety_distance_m) for o in scenario.environment.obstacles)
     return flock_law(laws, agent.flocking.params, separation, consensus, obstacles)

@@ -14,7 +14,7 @@ from auv_experiment.scenario.file import ID, ID_WORDS, MOST_VEHICLES
 from auv_experiment.scenario.reach import check_reach
 from auv_flocking.agent_config import check_parts, report_format
 from auv_flocking.consensus import ContinuousFilter, consensus_params, make_consensus
-from auv_flocking.flocking import flocking_params, make_flocking
+from auv_flocking.flocking import Member, flocking_params, make_flocking
 from auv_flocking.separation import LearningLaw, make_separation
 from auv_sim.acoustics.medium import AcousticMedium
 from auv_sim.navigation import make_navigation
@@ -99,7 +99,7 @@ def _check_contracts(scenario: Scenario) -> None:
     make_controller(agent.controller, scenario.period_s)
     make_navigation(scenario.environment.navigation, scenario.seed, 1, scenario.period_s)
     if agent.flocking is not None and agent.separation is not None:
-        make_flocking(agent.flocking, make_separation(agent.separation), is_leader=True)
+        make_flocking(agent.flocking, make_separation(agent.separation), Member(is_leader=True))
         flocking_params(agent.flocking)
     if agent.consensus is not None:
         consensus_params(agent.consensus)

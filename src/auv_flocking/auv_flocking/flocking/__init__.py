@@ -2,7 +2,7 @@
 Flocking laws: they compute a vehicle's velocity command from its information.
 
 To add one, write one file with ``Params``, which are `FlockingParams`, and ``Flocking(params, separation,
-is_leader)``, a `FlockingLaw`.  The file's name is its ``kind``.  `flock_velocity` and `velocity` change
+member)``, a `FlockingLaw`.  The file's name is its ``kind``.  `flock_velocity` and `velocity` change
 nothing, so that the sampled agent and the continuous-time runner use the same law.
 """
 
@@ -41,6 +41,14 @@ class FlockVelocity(NamedTuple):
 
 
 NOTHING_HEARD = FlockVelocity((0.0, 0.0, 0.0), -math.inf)
+
+
+class Member(NamedTuple):
+    """A vehicle's place in its fleet: whether it leads, its address from 1, and the number of vehicles."""
+
+    is_leader: bool = False
+    address: int = 1
+    fleet_size: int = 1
 
 
 class View(NamedTuple):
@@ -110,9 +118,9 @@ def learn(law: LearningLaw, view: View, spacing_m: float, dt_s: float) -> None:
         law.adapt_to_obstacles(gaps_m, dt_s)
 
 
-def make_flocking(section: Section, separation: SeparationLaw, *, is_leader: bool) -> FlockingLaw:
-    """Return the law of a section for a leader or a follower."""
-    made = class_of(__name__, section.kind, "Flocking")(section.params, separation, is_leader)
+def make_flocking(section: Section, separation: SeparationLaw, member: Member) -> FlockingLaw:
+    """Return the law of a section for one vehicle of a fleet."""
+    made = class_of(__name__, section.kind, "Flocking")(section.params, separation, member)
     law: FlockingLaw = fulfilled(made, FlockingLaw)
     return law
 

@@ -18,6 +18,7 @@ from auv_core.geometry import Vec3, limited
 from auv_flocking.central import Numbers, along, no_strength
 from auv_flocking.flocking._avoidance import obstacle_bound, obstacle_spacing_m
 from auv_flocking.flocking._half_spaces import into_half_spaces
+from auv_flocking.flocking._layers import Layering, levelled
 from auv_flocking.neighbours.estimates import (
     AGE,
     COVARIANCE,
@@ -37,6 +38,8 @@ class Gains(NamedTuple):
 
     spacing_m: float
     cohesion_gain_ps: float
+    gathering_m: float
+    gathering_budget_rad: float
     lag_budget_rad: float
     correction_limit_mps: float
     reach_m: float
@@ -80,12 +83,13 @@ def matched(lag_budget_rad: float, age_s: float) -> float:
     return min(1.0, lag_budget_rad / max(age_s, _NO_AGE_S))
 
 
-@entry("float64(float64[:, ::1], int64[::1], float64[::1], float64, float64)", allocates=False)
+@entry("UniTuple(float64, 2)(float64[:, ::1], int64[::1], float64[::1], float64, float64)", allocates=False)
 def remember_ages(
     rows: Matrix, addresses: NDArray[np.int64], usual_s: Matrix, running_s: float, share: float
-) -> float:
+) -> tuple[float, float]:
     """
-    Update the average ages of packets by one period; return the sum of the effective ages (s).
+    Update the average ages of packets by one period; return the sum of the effective ages, and the age of
+    the oldest packet (s).
 
     Parameters
     ----------
@@ -99,7 +103,7 @@ def remember_ages(
         Weight of the current age.
 
     """
-    total_s = 0.0
+    total_s = oldest_s = 0.0
     for k in range(len(rows)):
         address, age_s = addresses[k], float(rows[k, AGE])
         before_s = float(usual_s[address])
@@ -108,7 +112,8 @@ def remember_ages(
         now_s = before_s + share * (age_s - before_s)
         usual_s[address] = now_s
         total_s += max(age_s, now_s)
-    return total_s
+        oldest_s = max(oldest_s, age_s)
+    return total_s, oldest_s
 
 
 @entry("int64(float64[:, ::1], float64)", allocates=False)
@@ -196,9 +201,22 @@ def _neighbour_bound(view: Outlook, gains: Gains) -> float:
     return min(least_mps, gains.correction_limit_mps)
 
 
+@inner
+def _cohesion_gain_ps(far_m: float, age_s: float, gains: Gains) -> float:
+    """
+    Return the gain towards a centre `far_m` away (1/s).
+
+    It is matched to the age near the centre, and less so for the part of the way outside of `gathering_m`.
+    """
+    near = matched(gains.lag_budget_rad, age_s)
+    outside = max(near, matched(gains.gathering_budget_rad, age_s))
+    share = 1.0 - gains.gathering_m / far_m if far_m > gains.gathering_m else 0.0
+    return gains.cohesion_gain_ps * (near + share * (outside - near))
+
+
 @entry(
     "TUPLE3(TUPLE3, TUPLE3, TUPLE3, Tuple((float64[:, ::1], int64[::1], float64[::1], float64[:, ::1])), "
-    "float64, TUPLE14, UniTuple(float64[::1], 2), float64[:, ::1])"
+    "float64, TUPLE16, UniTuple(float64[::1], 2), float64[:, ::1], TUPLE2)"
 )
 def correction(
     own: Vec3,
@@ -209,6 +227,7 @@ def correction(
     numbers: tuple[float, ...],
     strength_numbers: tuple[Numbers, Numbers],
     pushes: Matrix,
+    layer: Layering,
 ) -> Vec3:
     """
     Return the velocity that a vehicle adds to the flock's (m/s; NED).
@@ -224,19 +243,25 @@ def correction(
         address, (256,) (s); the obstacles, (k, 8), see `_avoidance`.
     age_s : float
         Mean age A of the information (s).
-    numbers : (14,) tuple
+    numbers : (16,) tuple
         The law's `Gains`.
     strength_numbers : tuple of two arrays
         Parameters of the separation law for neighbours and for obstacles; see `auv_flocking.central`.
     pushes : (n + k, 3) or (0, 3) array
         Velocities from another kind of separation law, for neighbours and obstacles (m/s).
+    layer : (2,) tuple
+        Velocity downwards that the vehicle's layer asks for (m/s; NaN: none), and 1 in it, 0 on the way.
 
     """
     gains = Gains(*numbers)
     rows, addresses, usual_s, obstacles = known
     n, count = len(rows), len(rows) + len(obstacles)
-    gain = gains.cohesion_gain_ps * matched(gains.lag_budget_rad, age_s)
-    x, y, z = gain * (centre[0] - own[0]), gain * (centre[1] - own[1]), gain * (centre[2] - own[2])
+    x, y, z = centre[0] - own[0], centre[1] - own[1], centre[2] - own[2]
+    gain_ps = _cohesion_gain_ps(math.sqrt(x * x + y * y + z * z), age_s, gains)
+    sinking_mps, is_layered, is_level = layer[0], not math.isnan(layer[0]), layer[1] > 0.0
+    if is_layered and not is_level:
+        gain_ps = 0.0
+    x, y, z = gain_ps * x, gain_ps * y, gain_ps * z
     limit_mps = min(gains.correction_limit_mps, gains.reach_m / max(age_s, _NO_AGE_S))
     half_spaces = np.empty((count, 4))
     for k in range(count):
@@ -245,6 +270,8 @@ def correction(
             normal, factor, spacing_m = view.normal, view.gain, view.spacing_m
             other = (float(rows[k, POSITION]), float(rows[k, POSITION + 1]), float(rows[k, POSITION + 2]))
             bound_mps = _neighbour_bound(view, gains)
+            if is_layered and is_level:
+                normal, bound_mps = levelled(normal, bound_mps, sinking_mps)
         else:
             row = obstacles[k - n]
             other, spacing_m = (float(row[0]), float(row[1]), float(row[2])), obstacle_spacing_m(row, gains)
@@ -261,6 +288,8 @@ def correction(
         half_spaces[k, 0], half_spaces[k, 1], half_spaces[k, 2] = normal
         half_spaces[k, 3] = bound_mps
     asked = limited((x, y, z), limit_mps)
+    if is_layered:
+        asked = (asked[0], asked[1], sinking_mps)
     if gains.barrier == 0.0 or count == 0:
         return asked
     return limited(into_half_spaces(asked, half_spaces), gains.correction_limit_mps)

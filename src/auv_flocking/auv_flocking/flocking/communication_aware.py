@@ -1,9 +1,9 @@
 """
 Flocking that is no faster than its information: the thesis's law for a real modem.
 
-    u   = w + barrier( limited( g k_c (c - eta) + sum_j g_j F(eta - eta_j, d_j),  min(u_max, l / A) ) )
+    u   = w + barrier( layer( limited( g_c k_c (c - eta) + sum_j g_j F(eta - eta_j, d_j), min(u_max, l/A) )))
     w   = eta_d_dot + limited( g k_l (eta_d - c),  min(w_max, s / A) )   leader; followers: the newest heard
-    g   = min(1, phi / A),        g_j = min(1, phi / A_j)
+    g   = min(1, phi / A),        g_j = min(1, phi / A_j),        g_c = g within R of the centre, more outside
     d_j = d + min(k_s sigma_j + k_n q_j, m),   sigma_j^2 = n_j . P_j n_j + (k_v a_j |v_j - w|)^2
     barrier:  n_j . (u - w) >= max(-1/2 h_j, n_j . (v_j - w) - h_j)     for every j
               h_j = min(alpha, 1 / a_j) (r_j - D - min(k_b sigma_j, m))
@@ -16,7 +16,9 @@ sonar sees the neighbour; A: mean of the packets' A_j over the neighbours.
 
 1. A feedback of gain g on information of age A has a phase lag of g A (rad) at its crossover frequency. phi
    bounds this lag, so the loop is as well damped at 20 s as at 1 s. The ages are measured, packet by packet,
-   and never configured: slot length, loss rate and collisions need not be known.
+   and never configured: slot length, loss rate and collisions need not be known. The way to the centre from
+   outside of R has a budget of its own: a vehicle's own position is never old, and the centre of all
+   stays where it is while they gather.
 2. A neighbour with an uncertain position is kept at a larger distance. The uncertainty is its filter's
    covariance, which includes both navigations, and the distance that its velocity in the flock could have
    covered since the last packet. The part q_j due to navigation, the smaller of (n_j . P_j n_j)^1/2 and the
@@ -28,13 +30,13 @@ sonar sees the neighbour; A: mean of the packets' A_j over the neighbours.
    centre to the path (thesis: "the average centre of the group will follow the desired trajectory"). Vehicles
    pass w on with the leader's time stamp, so that the newest one is used, and vehicles that do not hear the
    leader still follow.
-   w turns with the path: it is passed on with its rate of turn, so that a velocity that is a minute old still
-   points along the path. A leader steers no faster than others can follow: a change of w reaches them one age
-   later, and by then the flock has spread by the product.
-5. The barrier bounds the approach to every neighbour. Each vehicle takes half, so that two vehicles that
-   obey it do not come closer than D plus margin, whatever the sum of the attractions is
-   (`auv_flocking.flocking._half_spaces`). The other half is the neighbour's only as long as it knows of this
-   vehicle; so a vehicle also counts on the neighbour's velocity as it is: it yields to one that does not.
+   w is passed on with its rate of turn, so that one that is a minute old still points along the path. A
+   leader steers no faster than others can follow: the flock spreads by the change of w times the age.
+5. The barrier bounds the approach to every neighbour (`auv_flocking.flocking._half_spaces`). Each vehicle
+   takes half, so that two that obey it do not come closer than D plus margin, whatever attracts them. The
+   neighbour may not know of this vehicle: so it yields to one that comes nearer by more than its half.
+6. Who has not heard some other vehicle for `silent_s` goes to a depth of its own
+   (`auv_flocking.flocking._layers`): no bound on an approach helps against a neighbour that may be anywhere.
 
 Deviation: thesis Eqs. (5.22)-(5.24) have g = g_j = 1 and d_j = d, a leader that steers itself, and followers
 that do not know w. With fresh information, one leader and no margin this law equals that law with u_max.
@@ -53,7 +55,7 @@ from auv_control.references import PathPoint
 from auv_core.compiled import fastest, specialised
 from auv_core.geometry import Vec3, limited
 from auv_core.params import param
-from auv_flocking.flocking import FlockingLaw, FlockVelocity, View, learn
+from auv_flocking.flocking import FlockingLaw, FlockVelocity, Member, View, learn
 from auv_flocking.flocking._avoidance import Obstacles, known_rows, obstacle_spacing_m, sensed_rows
 from auv_flocking.flocking._correction import (
     Gains,
@@ -63,6 +65,7 @@ from auv_flocking.flocking._correction import (
     outlook,
     remember_ages,
 )
+from auv_flocking.flocking._layers import NO_LAYER, Layering, layer_depth_m, layering
 from auv_flocking.neighbours.estimates import (
     FLOCK_STAMP,
     FLOCK_TURN_RATE,
@@ -75,7 +78,6 @@ from auv_flocking.trackers import Sensed
 
 Matrix = NDArray[np.float64]
 _ADDRESSES = 256
-_STANDS_M2PS2 = 1e-6
 _NO_PUSHES, _NO_NUMBERS = np.empty((0, 3)), np.empty(0)
 
 
@@ -85,6 +87,12 @@ class Params:
 
     spacing_m: float = param("distance d at which neighbours begin to repel (m)", default=2.0, above=0.0)
     cohesion_gain_ps: float = param("gain k_c towards the flocking centre (1/s)", default=1.0, minimum=0.0)
+    gathering_m: float = param(
+        "distance R from the centre outside of which a vehicle gathers (m)", default=4.0, above=0.0
+    )
+    gathering_budget_rad: float = param(
+        "largest product of gain and age on the way to the centre outside of R (rad)", default=0.6, above=0.0
+    )
     path_gain_ps: float = param(
         "gain k_l with which a leader brings the centre to the path (1/s)", default=2.0, minimum=0.0
     )
@@ -135,6 +143,16 @@ class Params:
         default=1.0,
         above=0.0,
     )
+    layer_depth_m: float | None = param(
+        "depth z_m around which vehicles without news have layers (m); null: no layers", default=None
+    )
+    layer_m: float = param("largest distance of neighbouring layers (m)", default=1.5, above=0.0)
+    layer_span_m: float = param("largest distance of all layers (m)", default=8.0, above=0.0)
+    silent_s: float = param(
+        "age of news from which a vehicle takes its layer (s); six rounds of the medium",
+        default=45.0,
+        above=0.0,
+    )
     relay: str = param(
         "flock velocity that a follower uses: the newest, or the mean of all received",
         default="newest",
@@ -147,6 +165,11 @@ class Params:
             raise ValueError(
                 f"barrier_distance_m: {self.barrier_distance_m!r} is not allowed; "
                 f"allowed: less than spacing_m = {self.spacing_m!r}"
+            )
+        if self.layer_depth_m is not None and self.layer_depth_m <= 0.5 * self.layer_span_m:
+            raise ValueError(
+                f"layer_depth_m: {self.layer_depth_m!r} is not allowed; allowed: more than half of "
+                f"layer_span_m = {self.layer_span_m!r}, or null: the highest layer must be under water"
             )
 
     @property
@@ -166,14 +189,16 @@ class Params:
 
 
 class Flocking(FlockingLaw):
-    """The law of one vehicle; its only state is the average age of its packets."""
+    """The law of one vehicle; its only state is what it knows of the ages of its packets."""
 
-    def __init__(self, params: Params, separation: SeparationLaw, is_leader: bool) -> None:
+    def __init__(self, params: Params, separation: SeparationLaw, member: Member) -> None:
         self._params = params
         self._separation = separation
         self._from_obstacle = obstacle_velocity_of(separation)
         self._learning = separation if isinstance(separation, LearningLaw) else None
-        self._is_leader = is_leader
+        self._is_leader = member.is_leader
+        self._n_others = member.fleet_size - 1
+        self._layer_depth_m = layer_depth_m(params, member)
         self._gains = _gains(params)
         self._gain_numbers = (*self._gains,)
         self._is_central = isinstance(separation, CentralLaw)
@@ -184,6 +209,7 @@ class Flocking(FlockingLaw):
             self._numbers = separation.numbers, separation.obstacle_numbers
         self._obstacles: tuple[Obstacles, Matrix] = ((), known_rows(()))
         self._running_s = 0.0
+        self._is_without_news = False
         self._remember, self._newer_stamp = fastest(remember_ages), fastest(newer_stamp)
         self._usual_age_s = np.full(_ADDRESSES, -1.0)
         self.age_s = 0.0
@@ -202,8 +228,11 @@ class Flocking(FlockingLaw):
         """
         share = min(1.0, dt_s / self._params.age_memory_s)
         known = Estimates.of(estimates)
-        total_s = self._remember(known.rows, known.who, self._usual_age_s, self._running_s, share)
+        total_s, oldest_s = self._remember(known.rows, known.who, self._usual_age_s, self._running_s, share)
         self._running_s += dt_s
+        if len(known) < self._n_others:
+            oldest_s = max(oldest_s, self._running_s)
+        self._is_without_news = oldest_s >= self._params.silent_s
         self.age_s = total_s / len(known) if len(known) else self._running_s
 
     def flock_velocity(
@@ -232,7 +261,7 @@ class Flocking(FlockingLaw):
 
         """
         if self._is_leader:
-            return FlockVelocity(self._steered(path, centre), t_s, _turn_rate_radps(path))
+            return FlockVelocity(self._steered(path, centre), t_s, path.turn_rate_radps)
         rows, newest = Estimates.of(estimates).rows, own
         index = self._newer_stamp(rows, own.stamp_s)
         if index >= 0:
@@ -266,8 +295,14 @@ class Flocking(FlockingLaw):
             self._gain_numbers,
             self._numbers,
             _NO_PUSHES if self._is_central else self._pushes(view, estimates),
+            self._layering(view.position[2]),
         )
         return (flock[0] + x, flock[1] + y, flock[2] + z)
+
+    def _layering(self, depth_m: float) -> Layering:
+        if self._layer_depth_m is None or not self._is_without_news:
+            return NO_LAYER
+        return layering(self._layer_depth_m, depth_m)
 
     def adapt(self, view: View, dt_s: float) -> None:
         """Update a separation law with a state for one control period of `dt_s`; see `potential`."""
@@ -305,13 +340,6 @@ def _correction(law: CentralLaw) -> Callable[..., Vec3]:
     """Return the fastest correction with a separation law that acts along a line."""
     strengths = {"strength": law.strength, "obstacle_strength": law.obstacle_strength}
     return fastest(specialised(correction, **strengths))
-
-
-def _turn_rate_radps(path: PathPoint) -> float:
-    """Return the rate at which the path's velocity turns about the vertical (rad/s; from north to east)."""
-    (vx, vy, _), (ax, ay, _) = path.velocity, path.acceleration
-    square = vx * vx + vy * vy
-    return (vx * ay - vy * ax) / square if square > _STANDS_M2PS2 else 0.0
 
 
 def _gains(params: Params) -> Gains:

@@ -31,7 +31,7 @@ from auv_control.references import PathPoint
 from auv_core.compiled import inlined
 from auv_core.geometry import Vec3, added, limited
 from auv_core.params import param
-from auv_flocking.flocking import FlockingLaw, FlockVelocity, View, learn
+from auv_flocking.flocking import FlockingLaw, FlockVelocity, Member, View, learn
 from auv_flocking.neighbours.estimates import Neighbours
 from auv_flocking.separation import LearningLaw, SeparationLaw, obstacle_velocity_of
 
@@ -107,12 +107,12 @@ class Flocking(FlockingLaw):
     the used share of the feed-forward velocity, 1 or 0.
     """
 
-    def __init__(self, params: Params, separation: SeparationLaw, is_leader: bool) -> None:
+    def __init__(self, params: Params, separation: SeparationLaw, member: Member) -> None:
         self._params = params
         self._separation = separation
         self._from_obstacle = obstacle_velocity_of(separation)
         self._learning = separation if isinstance(separation, LearningLaw) else None
-        self._is_leader = is_leader
+        self._is_leader = is_leader = member.is_leader
         steers_itself = params.leader_steers == "itself" if is_leader else params.followers == "printed"
         self.path_gain_ps = params.path_gain_ps if steers_itself else 0.0
         self.feedforward_share = 1.0 if is_leader or params.feedforward == "flock" else 0.0

@@ -26,7 +26,7 @@ from auv_experiment.recording import FloatArray
 from auv_experiment.scenario.loading import load_scenario
 from auv_flocking.consensus import make_consensus
 from auv_flocking.flock_task import FlockTask
-from auv_flocking.flocking import make_flocking
+from auv_flocking.flocking import Member, make_flocking
 from auv_flocking.separation import make_separation
 
 SIZES = (3, 4, 8, 16, 32)
@@ -88,7 +88,7 @@ def _formation(scenario: str, own: Vec3, others: tuple[Vec3, ...]) -> Evaluate:
 
 def _flocking(scenario: str, n_vehicles: int, own: Vec3, others: list[Vec3]) -> Evaluate:
     agent: Any = load_scenario(scenario).agent
-    law = make_flocking(agent.flocking, make_separation(agent.separation), is_leader=True)
+    law = make_flocking(agent.flocking, make_separation(agent.separation), Member(is_leader=True))
     controller: Any = make_controller(agent.controller, _PERIOD_S)
     task = FlockTask(law, make_consensus(agent.consensus, n_vehicles), controller, (), _PERIOD_S)
     return partial(task.rates, _PATH, own, _ZERO, [(place, _ZERO) for place in others])
