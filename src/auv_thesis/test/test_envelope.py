@@ -183,10 +183,13 @@ def test_a_flock_is_apart_after_200_s_or_once_formed(cell, metrics, is_apart):
 def test_counts_and_distances_of_a_cell():
     cell = study.Cell(8, 0.5)
     specs = study.STUDY[cell]
-    metrics = [{**GOOD, "pair_distance_min_m": 0.5 + 0.1 * k} for k in range(20)]
+    metrics = [
+        {**GOOD, "pair_distance_min_m": 0.5 + 0.1 * k, "formed_at_s": 50.0 + 10.0 * k} for k in range(20)
+    ]
     runs = [_run(spec, numbers) for spec, numbers in zip(specs, metrics, strict=False)]
     summary = study.summary_of(cell, runs)
     assert (summary.n, summary.n_touching, summary.n_near) == (20, 2, 5)
+    assert (summary.n_late_formed, summary.n_never_formed) == (4, 0)
     assert (summary.nearest_m, summary.nearest_p05_m) == (0.5, 0.5)
     assert "hulls touch in 2 of 20 (1.2 to 32 %)" in summary.shares
 

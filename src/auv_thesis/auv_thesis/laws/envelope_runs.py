@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from auv_experiment.confidence.binomial import exact_upper_bound, share_words
+from auv_experiment.metrics.windows import LATE_AFTER_S
 from auv_thesis.acoustics.safety_runs import FAR_M, HULLS_TOUCH_M, fleet
 from auv_thesis.items import Run, RunSpec
 
@@ -171,6 +172,7 @@ class Summary:
     n_near: int
     n_late_far: int
     n_formed_far: int
+    n_late_formed: int
     n_never_formed: int
     nearest_m: float
     nearest_p05_m: float
@@ -203,8 +205,9 @@ class Summary:
             for words, count in (
                 ("hulls touch", self.n_touching),
                 (f"nearer than {NEAR_M:g} m", self.n_near),
-                (f"over {FAR_M:g} m after 200 s", self.n_late_far),
+                (f"over {FAR_M:g} m after {LATE_AFTER_S:g} s", self.n_late_far),
                 (f"over {FAR_M:g} m once formed", self.n_formed_far),
+                (f"formed after {LATE_AFTER_S:g} s", self.n_late_formed),
                 ("never formed", self.n_never_formed),
             )
         )
@@ -227,6 +230,7 @@ def summary_of(cell: Cell, runs: Sequence[Run]) -> Summary:
         n_near=int((nearest_m < NEAR_M).sum()),
         n_late_far=int((late_m > FAR_M).sum()),
         n_formed_far=int((formed_m > FAR_M).sum()),
+        n_late_formed=int((formed_at_s > LATE_AFTER_S).sum()),
         n_never_formed=int((~np.isfinite(formed_at_s)).sum()),
         nearest_m=float(nearest_m.min()),
         nearest_p05_m=float(np.quantile(nearest_m, 0.05, method="lower")),
