@@ -1,7 +1,14 @@
-"""An invariant of every test (no modem receives while it transmits), and fixtures of several packages."""
+"""
+An invariant of every test (no modem receives while it transmits), fixtures of several packages, and how tests
+with ROS run beside each other (`pytest -n 2`): in domains of their own, and those marked `alone` alone.
+"""
 
+import fcntl
+import os
 import signal
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -9,6 +16,41 @@ from auv_core.messages import AcousticEvent
 from auv_sim.acoustics.event_log import half_duplex_violations
 from auv_sim.acoustics.medium import AcousticMedium, MediumConfig
 from auv_sim.obstacle_field import ObstacleConfig
+
+# Files that all processes of a test run can lock; none writes into them.
+ROOM, DOOR = Path(__file__), Path(__file__).with_name("pyproject.toml")
+DOMAINS_EACH = 20
+"""ROS domains between those of two processes: a second run beside a test's own takes the next free one."""
+
+
+def pytest_configure() -> None:
+    """Give each process of tests a ROS domain of its own, counted from the given one."""
+    worker, domain_id = os.environ.get("PYTEST_XDIST_WORKER", ""), os.environ.get("ROS_DOMAIN_ID")
+    if worker and domain_id:
+        os.environ["ROS_DOMAIN_ID"] = str(int(domain_id) + DOMAINS_EACH * int(worker.removeprefix("gw")))
+
+
+@contextmanager
+def _locked(file: Path, kind: int) -> Iterator[None]:
+    with file.open("rb") as stream:
+        fcntl.flock(stream, kind)
+        try:
+            yield
+        finally:
+            fcntl.flock(stream, fcntl.LOCK_UN)  # a fork that the test has left may have the file, too
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
+    """Keep a test that is marked `alone` apart from the tests of the other processes."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        return (yield)
+    is_alone = item.get_closest_marker("alone") is not None
+    with ExitStack() as stack:
+        with ExitStack() as passing:  # one at a time, so that all come through
+            passing.enter_context(_locked(DOOR, fcntl.LOCK_EX))
+            stack.enter_context(_locked(ROOM, fcntl.LOCK_EX if is_alone else fcntl.LOCK_SH))
+        return (yield)
 
 
 @pytest.fixture(autouse=True)

@@ -121,6 +121,7 @@ def test_check_changes_nothing(checkout):
 
 
 @pytest.mark.ros  # only where the workspace is built
+@pytest.mark.alone
 def test_set_up_again_does_nothing_and_is_quick():
     environment: dict[str, Any] = {
         key: os.environ[key]

@@ -97,11 +97,13 @@ def fly_through_a_step(scenario_file, library, mode, step_s, layout="single"):
     return status, console.read_text(), folder
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize(("mode", "step_s"), CASES)
 def test_a_flight_goes_on_over_a_step_of_the_system_clock(mode, step_s, scenario_file, library):
     check(fly_through_a_step(scenario_file, library, mode, step_s), mode, step_s)
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize(("layout", "step_s"), LAYOUTS_WITHOUT_WAITS)
 def test_a_flight_in_real_time_needs_no_timed_wait_of_the_middleware(
     layout, step_s, scenario_file, library_without_waits

@@ -13,7 +13,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from auv_bag.bag import Bag
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("frames")]
 
 ROOT = Path(__file__).parents[2]
 DRIFT = (

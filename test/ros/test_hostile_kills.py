@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from victims import Trial, hit
 
-pytestmark = [pytest.mark.ros, pytest.mark.slow]
+pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.alone]
 
 TRIALS = 34
 """In each of the six cases: 204 in all."""

@@ -22,7 +22,7 @@ from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.recording_from_bag import read_recording
 from auv_experiment.scenario.loading import list_scenarios, load_scenario
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, pytest.mark.alone]
 
 PATIENCE_S = 120.0
 SHORT_S = 3.0

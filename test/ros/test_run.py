@@ -347,6 +347,7 @@ def test_nodes_die_with_a_killed_launcher(start):
     assert recorded_s(run) > 0.0
 
 
+@pytest.mark.alone
 def test_a_second_run_beside_takes_another_domain(start):
     first = start().wait_until_up()
     second = start("--duration", "1")
@@ -438,6 +439,7 @@ def in_shared_memory():
     return {str(path.stat().st_ino) for path in Path("/dev/shm").iterdir() if path.name.startswith("fast")}
 
 
+@pytest.mark.alone
 @pytest.mark.slow
 def test_a_run_with_a_killed_node_leaves_nothing_in_shared_memory(start):
     run = start().wait_until_up()
@@ -448,6 +450,7 @@ def test_a_run_with_a_killed_node_leaves_nothing_in_shared_memory(start):
     assert files & in_shared_memory() == set()
 
 
+@pytest.mark.alone
 def test_the_next_run_clears_what_a_killed_launcher_leaves_in_shared_memory(start):
     run = start("--layout", "single").wait_until_up()
     files = shared_memory_of(run.watches)

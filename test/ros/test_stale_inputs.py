@@ -69,6 +69,7 @@ def node(folder, role, epoch_s):
     return (spec.module, "--ros-args", *namespace, "--params-file", path)
 
 
+@pytest.mark.alone
 def test_a_stopped_vehicle_or_agent_is_named_within_a_period_and_flown_on_with_afterwards(tmp_path):
     epoch_s = time.time()
     with (
@@ -188,6 +189,7 @@ def pid_of(name, folder):
     return None
 
 
+@pytest.mark.alone
 @pytest.mark.slow
 def test_a_flight_goes_on_after_stops_and_its_metrics_count_them(tmp_path):
     flight = ("flock_acoustic", "--mode", "realtime", "--duration", "25", "--set", "answer_timeout_s=30")
