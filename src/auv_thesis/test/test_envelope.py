@@ -15,6 +15,7 @@ from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.recording import acoustic_log
 from auv_experiment.scenario.loading import load_scenario
 from auv_sim.acoustics.outage.gilbert_elliott import Outage
+from auv_thesis.acoustics.safety_runs import fleet
 from auv_thesis.items import (
     AGREES,
     AGREES_IN_PART,
@@ -222,6 +223,6 @@ def test_the_current_of_two_cells_varies():
 
 
 def test_a_cell_is_flock_modem_but_for_what_it_names():
-    plain = load_scenario("flock_modem", seed=study.FIRST_SEED)
+    plain = load_scenario("flock_modem", overrides=fleet(4, 2.0), seed=study.FIRST_SEED)
     flown = resolve_run(study.STUDY[study.Cell(4, 2.0)][0]).scenario
     assert flown == plain
