@@ -166,6 +166,7 @@ def test_the_path_error_counts_from_when_the_flock_has_formed() -> None:
     [
         (SimpleNamespace(spacing_m=4.0, formation_spacing_m=7.0), 8.0),
         (SimpleNamespace(formation_spacing_m=3.0), 6.0),
+        (SimpleNamespace(spacing_m=2.0, height_m=lambda _n: 3.0), 5.0),
     ],
 )
 def test_formed_follows_from_the_spacing_of_the_law(params: Any, within_m: float) -> None:

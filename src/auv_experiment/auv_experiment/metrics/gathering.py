@@ -74,14 +74,16 @@ def formed_within_m(scenario: Scenario) -> float | None:
     """
     Return the distance within which every pair of a formed flock is (m), None without a flock.
 
-    It is twice the law's ``spacing_m``, the distance at which neighbours begin to repel; of a law without it,
-    twice ``formation_spacing_m``.
+    Without layers it is twice the law's ``spacing_m``, at which neighbours begin to repel, or twice
+    ``formation_spacing_m`` of a law without it. With layers it is the diagonal with their ``height_m``.
     """
     if scenario.agent.flocking is None:
         return None
     params: Any = scenario.agent.flocking.params
     spacing_m = getattr(params, "spacing_m", None)
-    return FORMED_SPACINGS * (params.formation_spacing_m if spacing_m is None else spacing_m)
+    level_m = FORMED_SPACINGS * (params.formation_spacing_m if spacing_m is None else spacing_m)
+    height_m = params.height_m(len(scenario.vehicles)) if hasattr(params, "height_m") else 0.0
+    return math.hypot(level_m, height_m)
 
 
 def _formed_at_s(t_s: FloatArray, pair_is_near: BoolArray, is_gone: BoolArray) -> float:

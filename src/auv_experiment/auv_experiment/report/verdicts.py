@@ -60,7 +60,7 @@ def _answer(question: str, holds: bool, detail: str, *, good: bool = True) -> st
 
 def _formed_answer(metrics: dict[str, Any], within_m: float) -> str:
     formed_at_s = metrics.get("formed_at_s")
-    near = f"within {within_m:g} m (twice the law's spacing) for 10 s"
+    near = f"within {within_m:g} m of each other for 10 s"
     detail = f"At no time had every pair been {near}."
     if formed_at_s is not None:
         detail = f"Every pair had been {near} at {formed_at_s:.1f} s."

@@ -216,7 +216,7 @@ def _cohesion_gain_ps(far_m: float, age_s: float, gains: Gains) -> float:
 
 @entry(
     "TUPLE3(TUPLE3, TUPLE3, TUPLE3, Tuple((float64[:, ::1], int64[::1], float64[::1], float64[:, ::1])), "
-    "float64, TUPLE16, UniTuple(float64[::1], 2), float64[:, ::1], TUPLE2)"
+    "float64, TUPLE16, UniTuple(float64[::1], 2), float64[:, ::1], TUPLE3)"
 )
 def correction(
     own: Vec3,
@@ -249,8 +249,8 @@ def correction(
         Parameters of the separation law for neighbours and for obstacles; see `auv_flocking.central`.
     pushes : (n + k, 3) or (0, 3) array
         Velocities from another kind of separation law, for neighbours and obstacles (m/s).
-    layer : (2,) tuple
-        Velocity downwards that the vehicle's layer asks for (m/s; NaN: none), and 1 in it, 0 on the way.
+    layer : (3,) tuple
+        How the vehicle takes its layer of depth; see `_layers.Layering`.
 
     """
     gains = Gains(*numbers)
@@ -259,8 +259,7 @@ def correction(
     x, y, z = centre[0] - own[0], centre[1] - own[1], centre[2] - own[2]
     gain_ps = _cohesion_gain_ps(math.sqrt(x * x + y * y + z * z), age_s, gains)
     sinking_mps, is_layered, is_level = layer[0], not math.isnan(layer[0]), layer[1] > 0.0
-    if is_layered and not is_level:
-        gain_ps = 0.0
+    gain_ps *= layer[2]
     x, y, z = gain_ps * x, gain_ps * y, gain_ps * z
     limit_mps = min(gains.correction_limit_mps, gains.reach_m / max(age_s, _NO_AGE_S))
     half_spaces = np.empty((count, 4))

@@ -1,14 +1,15 @@
 """
-Layers of depth for vehicles without news: each has a depth of its own, known before the dive.
+Layers of depth: each vehicle has a depth of its own, known before the dive.
 
 Two vehicles that know nothing of each other cannot keep apart by any law of what they know. Those at sea are
 given different depths for this case. The layers lie around one depth z_m, a vehicle's by its address i of N:
 
-    z_i = z_m + (i - (N + 1) / 2) p,        p = min(layer_m, layer_span_m / (N - 1))
+    z_i = z_m + ((i - 1) / (N - 1) - 1 / 2) H,        H = min((N - 1) layer_m, layer_span_m)
     z_dot = limited(k_z (z_i - z), v_z)
 
-A vehicle takes its layer while it has not heard some other vehicle for `silent_s`. That needs no news from
-the other: who does not hear takes a layer, and who does hear sees where the other goes.
+A vehicle keeps its layer while it has not heard some other vehicle for `silent_s`; at 0, always. It needs no
+news from the other. On the way to its layer it does not go to the centre before it has heard all: who
+crosses the depth of a vehicle that it does not know does so where it is.
 """
 
 from __future__ import annotations
@@ -21,14 +22,16 @@ from auv_core.geometry import Vec3
 from auv_flocking.flocking import Member
 
 _GAIN_PS = 0.3
-_SPEED_MPS = 0.15
+_SPEED_MPS = 0.25
 _NEAR_M = 0.3
 _STEEP = 0.5
 
-Layering = tuple[float, float]
-"""Velocity downwards towards a layer (m/s; NaN: no layer), and 1 in it or 0 on the way."""
+Layering = tuple[float, float, float]
+"""
+Velocity downwards towards a layer (m/s; NaN: no layer); 1 in it or 0 on the way; 1 if the vehicle may gather.
+"""
 
-NO_LAYER: Layering = (math.nan, 0.0)
+NO_LAYER: Layering = (math.nan, 0.0, 1.0)
 
 
 class Layers(Protocol):
@@ -47,19 +50,39 @@ class Layers(Protocol):
         """Largest distance of the highest and the lowest layer (m)."""
 
 
-def layer_depth_m(layers: Layers, member: Member) -> float | None:
+def layers_height_m(layers: Layers, fleet_size: int) -> float:
+    """Return the distance H of the highest and the lowest layer of a fleet (m), 0 without layers."""
+    if layers.layer_depth_m is None:
+        return 0.0
+    return min(layers.layer_m * (fleet_size - 1), layers.layer_span_m)
+
+
+def layer_of(layers: Layers, member: Member) -> float | None:
     """Return the depth of a vehicle's layer (m), the highest for address 1; None without layers."""
     if layers.layer_depth_m is None:
         return None
-    pitch_m = min(layers.layer_m, layers.layer_span_m / max(member.fleet_size - 1, 1))
-    return layers.layer_depth_m + (member.address - 0.5 * (member.fleet_size + 1)) * pitch_m
+    below_highest = (member.address - 1) / max(member.fleet_size - 1, 1)
+    return layers.layer_depth_m + (below_highest - 0.5) * layers_height_m(layers, member.fleet_size)
 
 
-def layering(layer_depth_m: float, depth_m: float) -> Layering:
-    """Return how a vehicle at `depth_m` takes the layer at `layer_depth_m` (m)."""
+def layering(layer_depth_m: float | None, depth_m: float, *, knows_all: bool) -> Layering:
+    """
+    Return how a vehicle takes its layer.
+
+    Parameters
+    ----------
+    layer_depth_m, depth_m : float
+        Depth of the layer, None without one, and own depth (m).
+    knows_all : bool
+        Whether it has heard every other vehicle.
+
+    """
+    if layer_depth_m is None:
+        return NO_LAYER
     below_m = layer_depth_m - depth_m
     sinking_mps = max(-_SPEED_MPS, min(_SPEED_MPS, _GAIN_PS * below_m))
-    return sinking_mps, float(abs(below_m) <= _NEAR_M)
+    is_in = abs(below_m) <= _NEAR_M
+    return sinking_mps, float(is_in), float(is_in or knows_all)
 
 
 @inner

@@ -35,8 +35,8 @@ sonar sees the neighbour; A: mean of the packets' A_j over the neighbours.
 5. The barrier bounds the approach to every neighbour (`auv_flocking.flocking._half_spaces`). Each vehicle
    takes half, so that two that obey it do not come closer than D plus margin, whatever attracts them. The
    neighbour may not know of this vehicle: so it yields to one that comes nearer by more than its half.
-6. Who has not heard some other vehicle for `silent_s` goes to a depth of its own
-   (`auv_flocking.flocking._layers`): no bound on an approach helps against a neighbour that may be anywhere.
+6. Each vehicle keeps a depth of its own (`auv_flocking.flocking._layers`), always or while some other vehicle
+   is silent: no bound on an approach helps against a neighbour that may be anywhere.
 
 Deviation: thesis Eqs. (5.22)-(5.24) have g = g_j = 1 and d_j = d, a leader that steers itself, and followers
 that do not know w. With fresh information, one leader and no margin this law equals that law with u_max.
@@ -65,7 +65,7 @@ from auv_flocking.flocking._correction import (
     outlook,
     remember_ages,
 )
-from auv_flocking.flocking._layers import NO_LAYER, Layering, layer_depth_m, layering
+from auv_flocking.flocking._layers import layer_of, layering, layers_height_m
 from auv_flocking.neighbours.estimates import (
     FLOCK_STAMP,
     FLOCK_TURN_RATE,
@@ -147,11 +147,9 @@ class Params:
         "depth z_m around which vehicles without news have layers (m); null: no layers", default=None
     )
     layer_m: float = param("largest distance of neighbouring layers (m)", default=1.5, above=0.0)
-    layer_span_m: float = param("largest distance of all layers (m)", default=8.0, above=0.0)
+    layer_span_m: float = param("largest distance of all layers (m)", default=6.0, above=0.0)
     silent_s: float = param(
-        "age of news from which a vehicle takes its layer (s); six rounds of the medium",
-        default=45.0,
-        above=0.0,
+        "age of news from which a vehicle takes its layer (s); 0: always", default=0.0, minimum=0.0
     )
     relay: str = param(
         "flock velocity that a follower uses: the newest, or the mean of all received",
@@ -160,7 +158,7 @@ class Params:
     )
 
     def __post_init__(self) -> None:
-        """Refuse a barrier outside the spacing: it would act where the law pulls vehicles together."""
+        """Refuse a barrier outside the spacing, where the law pulls vehicles together, and layers in air."""
         if self.barrier and self.barrier_distance_m >= self.spacing_m:
             raise ValueError(
                 f"barrier_distance_m: {self.barrier_distance_m!r} is not allowed; "
@@ -176,6 +174,10 @@ class Params:
     def formation_spacing_m(self) -> float:
         """Largest distance kept between neighbours, the widest spacing (m)."""
         return self.spacing_m + self.widening_limit_m
+
+    def height_m(self, fleet_size: int) -> float:
+        """Return the distance of the highest and the lowest layer (m)."""
+        return layers_height_m(self, fleet_size)
 
     @property
     def largest_correction_mps(self) -> float:
@@ -198,7 +200,8 @@ class Flocking(FlockingLaw):
         self._learning = separation if isinstance(separation, LearningLaw) else None
         self._is_leader = member.is_leader
         self._n_others = member.fleet_size - 1
-        self._layer_depth_m = layer_depth_m(params, member)
+        self._own_layer_m = layer_of(params, member)
+        self._layer_m: float | None = None
         self._gains = _gains(params)
         self._gain_numbers = (*self._gains,)
         self._is_central = isinstance(separation, CentralLaw)
@@ -209,7 +212,6 @@ class Flocking(FlockingLaw):
             self._numbers = separation.numbers, separation.obstacle_numbers
         self._obstacles: tuple[Obstacles, Matrix] = ((), known_rows(()))
         self._running_s = 0.0
-        self._is_without_news = False
         self._remember, self._newer_stamp = fastest(remember_ages), fastest(newer_stamp)
         self._usual_age_s = np.full(_ADDRESSES, -1.0)
         self.age_s = 0.0
@@ -232,7 +234,7 @@ class Flocking(FlockingLaw):
         self._running_s += dt_s
         if len(known) < self._n_others:
             oldest_s = max(oldest_s, self._running_s)
-        self._is_without_news = oldest_s >= self._params.silent_s
+        self._layer_m = self._own_layer_m if oldest_s >= self._params.silent_s else None
         self.age_s = total_s / len(known) if len(known) else self._running_s
 
     def flock_velocity(
@@ -295,14 +297,9 @@ class Flocking(FlockingLaw):
             self._gain_numbers,
             self._numbers,
             _NO_PUSHES if self._is_central else self._pushes(view, estimates),
-            self._layering(view.position[2]),
+            layering(self._layer_m, view.position[2], knows_all=len(estimates) >= self._n_others),
         )
         return (flock[0] + x, flock[1] + y, flock[2] + z)
-
-    def _layering(self, depth_m: float) -> Layering:
-        if self._layer_depth_m is None or not self._is_without_news:
-            return NO_LAYER
-        return layering(self._layer_depth_m, depth_m)
 
     def adapt(self, view: View, dt_s: float) -> None:
         """Update a separation law with a state for one control period of `dt_s`; see `potential`."""

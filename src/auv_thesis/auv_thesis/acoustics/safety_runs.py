@@ -44,7 +44,6 @@ NAVIGATIONS = {
     "exact, sonar": (_SONAR,),
 }
 _LAW = "agent.flocking.params"
-_SILENT_S, _SILENT_ROUNDS = 45.0, 6
 PARTS = {
     "without matching the gains to the age": (f"{_LAW}.lag_budget_rad=1.0e+9",),
     "without the barrier": (f"{_LAW}.barrier=false",),
@@ -120,20 +119,11 @@ def study(
     )
 
 
-def fleet(n_vehicles: int, slot_s: float) -> tuple[str, ...]:
-    """
-    Return the overrides for another number of vehicles at the same initial density.
-
-    A neighbour is silent after six rounds of slots of `slot_s`, and after 45 s at the earliest.
-    """
+def fleet(n_vehicles: int) -> tuple[str, ...]:
+    """Return the overrides for another number of vehicles at the same initial density."""
     vehicles = ", ".join(f"{{id: auv_{k}, model: {{preset: odin}}}}" for k in range(1, n_vehicles + 1))
     radius_m = round(10.0 * (n_vehicles / 4) ** (1 / 3), 1)
-    silent_s = max(_SILENT_S, _SILENT_ROUNDS * n_vehicles * slot_s)
-    return (
-        f"vehicles=[{vehicles}]",
-        f"random_starts.radius_m={radius_m}",
-        f"{_LAW}.silent_s={silent_s}",
-    )
+    return (f"vehicles=[{vehicles}]", f"random_starts.radius_m={radius_m}")
 
 
 OURS = {cell: study(cell) for cell in CELLS}
@@ -151,9 +141,9 @@ ABLATED = {
     (cell, part): study(cell, changes, every=5) for cell in (USUAL, WORST) for part, changes in PARTS.items()
 }
 FLEETS = {
-    (8, USUAL): study(USUAL, fleet(8, 0.5), every=10),
-    (8, (2.0, 0.3)): study((2.0, 0.3), fleet(8, 2.0), every=10),
-    (16, USUAL): study(USUAL, fleet(16, 0.5), every=25),
+    (8, USUAL): study(USUAL, fleet(8), every=10),
+    (8, (2.0, 0.3)): study((2.0, 0.3), fleet(8), every=10),
+    (16, USUAL): study(USUAL, fleet(16), every=25),
 }
 
 

@@ -113,7 +113,7 @@ class Cell:
                 f"{{kind: gilbert_elliott, params: {{{chain}, loss_good_prob: 0.02, loss_bad_prob: 0.98}}}}"
             )
         words = [f"acoustics.mac.params.slot_s={self.slot_s}", f"acoustics.outage={outage}"]
-        words += fleet(self.n_vehicles, self.slot_s)
+        words += fleet(self.n_vehicles)
         if self.start_radius_m is not None:
             words.append(f"random_starts.radius_m={self.start_radius_m}")
         if self.is_current_varying:
