@@ -223,6 +223,6 @@ def test_the_current_of_two_cells_varies():
 
 
 def test_a_cell_is_flock_modem_but_for_what_it_names():
-    plain = load_scenario("flock_modem", overrides=fleet(4, 2.0), seed=study.FIRST_SEED)
+    plain = load_scenario("flock_modem", overrides=fleet(4), seed=study.FIRST_SEED)
     flown = resolve_run(study.STUDY[study.Cell(4, 2.0)][0]).scenario
     assert flown == plain

@@ -18,7 +18,7 @@ from auv_core.geometry import Vec3, limited
 from auv_flocking.central import Numbers, along, no_strength
 from auv_flocking.flocking._avoidance import obstacle_bound, obstacle_spacing_m
 from auv_flocking.flocking._half_spaces import into_half_spaces
-from auv_flocking.flocking._layers import Layering, levelled
+from auv_flocking.flocking._layers import Layering, aside, levelled
 from auv_flocking.neighbours.estimates import (
     AGE,
     COVARIANCE,
@@ -216,7 +216,7 @@ def _cohesion_gain_ps(far_m: float, age_s: float, gains: Gains) -> float:
 
 @entry(
     "TUPLE3(TUPLE3, TUPLE3, TUPLE3, Tuple((float64[:, ::1], int64[::1], float64[::1], float64[:, ::1])), "
-    "float64, TUPLE16, UniTuple(float64[::1], 2), float64[:, ::1], TUPLE3)"
+    "float64, TUPLE16, UniTuple(float64[::1], 2), float64[:, ::1], TUPLE5)"
 )
 def correction(
     own: Vec3,
@@ -227,7 +227,7 @@ def correction(
     numbers: tuple[float, ...],
     strength_numbers: tuple[Numbers, Numbers],
     pushes: Matrix,
-    layer: Layering,
+    layer_numbers: tuple[float, ...],
 ) -> Vec3:
     """
     Return the velocity that a vehicle adds to the flock's (m/s; NED).
@@ -249,17 +249,17 @@ def correction(
         Parameters of the separation law for neighbours and for obstacles; see `auv_flocking.central`.
     pushes : (n + k, 3) or (0, 3) array
         Velocities from another kind of separation law, for neighbours and obstacles (m/s).
-    layer : (3,) tuple
-        How the vehicle takes its layer of depth; see `_layers.Layering`.
+    layer_numbers : (5,) tuple
+        How the vehicle takes its layer of depth: a `Layering`.
 
     """
-    gains = Gains(*numbers)
+    gains, layer = Gains(*numbers), Layering(*layer_numbers)
     rows, addresses, usual_s, obstacles = known
     n, count = len(rows), len(rows) + len(obstacles)
     x, y, z = centre[0] - own[0], centre[1] - own[1], centre[2] - own[2]
     gain_ps = _cohesion_gain_ps(math.sqrt(x * x + y * y + z * z), age_s, gains)
-    sinking_mps, is_layered, is_level = layer[0], not math.isnan(layer[0]), layer[1] > 0.0
-    gain_ps *= layer[2]
+    is_layered, step_x, step_y = not math.isnan(layer.sinking_mps), 0.0, 0.0
+    gain_ps *= layer.may_gather
     x, y, z = gain_ps * x, gain_ps * y, gain_ps * z
     limit_mps = min(gains.correction_limit_mps, gains.reach_m / max(age_s, _NO_AGE_S))
     half_spaces = np.empty((count, 4))
@@ -269,8 +269,14 @@ def correction(
             normal, factor, spacing_m = view.normal, view.gain, view.spacing_m
             other = (float(rows[k, POSITION]), float(rows[k, POSITION + 1]), float(rows[k, POSITION + 2]))
             bound_mps = _neighbour_bound(view, gains)
-            if is_layered and is_level:
-                normal, bound_mps = levelled(normal, bound_mps, sinking_mps)
+            if is_layered:
+                keep_m = gains.barrier_distance_m + min(
+                    gains.barrier_sigmas * view.sigma_m, gains.widening_limit_m
+                )
+                dx, dy, _ = aside(own, other, int(addresses[k]), view.age_s, keep_m, layer)
+                step_x, step_y = step_x + dx, step_y + dy
+                if layer.is_in > 0.0:
+                    normal, bound_mps = levelled(normal, bound_mps, layer.sinking_mps)
         else:
             row = obstacles[k - n]
             other, spacing_m = (float(row[0]), float(row[1]), float(row[2])), obstacle_spacing_m(row, gains)
@@ -288,7 +294,9 @@ def correction(
         half_spaces[k, 3] = bound_mps
     asked = limited((x, y, z), limit_mps)
     if is_layered:
-        asked = (asked[0], asked[1], sinking_mps)
+        asked = (asked[0], asked[1], layer.sinking_mps)
+        if step_x != 0.0 or step_y != 0.0:
+            asked = (step_x, step_y, 0.0)
     if gains.barrier == 0.0 or count == 0:
         return asked
     return limited(into_half_spaces(asked, half_spaces), gains.correction_limit_mps)

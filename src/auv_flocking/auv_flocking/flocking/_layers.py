@@ -8,14 +8,15 @@ given different depths for this case. The layers lie around one depth z_m, a veh
     z_dot = limited(k_z (z_i - z), v_z)
 
 A vehicle keeps its layer while it has not heard some other vehicle for `silent_s`; at 0, always. It needs no
-news from the other. On the way to its layer it does not go to the centre before it has heard all: who
-crosses the depth of a vehicle that it does not know does so where it is.
+news from the other. On the way to its layer it does not go to the centre before it has heard all: a vehicle
+that crosses the depth of an unknown one does so where it is. Before a known one that is in the way it stops,
+and steps aside first.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from auv_core.compiled import inner
 from auv_core.geometry import Vec3
@@ -25,13 +26,26 @@ _GAIN_PS = 0.3
 _SPEED_MPS = 0.25
 _NEAR_M = 0.3
 _STEEP = 0.5
+_ASIDE_MPS = 0.2
+_NO_DIRECTION_M = 1e-9
 
-Layering = tuple[float, float, float]
-"""
-Velocity downwards towards a layer (m/s; NaN: no layer); 1 in it or 0 on the way; 1 if the vehicle may gather.
-"""
 
-NO_LAYER: Layering = (math.nan, 0.0, 1.0)
+class Layering(NamedTuple):
+    """
+    How a vehicle takes its layer.
+
+    sinking_mps: velocity downwards towards it (m/s; NaN: no layer); is_in: 1 in it, 0 on the way; may_gather:
+    1 if it may go to the centre; highest_m: depth of the highest layer; pitch_m: distance of two layers.
+    """
+
+    sinking_mps: float
+    is_in: float
+    may_gather: float
+    highest_m: float
+    pitch_m: float
+
+
+NO_LAYER = Layering(math.nan, 0.0, 1.0, 0.0, 0.0)
 
 
 class Layers(Protocol):
@@ -57,32 +71,67 @@ def layers_height_m(layers: Layers, fleet_size: int) -> float:
     return min(layers.layer_m * (fleet_size - 1), layers.layer_span_m)
 
 
-def layer_of(layers: Layers, member: Member) -> float | None:
-    """Return the depth of a vehicle's layer (m), the highest for address 1; None without layers."""
-    if layers.layer_depth_m is None:
-        return None
-    below_highest = (member.address - 1) / max(member.fleet_size - 1, 1)
-    return layers.layer_depth_m + (below_highest - 0.5) * layers_height_m(layers, member.fleet_size)
-
-
-def layering(layer_depth_m: float | None, depth_m: float, *, knows_all: bool) -> Layering:
+def layering(layers: Layers, member: Member, depth_m: float, *, knows_all: bool) -> Layering:
     """
     Return how a vehicle takes its layer.
 
     Parameters
     ----------
-    layer_depth_m, depth_m : float
-        Depth of the layer, None without one, and own depth (m).
+    layers : Layers
+        Parameters of the law.
+    member : Member
+        The vehicle; address 1 has the highest layer.
+    depth_m : float
+        Its depth (m).
     knows_all : bool
         Whether it has heard every other vehicle.
 
     """
-    if layer_depth_m is None:
+    if layers.layer_depth_m is None:
         return NO_LAYER
-    below_m = layer_depth_m - depth_m
+    height_m = layers_height_m(layers, member.fleet_size)
+    highest_m, pitch_m = layers.layer_depth_m - 0.5 * height_m, height_m / max(member.fleet_size - 1, 1)
+    below_m = highest_m + (member.address - 1) * pitch_m - depth_m
     sinking_mps = max(-_SPEED_MPS, min(_SPEED_MPS, _GAIN_PS * below_m))
     is_in = abs(below_m) <= _NEAR_M
-    return sinking_mps, float(is_in), float(is_in or knows_all)
+    return Layering(sinking_mps, float(is_in), float(is_in or knows_all), highest_m, pitch_m)
+
+
+@inner
+def aside(own: Vec3, other: Vec3, address: int, age_s: float, keep_m: float, layer: Layering) -> Vec3:
+    """
+    Return the velocity with which a vehicle steps out of the way of one that crosses its depth (m/s; NED).
+
+    The neighbour may be anywhere between where it is estimated and where it would be if it had gone to its
+    layer since the newest packet. A vehicle on the way to its own layer steps aside for what is ahead within
+    `keep_m`; a vehicle in its layer for a neighbour that may be on its way through. Zero: all is clear.
+
+    Parameters
+    ----------
+    own, other : (3,) tuple
+        Own position, and the neighbour's estimated position (m; NED).
+    address, age_s : int, float
+        Its address, and the age of the estimate (s).
+    keep_m : float
+        The distance to keep (m).
+    layer : Layering
+        How the vehicle takes its layer.
+
+    """
+    left_m = layer.highest_m + (address - 1) * layer.pitch_m - other[2]
+    there_m = other[2] + max(-_SPEED_MPS * age_s, min(_SPEED_MPS * age_s, left_m))
+    nearest_m = max(min(other[2], there_m), min(max(other[2], there_m), own[2]))
+    ahead_m = (nearest_m - own[2]) * math.copysign(1.0, layer.sinking_mps)
+    is_in_the_way = 0.0 <= ahead_m < keep_m
+    if layer.is_in > 0.0:
+        is_in_the_way = abs(there_m - other[2]) > _NEAR_M and abs(nearest_m - own[2]) < _NEAR_M
+    x, y = own[0] - other[0], own[1] - other[1]
+    level_m = math.hypot(x, y)
+    if not is_in_the_way or level_m >= keep_m:
+        return 0.0, 0.0, 0.0
+    if level_m < _NO_DIRECTION_M:
+        return _ASIDE_MPS, 0.0, 0.0
+    return _ASIDE_MPS * x / level_m, _ASIDE_MPS * y / level_m, 0.0
 
 
 @inner

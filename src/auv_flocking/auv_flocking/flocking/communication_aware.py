@@ -65,7 +65,7 @@ from auv_flocking.flocking._correction import (
     outlook,
     remember_ages,
 )
-from auv_flocking.flocking._layers import layer_of, layering, layers_height_m
+from auv_flocking.flocking._layers import NO_LAYER, layering, layers_height_m
 from auv_flocking.neighbours.estimates import (
     FLOCK_STAMP,
     FLOCK_TURN_RATE,
@@ -199,9 +199,8 @@ class Flocking(FlockingLaw):
         self._from_obstacle = obstacle_velocity_of(separation)
         self._learning = separation if isinstance(separation, LearningLaw) else None
         self._is_leader = member.is_leader
-        self._n_others = member.fleet_size - 1
-        self._own_layer_m = layer_of(params, member)
-        self._layer_m: float | None = None
+        self._member = member
+        self._is_layered = False
         self._gains = _gains(params)
         self._gain_numbers = (*self._gains,)
         self._is_central = isinstance(separation, CentralLaw)
@@ -232,9 +231,9 @@ class Flocking(FlockingLaw):
         known = Estimates.of(estimates)
         total_s, oldest_s = self._remember(known.rows, known.who, self._usual_age_s, self._running_s, share)
         self._running_s += dt_s
-        if len(known) < self._n_others:
+        if len(known) < self._member.fleet_size - 1:
             oldest_s = max(oldest_s, self._running_s)
-        self._layer_m = self._own_layer_m if oldest_s >= self._params.silent_s else None
+        self._is_layered = oldest_s >= self._params.silent_s
         self.age_s = total_s / len(known) if len(known) else self._running_s
 
     def flock_velocity(
@@ -297,9 +296,15 @@ class Flocking(FlockingLaw):
             self._gain_numbers,
             self._numbers,
             _NO_PUSHES if self._is_central else self._pushes(view, estimates),
-            layering(self._layer_m, view.position[2], knows_all=len(estimates) >= self._n_others),
+            self._layering(view.position[2], len(estimates)),
         )
         return (flock[0] + x, flock[1] + y, flock[2] + z)
+
+    def _layering(self, depth_m: float, n_known: int) -> tuple[float, ...]:
+        if not self._is_layered:
+            return (*NO_LAYER,)
+        member = self._member
+        return (*layering(self._params, member, depth_m, knows_all=n_known >= member.fleet_size - 1),)
 
     def adapt(self, view: View, dt_s: float) -> None:
         """Update a separation law with a state for one control period of `dt_s`; see `potential`."""
