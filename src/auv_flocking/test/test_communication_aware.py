@@ -375,9 +375,9 @@ def test_every_vehicle_goes_to_a_depth_of_its_own(fleet_size, span_m):
             assert _correction(law, view)[2] == pytest.approx(-0.3 * off_m, abs=1e-9)
 
 
-def test_a_vehicle_that_has_not_heard_all_goes_to_its_layer_first_and_to_the_centre_then():
+def test_a_vehicle_that_has_not_heard_all_goes_straight_to_its_layer_and_then_with_the_flock():
     law, centre = _layered(), (3.0, 0.0, 7.75)
-    on_the_way = _correction(law, _view((0.0, 0.0, 10.0), [], centre=centre))
+    on_the_way = law.velocity(_view((0.0, 0.0, 10.0), [], centre=centre))
     in_it = _correction(law, _view((0.0, 0.0, 7.75), [], centre=centre))
     assert on_the_way[2] < -0.1
     np.testing.assert_allclose(on_the_way[:2], 0.0, atol=1e-12)

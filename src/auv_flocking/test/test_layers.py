@@ -29,10 +29,10 @@ def test_without_layers_there_is_none():
 
 
 @pytest.mark.parametrize(
-    ("depth_m", "knows_all", "gathers"), [(7.8, False, 1), (9.0, False, 0), (9.0, True, 1)]
+    ("depth_m", "knows_all", "leaves"), [(7.8, False, 1), (9.0, False, 0), (9.0, True, 1)]
 )
-def test_a_vehicle_gathers_in_its_layer_or_if_it_knows_all(depth_m, knows_all, gathers):
-    assert _of(1, depth_m, knows_all=knows_all).may_gather == gathers
+def test_a_vehicle_leaves_its_place_in_its_layer_or_if_it_knows_all(depth_m, knows_all, leaves):
+    assert _of(1, depth_m, knows_all=knows_all).may_leave == leaves
 
 
 def test_a_vehicle_steps_aside_for_one_that_is_ahead_in_its_way():

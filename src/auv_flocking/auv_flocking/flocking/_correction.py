@@ -259,7 +259,7 @@ def correction(
     x, y, z = centre[0] - own[0], centre[1] - own[1], centre[2] - own[2]
     gain_ps = _cohesion_gain_ps(math.sqrt(x * x + y * y + z * z), age_s, gains)
     is_layered, step_x, step_y = not math.isnan(layer.sinking_mps), 0.0, 0.0
-    gain_ps *= layer.may_gather
+    gain_ps *= layer.may_leave
     x, y, z = gain_ps * x, gain_ps * y, gain_ps * z
     limit_mps = min(gains.correction_limit_mps, gains.reach_m / max(age_s, _NO_AGE_S))
     half_spaces = np.empty((count, 4))

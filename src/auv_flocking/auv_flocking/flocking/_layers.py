@@ -8,9 +8,8 @@ given different depths for this case. The layers lie around one depth z_m, a veh
     z_dot = limited(k_z (z_i - z), v_z)
 
 A vehicle keeps its layer while it has not heard some other vehicle for `silent_s`; at 0, always. It needs no
-news from the other. On the way to its layer it does not go to the centre before it has heard all: a vehicle
-that crosses the depth of an unknown one does so where it is. Before a known one that is in the way it stops,
-and steps aside first.
+news from the other. Before it has heard all it goes to its layer straight up or down: vehicles that do not
+know each other cross where they are. Before a known one that is in the way it stops, and steps aside first.
 """
 
 from __future__ import annotations
@@ -34,13 +33,13 @@ class Layering(NamedTuple):
     """
     How a vehicle takes its layer.
 
-    sinking_mps: velocity downwards towards it (m/s; NaN: no layer); is_in: 1 in it, 0 on the way; may_gather:
-    1 if it may go to the centre; highest_m: depth of the highest layer; pitch_m: distance of two layers.
+    sinking_mps: velocity downwards towards it (m/s; NaN: no layer); is_in: 1 in it, 0 on the way; may_leave:
+    1 if it may go with the flock; highest_m: depth of the highest layer; pitch_m: distance of two layers.
     """
 
     sinking_mps: float
     is_in: float
-    may_gather: float
+    may_leave: float
     highest_m: float
     pitch_m: float
 

@@ -65,7 +65,7 @@ from auv_flocking.flocking._correction import (
     outlook,
     remember_ages,
 )
-from auv_flocking.flocking._layers import NO_LAYER, layering, layers_height_m
+from auv_flocking.flocking._layers import NO_LAYER, Layering, layering, layers_height_m
 from auv_flocking.neighbours.estimates import (
     FLOCK_STAMP,
     FLOCK_TURN_RATE,
@@ -231,9 +231,8 @@ class Flocking(FlockingLaw):
         known = Estimates.of(estimates)
         total_s, oldest_s = self._remember(known.rows, known.who, self._usual_age_s, self._running_s, share)
         self._running_s += dt_s
-        if len(known) < self._member.fleet_size - 1:
-            oldest_s = max(oldest_s, self._running_s)
-        self._is_layered = oldest_s >= self._params.silent_s
+        silent_s = oldest_s if len(known) >= self._member.fleet_size - 1 else max(oldest_s, self._running_s)
+        self._is_layered = silent_s >= self._params.silent_s
         self.age_s = total_s / len(known) if len(known) else self._running_s
 
     def flock_velocity(
@@ -287,6 +286,7 @@ class Flocking(FlockingLaw):
     def velocity(self, view: View) -> Vec3:
         """Return the commanded velocity over ground (m/s; NED)."""
         flock, estimates = view.flock_velocity, Estimates.of(view.estimates)
+        layer = self._layering(view.position[2], len(estimates))
         x, y, z = self._correction(
             view.position,
             view.centre,
@@ -296,15 +296,16 @@ class Flocking(FlockingLaw):
             self._gain_numbers,
             self._numbers,
             _NO_PUSHES if self._is_central else self._pushes(view, estimates),
-            self._layering(view.position[2], len(estimates)),
+            (*layer,),
         )
-        return (flock[0] + x, flock[1] + y, flock[2] + z)
+        goes = layer.may_leave
+        return (goes * flock[0] + x, goes * flock[1] + y, goes * flock[2] + z)
 
-    def _layering(self, depth_m: float, n_known: int) -> tuple[float, ...]:
+    def _layering(self, depth_m: float, n_known: int) -> Layering:
         if not self._is_layered:
-            return (*NO_LAYER,)
-        member = self._member
-        return (*layering(self._params, member, depth_m, knows_all=n_known >= member.fleet_size - 1),)
+            return NO_LAYER
+        knows_all = n_known >= self._member.fleet_size - 1
+        return layering(self._params, self._member, depth_m, knows_all=knows_all)
 
     def adapt(self, view: View, dt_s: float) -> None:
         """Update a separation law with a state for one control period of `dt_s`; see `potential`."""
