@@ -25,6 +25,7 @@ TIMES = st.lists(st.tuples(st.sampled_from(["/a", "/b", "/c"]), st.integers(0, 2
 
 def write_payloads(bag_dir, rows, chunk_bytes):
     """Write (topic, time) rows; the payload is the row's number."""
+    bag_dir.parent.mkdir(exist_ok=True)
     writer = BagWriter(bag_dir, chunk_bytes=chunk_bytes)
     channels = {}
     for number, (topic, time_ns) in enumerate(rows):

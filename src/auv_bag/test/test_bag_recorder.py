@@ -22,6 +22,7 @@ class Desk:
 
     def __init__(self, bag_dir, *, lockstep):
         self.bag_dir = bag_dir
+        bag_dir.parent.mkdir(exist_ok=True)
         self.writer = BagWriter(bag_dir)
         self.recorder = BagRecorder(self.writer, lockstep=lockstep, describe=synthetic.message_type)
         self.sinks = {spec.name: self.recorder.sink(spec) for spec in specs(lockstep=lockstep)}

@@ -45,6 +45,7 @@ def make_scenario(obstacles: tuple[tuple[float, float, float], ...] = ()) -> Any
     """A scenario whose path rests at (0, 0, 10) m."""
     return SimpleNamespace(
         name="by_hand",
+        vehicles=(),
         sampling="sampled",
         seed=7,
         hull_radius_m=0.3,

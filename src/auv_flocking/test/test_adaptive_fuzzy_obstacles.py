@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_control.references import PathPoint
-from auv_flocking.flocking import View, communication_aware, potential
+from auv_flocking.flocking import Member, View, communication_aware, potential
 from auv_flocking.separation import adaptive_fuzzy
 from auv_flocking.separation.adaptive_fuzzy_obstacles import Params, Separation
 
@@ -83,7 +83,7 @@ def test_it_forgets_where_no_obstacle_is_near():
 @pytest.mark.parametrize("law", [potential, communication_aware], ids=["potential", "communication_aware"])
 def test_flocking_laws_let_it_learn_from_obstacles(law):
     separation = Separation(Params())
-    made = law.Flocking(law.Params(), separation, True)
+    made = law.Flocking(law.Params(), separation, Member(is_leader=True))
     view = View(
         ORIGIN, ORIGIN, ORIGIN, ((1.5, 0.0, 0.0),), (((0.0, 1.6, 0.0), 2.0),), PathPoint(ORIGIN, ORIGIN)
     )

@@ -12,7 +12,7 @@ from auv_core.pairs import near_pairs
 from auv_flocking.consensus import thesis
 from auv_flocking.flock_rates import Instant, NearPairs, Paths, Scene, flock_law, flock_rates
 from auv_flocking.flock_task import FlockTask
-from auv_flocking.flocking import potential
+from auv_flocking.flocking import Member, potential
 from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.separation import fuzzy, mathematical
 
@@ -41,7 +41,7 @@ class _Flock:
         self.obstacles = (((1.0, 2.0, 3.0), 4.0),)
         self._params, self._separation = law_params, separation
         self._filter = thesis.Params(rate_ps=0.7, reach_m=reach_m)
-        self._laws = [potential.Flocking(law_params, separation, is_leader) for is_leader in leads]
+        self._laws = [potential.Flocking(law_params, separation, Member(is_leader)) for is_leader in leads]
 
     def _task(self, index):
         consensus = thesis.Consensus(self._filter, len(self.points))

@@ -60,7 +60,7 @@ def test_a_step_is_level_away_from_the_neighbour_and_bounded(own, age_s):
     dx, dy, dz = _aside(own, (0.0, 0.0, 10.0), 3, age_s)
     assert dz == 0.0
     assert math.hypot(dx, dy) in (0.0, pytest.approx(0.2))
-    assert dx * own[0] + dy * own[1] >= 0.0
+    assert dx * own[0] + dy * own[1] >= -1e-9
 
 
 @given(angle_rad=st.floats(-1.0, 1.0), bound_mps=st.floats(-0.3, 0.3), sinking_mps=st.floats(-0.25, 0.25))

@@ -216,7 +216,7 @@ def _cohesion_gain_ps(far_m: float, age_s: float, gains: Gains) -> float:
 
 @entry(
     "TUPLE3(TUPLE3, TUPLE3, TUPLE3, Tuple((float64[:, ::1], int64[::1], float64[::1], float64[:, ::1])), "
-    "float64, TUPLE16, UniTuple(float64[::1], 2), float64[:, ::1], TUPLE5)"
+    "float64, Tuple((TUPLE16, TUPLE5)), UniTuple(float64[::1], 2), float64[:, ::1])"
 )
 def correction(
     own: Vec3,
@@ -224,10 +224,9 @@ def correction(
     flock: Vec3,
     known: Known,
     age_s: float,
-    numbers: tuple[float, ...],
+    numbers: tuple[tuple[float, ...], tuple[float, ...]],
     strength_numbers: tuple[Numbers, Numbers],
     pushes: Matrix,
-    layer_numbers: tuple[float, ...],
 ) -> Vec3:
     """
     Return the velocity that a vehicle adds to the flock's (m/s; NED).
@@ -243,17 +242,15 @@ def correction(
         address, (256,) (s); the obstacles, (k, 8), see `_avoidance`.
     age_s : float
         Mean age A of the information (s).
-    numbers : (16,) tuple
-        The law's `Gains`.
+    numbers : tuple of (16,) tuple and (5,) tuple
+        The law's `Gains`, and the `Layering`: how the vehicle takes its layer of depth.
     strength_numbers : tuple of two arrays
         Parameters of the separation law for neighbours and for obstacles; see `auv_flocking.central`.
     pushes : (n + k, 3) or (0, 3) array
         Velocities from another kind of separation law, for neighbours and obstacles (m/s).
-    layer_numbers : (5,) tuple
-        How the vehicle takes its layer of depth: a `Layering`.
 
     """
-    gains, layer = Gains(*numbers), Layering(*layer_numbers)
+    gains, layer = Gains(*numbers[0]), Layering(*numbers[1])
     rows, addresses, usual_s, obstacles = known
     n, count = len(rows), len(rows) + len(obstacles)
     x, y, z = centre[0] - own[0], centre[1] - own[1], centre[2] - own[2]

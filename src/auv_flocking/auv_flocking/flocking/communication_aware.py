@@ -293,10 +293,9 @@ class Flocking(FlockingLaw):
             flock,
             (estimates.rows, estimates.who, self._usual_age_s, self._as_rows(view.obstacles, view.sensed)),
             self.age_s,
-            self._gain_numbers,
+            (self._gain_numbers, (*layer,)),
             self._numbers,
             _NO_PUSHES if self._is_central else self._pushes(view, estimates),
-            (*layer,),
         )
         goes = layer.may_leave
         return (goes * flock[0] + x, goes * flock[1] + y, goes * flock[2] + z)
