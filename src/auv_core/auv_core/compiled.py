@@ -164,8 +164,11 @@ def _compiled(function: Callable[..., Any]) -> Any:
 def _numba() -> Any:
     """
     Import Numba and return it; its objects are frozen, so that the garbage collector does not visit a
-    hundred thousand of them during a run.
+    hundred thousand of them during a run. What Numba imports only at a first call is imported here: in flight
+    it would take longer than a tick.
     """
+    import numba.core.boxing
+    import numba.core.runtime.context
     import numba.extending
 
     gc.freeze()
