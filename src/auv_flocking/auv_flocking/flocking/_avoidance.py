@@ -51,6 +51,12 @@ def obstacle_spacing_m(row: Matrix, gains: Gains) -> float:
 
 
 @inner
+def barrier_margin_m(sigma_m: float, gains: Gains) -> float:
+    """Return the distance by which a deviation widens the barrier (m)."""
+    return min(gains.barrier_sigmas * sigma_m, gains.widening_limit_m)
+
+
+@inner
 def obstacle_bound(row: Matrix, normal: Vec3, distance_m: float, flock: Vec3, gains: Gains) -> float:
     """
     Return the smallest allowed velocity away from an obstacle (m/s), in the flock's frame.
@@ -73,6 +79,6 @@ def obstacle_bound(row: Matrix, normal: Vec3, distance_m: float, flock: Vec3, ga
         flock[2] - float(row[SPEED + 2]),
     )
     carried_mps = normal[0] * x + normal[1] * y + normal[2] * z
-    unsure_m = min(gains.barrier_sigmas * float(row[SIGMA]), gains.widening_limit_m)
-    keep_m = gains.barrier_distance_m * float(row[SAFETY]) / gains.spacing_m + unsure_m
+    margin_m = barrier_margin_m(float(row[SIGMA]), gains)
+    keep_m = gains.barrier_distance_m * float(row[SAFETY]) / gains.spacing_m + margin_m
     return min(-gains.barrier_rate_ps * (distance_m - keep_m) - carried_mps, gains.correction_limit_mps)

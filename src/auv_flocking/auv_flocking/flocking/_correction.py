@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from auv_core.compiled import entry, inner
 from auv_core.geometry import Vec3, limited
 from auv_flocking.central import Numbers, along, no_strength
-from auv_flocking.flocking._avoidance import obstacle_bound, obstacle_spacing_m
+from auv_flocking.flocking._avoidance import barrier_margin_m, obstacle_bound, obstacle_spacing_m
 from auv_flocking.flocking._half_spaces import into_half_spaces
 from auv_flocking.flocking._layers import Layering, aside, levelled
 from auv_flocking.neighbours.estimates import (
@@ -195,8 +195,8 @@ def _neighbour_bound(view: Outlook, gains: Gains) -> float:
     It is half of what both may close, or what is left of the whole if the neighbour closes by more than half.
     """
     rate_ps = min(gains.barrier_rate_ps, 1.0 / max(view.age_s, _NO_AGE_S))
-    unsure_m = min(gains.barrier_sigmas * view.sigma_m, gains.widening_limit_m)
-    whole_mps = rate_ps * (view.distance_m - gains.barrier_distance_m - unsure_m)
+    margin_m = barrier_margin_m(view.sigma_m, gains)
+    whole_mps = rate_ps * (view.distance_m - gains.barrier_distance_m - margin_m)
     least_mps = max(-0.5 * whole_mps, view.closing_mps - whole_mps)
     return min(least_mps, gains.correction_limit_mps)
 
@@ -267,9 +267,7 @@ def correction(
             other = (float(rows[k, POSITION]), float(rows[k, POSITION + 1]), float(rows[k, POSITION + 2]))
             bound_mps = _neighbour_bound(view, gains)
             if is_layered:
-                keep_m = gains.barrier_distance_m + min(
-                    gains.barrier_sigmas * view.sigma_m, gains.widening_limit_m
-                )
+                keep_m = gains.barrier_distance_m + barrier_margin_m(view.sigma_m, gains)
                 dx, dy, _ = aside(own, other, int(addresses[k]), view.age_s, keep_m, layer)
                 step_x, step_y = step_x + dx, step_y + dy
                 if layer.is_in > 0.0:

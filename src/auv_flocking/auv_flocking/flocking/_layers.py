@@ -18,7 +18,7 @@ import math
 from typing import NamedTuple, Protocol
 
 from auv_core.compiled import inner
-from auv_core.geometry import Vec3
+from auv_core.geometry import Vec3, clipped
 from auv_flocking.flocking import Member
 
 _GAIN_PS = 0.3
@@ -91,7 +91,7 @@ def layering(layers: Layers, member: Member, depth_m: float, *, knows_all: bool)
     height_m = layers_height_m(layers, member.fleet_size)
     highest_m, pitch_m = layers.layer_depth_m - 0.5 * height_m, height_m / max(member.fleet_size - 1, 1)
     below_m = highest_m + (member.address - 1) * pitch_m - depth_m
-    sinking_mps = max(-_SPEED_MPS, min(_SPEED_MPS, _GAIN_PS * below_m))
+    sinking_mps = clipped(_GAIN_PS * below_m, _SPEED_MPS)
     is_in = abs(below_m) <= _NEAR_M
     return Layering(sinking_mps, float(is_in), float(is_in or knows_all), highest_m, pitch_m)
 
@@ -118,7 +118,7 @@ def aside(own: Vec3, other: Vec3, address: int, age_s: float, keep_m: float, lay
 
     """
     left_m = layer.highest_m + (address - 1) * layer.pitch_m - other[2]
-    there_m = other[2] + max(-_SPEED_MPS * age_s, min(_SPEED_MPS * age_s, left_m))
+    there_m = other[2] + clipped(left_m, _SPEED_MPS * age_s)
     nearest_m = max(min(other[2], there_m), min(max(other[2], there_m), own[2]))
     ahead_m = (nearest_m - own[2]) * math.copysign(1.0, layer.sinking_mps)
     is_in_the_way = 0.0 <= ahead_m < keep_m

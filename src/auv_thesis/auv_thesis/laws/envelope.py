@@ -55,8 +55,7 @@ _ALL: tuple[RunSpec, ...] = tuple(spec for specs in STUDY.values() for spec in s
 
 def summaries_of(runs: Sequence[Run]) -> dict[Cell, Summary]:
     """Return the summaries of the cells that were flown, in the order of `CELLS`."""
-    found = {cell: chosen(runs, specs) for cell, specs in STUDY.items()}
-    return {cell: summary_of(cell, flown) for cell, flown in found.items() if flown}
+    return {cell: summary_of(cell, flown) for cell, flown in _by_cell(runs).items()}
 
 
 def contact_words(summaries: Summaries) -> str:
@@ -96,7 +95,7 @@ def together_words(summaries: Summaries) -> str:
 def pooled_words(runs: Sequence[Run]) -> str:
     """Return the share of contacts over all cells, if cells are independent and if their seeds decide."""
     touching = [run for run in runs if run.metrics["pair_distance_min_m"] < HULLS_TOUCH_M]
-    flown = [{seed_of(run) for run in of_cell} for of_cell in _by_cell(runs)]
+    flown = [{seed_of(run) for run in of_cell} for of_cell in _by_cell(runs).values()]
     shared = set.intersection(*flown)
     hit = {seed_of(run) for run in touching} & shared
     return (
@@ -105,9 +104,9 @@ def pooled_words(runs: Sequence[Run]) -> str:
     )
 
 
-def _by_cell(runs: Sequence[Run]) -> list[list[Run]]:
-    found = (chosen(runs, specs) for specs in STUDY.values())
-    return [of_cell for of_cell in found if of_cell]
+def _by_cell(runs: Sequence[Run]) -> dict[Cell, list[Run]]:
+    found = {cell: chosen(runs, specs) for cell, specs in STUDY.items()}
+    return {cell: flown for cell, flown in found.items() if flown}
 
 
 def _listed(summaries: Summaries, count: str) -> str:
