@@ -64,6 +64,24 @@ def heading_from_quaternion(q: Quat) -> float:
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
+@inner
+def pitch_from_quaternion(q: Quat) -> float:
+    """Return the pitch (rad, in [-pi/2, pi/2], nose up) of the body's forward axis."""
+    w, x, y, z = q
+    return math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
+
+
+@inlined
+def smallest_angle(angle_rad: float) -> float:
+    """
+    Return the angle in [-pi, pi) (rad).
+
+    The smallest signed angle, ssa (Fossen 2021, Handbook of Marine Craft Hydrodynamics and Motion Control,
+    Eq. 13.10).
+    """
+    return angle_rad - math.tau * math.floor((angle_rad + math.pi) / math.tau)
+
+
 @inlined
 def quaternion_product(a: Quat, b: Quat) -> Quat:
     """Return the Hamilton product a b: first rotate by b, then by a."""

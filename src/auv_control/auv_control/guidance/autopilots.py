@@ -1,0 +1,168 @@
+"""
+The autopilots of heading, depth and speed as one pure step: from a setpoint to rudder, stern plane and
+propeller.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from auv_control.guidance import depth, heading, speed
+from auv_control.guidance.depth import DepthGains, DepthState, dived
+from auv_control.guidance.heading import HeadingGains, steered
+from auv_control.guidance.speed import SpeedGains, propelled
+from auv_core.compiled import entry, inlined, record
+from auv_core.geometry import body_to_ned, heading_from_quaternion, pitch_from_quaternion
+from auv_core.messages import VehicleState
+from auv_core.params import param
+
+
+@record("HeadingGains, DepthGains, SpeedGains")
+class AutopilotGains(NamedTuple):
+    """`Params` as compiled functions take them."""
+
+    heading: HeadingGains
+    depth: DepthGains
+    speed: SpeedGains
+
+
+@dataclass(frozen=True)
+class Params:
+    """The three autopilots."""
+
+    heading: heading.Params = param("heading autopilot", default=heading.Params())
+    depth: depth.Params = param("depth autopilot", default=depth.Params())
+    speed: speed.Params = param("speed autopilot", default=speed.Params())
+
+    @property
+    def gains(self) -> AutopilotGains:
+        """All of these parameters."""
+        return AutopilotGains(self.heading.gains, self.depth.gains, self.speed.gains)
+
+
+@record(", ".join(7 * ["float64"]))
+class Measured(NamedTuple):
+    """
+    What the autopilots measure.
+
+    Heading and pitch (rad), the body rates r and q (rad/s), depth (m), speed U and speed along the path, both
+    over ground (m/s).
+    """
+
+    heading_rad: float
+    pitch_rad: float
+    yaw_rate_radps: float
+    pitch_rate_radps: float
+    depth_m: float
+    speed_mps: float
+    along_mps: float
+
+
+@record(", ".join(4 * ["float64"]))
+class Setpoint(NamedTuple):
+    """Commanded heading (rad), turn rate (rad/s), depth (m; NED z) and speed along the path (m/s)."""
+
+    heading_rad: float
+    turn_rate_radps: float
+    depth_m: float
+    speed_mps: float
+
+
+@record("float64, DepthState, float64")
+class AutopilotState(NamedTuple):
+    """The heading integral (rad s), the state of the depth autopilot, the speed integral (m)."""
+
+    heading_integral_rads: float
+    depth: DepthState
+    speed_integral_m: float
+
+
+@record(", ".join(3 * ["float64"]))
+class Fins(NamedTuple):
+    """Rudder and stern plane (rad), propeller (rpm)."""
+
+    rudder_rad: float
+    stern_plane_rad: float
+    propeller_rpm: float
+
+
+def initial_state(depth_m: float) -> AutopilotState:
+    """Return the state at the start, at a depth (m)."""
+    return AutopilotState(0.0, DepthState(depth_m, 0.0, 0.0), 0.0)
+
+
+def measured(nav: VehicleState, course_rad: float) -> Measured:
+    """
+    Return the measurements in a vehicle's navigation.
+
+    Parameters
+    ----------
+    nav : VehicleState
+        The vehicle's own navigation.
+    course_rad : float
+        Direction of the path (rad, from north towards east), along which the speed counts.
+
+    """
+    u, v, w, _, q, r = nav.nu
+    north_mps, east_mps, _ = body_to_ned(nav.attitude, (u, v, w))
+    return Measured(
+        heading_from_quaternion(nav.attitude),
+        pitch_from_quaternion(nav.attitude),
+        r,
+        q,
+        nav.position[2],
+        math.sqrt(u * u + v * v + w * w),
+        north_mps * math.cos(course_rad) + east_mps * math.sin(course_rad),
+    )
+
+
+@entry("Tuple((Fins, AutopilotState))(Measured, Setpoint, AutopilotState, float64, AutopilotGains)")
+@inlined
+def piloted(
+    now: Measured, setpoint: Setpoint, state: AutopilotState, period_s: float, gains: AutopilotGains
+) -> tuple[Fins, AutopilotState]:
+    """
+    Return rudder, stern plane and propeller of a control period, and the state after it.
+
+    Parameters
+    ----------
+    now : Measured
+        Measurements.
+    setpoint : Setpoint
+        Commands from guidance.
+    state : AutopilotState
+        After the last control period; at the start `initial_state`.
+    period_s : float
+        Control period (s).
+    gains : AutopilotGains
+        From `Params.gains`.
+
+    """
+    rudder, heading_integral = steered(
+        setpoint.heading_rad - now.heading_rad,
+        setpoint.turn_rate_radps - now.yaw_rate_radps,
+        setpoint.turn_rate_radps,
+        now.speed_mps,
+        state.heading_integral_rads,
+        period_s,
+        gains.heading,
+    )
+    dive = dived(
+        now.depth_m,
+        setpoint.depth_m,
+        now.pitch_rad,
+        now.pitch_rate_radps,
+        now.speed_mps,
+        state.depth,
+        period_s,
+        gains.depth,
+    )
+    propeller, speed_integral = propelled(
+        now.along_mps, setpoint.speed_mps, state.speed_integral_m, period_s, gains.speed
+    )
+    return (
+        Fins(rudder, dive.stern_plane_rad, propeller),
+        AutopilotState(heading_integral, dive.state, speed_integral),
+    )
