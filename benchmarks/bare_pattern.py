@@ -34,6 +34,7 @@ from auv_ros.rendezvous import Rendezvous
 from auv_ros.topic import Topics
 from auv_ros.wire import conversions as convert
 from auv_ros.wire.acoustics import inbox_bytes, outbox_bytes
+from auv_ros.wire.commands import command_bytes
 from auv_ros.wire.markers import HULL, MARKER_TICKS, sphere
 
 RELAY = "/acoustic_relay_node"
@@ -55,7 +56,7 @@ def message_bytes(vehicle_id: str, neighbours: int) -> dict[str, bytes]:
         "odom": odometry,
         "ground_truth/odom": odometry,
         "/tf": convert.motion_transforms(name).filled(0.0, [(0.0,) * 7] * 3),
-        "cmd_wrench": convert.command_stencil(name, takes_velocity=False).filled(0.0, *[0] * 6),
+        "cmd_wrench": command_bytes(name, "wrench", 0.0, *[0] * 6),
         "acoustic/tx": outbox_bytes(convert.body_frame(name), 0, [], 0.0),
         "acoustic/rx": inbox_bytes(convert.body_frame(name), Inbox(0, False, (), ()), 0.0, 0),
         "reference": convert.velocity_stencil().filled(0.0, *[0] * 6),
@@ -73,7 +74,8 @@ class _BareNode(Node):
     def __init__(self, spec: NodeSpec, fleet: Sequence[str], *, is_lean: bool) -> None:
         super().__init__(spec.executable, namespace=spec.namespace)
         self._types = {
-            topic.name: topic.type_name for topic in topics_of_graph(fleet, kinematic=False, lockstep=True)
+            topic.name: topic.type_name
+            for topic in topics_of_graph(fleet, ["wrench"] * len(fleet), lockstep=True)
         }
         self._spoken = Topics(self, is_recorded=True)
         self._is_lean = is_lean
@@ -214,7 +216,7 @@ class BareRecorder(_BareNode):
         super().__init__(spec, fleet, is_lean=is_lean)
         self._topics: list[Subscription] = []
         self._ticks = 0
-        for topic in topics_of_graph(fleet, kinematic=False, lockstep=True):
+        for topic in topics_of_graph(fleet, ["wrench"] * len(fleet), lockstep=True):
             qos = LATCHED if topic.latched else EVERY_TICK
             kind = message_class(topic.type_name)
             self._topics.append(self.create_subscription(kind, topic.name, self._hear_clock, qos, raw=True))

@@ -19,7 +19,7 @@ from auv_control.references import PathPoint, ReferencePath
 from auv_core.contracts import fulfilled, members
 from auv_core.geometry import distance
 from auv_core.messages import VehicleState, VelocityCommand, Wrench
-from auv_core.models import VehicleModel, WrenchModel
+from auv_core.models import ContinuousModel, VehicleModel
 from auv_core.params import ConfigError, dump, load, load_section
 from auv_core.plugins import find_plugin, list_plugins
 from auv_flocking.central import along
@@ -112,7 +112,7 @@ def _fly_model(module, params, inputs):
             assert len(state) == 13
             assert math.hypot(*state[3:7]) == pytest.approx(1.0, abs=1e-9)
             outputs.append((given, state))
-        if isinstance(model, WrenchModel):
+        if isinstance(model, ContinuousModel):
             outputs.append(
                 model.normalised(model.derivative(state, given, inputs.point(0.2))[:3] + state[3:])
             )

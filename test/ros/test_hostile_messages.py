@@ -40,6 +40,7 @@ from auv_msgs.msg import (
 )
 from auv_ros.wire import conversions as convert
 from auv_ros.wire.acoustics import inbox_bytes, outbox_bytes
+from auv_ros.wire.commands import command_bytes
 
 pytestmark = pytest.mark.ros
 
@@ -53,7 +54,7 @@ def originals():
     packet = Packet(3, 2, 0, 2, bytes(range(32)))
     inbox = Inbox(4, True, (Reception(packet, 0.1, 0.2, 9.0),) * 2, (SonarContact(5.0, 0.1, 0.2),) * 2)
     state = convert.state_stencil().filled(1.0, 7, True, True, *[0.5] * 15)
-    wrench = convert.command_stencil("auv_1", takes_velocity=False).filled(1.0, *[2.0] * 6)
+    wrench = command_bytes("auv_1", "wrench", 1.0, *[2.0] * 6)
     messages = {
         "/auv_1/nav": (VehicleState, state),
         "/auv_1/state": (VehicleState, state),

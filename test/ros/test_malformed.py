@@ -36,15 +36,18 @@ def readers():
     from auv_ros.hearing import decoded
     from auv_ros.wire import conversions as convert
     from auv_ros.wire.acoustics import inbox_bytes, outbox_bytes, read_inbox, read_outbox
+    from auv_ros.wire.commands import command_bytes, command_from_bytes
 
     packet = Packet(3, 1, 0, 2, b"0123456789")
     inbox = Inbox(4, True, (Reception(packet, 0.1, 0.2, 9.0),) * 2, (SonarContact(1.0, 0.1, 0.2),) * 2)
     state = convert.state_stencil().filled(1.0, 7, True, True, *[0.5] * 15)
-    wrench = convert.command_stencil("auv_1", takes_velocity=False).filled(1.0, *[2.0] * 6)
+    wrench = command_bytes("auv_1", "wrench", 1.0, *[2.0] * 6)
+    forces = command_bytes("auv_1", "thrusters", 1.0, *[2.0] * 8)
     status = FlockStatus(state="running", lost_vehicles=["auv_2"], detail="words")
     return {
         "state": (convert.state_from_bytes, [state]),
-        "command": (lambda data: convert.command_from_bytes(data, takes_velocity=False), [wrench]),
+        "command": (lambda data: command_from_bytes(data, "wrench"), [wrench]),
+        "forces": (lambda data: command_from_bytes(data, "thrusters"), [forces]),
         "inbox": (
             lambda data: read_inbox(data, 0),
             [inbox_bytes("auv_1", inbox, 1.0, 0), inbox_bytes("", Inbox(1, False, ()), 0.0, 0)],
@@ -54,7 +57,7 @@ def readers():
     }
 
 
-@pytest.mark.parametrize("name", ["state", "command", "inbox", "outbox", "status"])
+@pytest.mark.parametrize("name", ["state", "command", "forces", "inbox", "outbox", "status"])
 def test_bytes_that_are_no_message_are_never_more_than_a_value_error(name):
     read, messages = readers()[name]
     for message in messages:

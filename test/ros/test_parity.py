@@ -138,7 +138,7 @@ def test_topics_come_as_often_as_they_are_declared_to(lossy_runs):
     scenario = load_scenario(str(lossy_runs[0] / "scenario.yaml"))
     counts = Counter(message.topic for message in Bag(lossy_runs[0] / "bag").messages())
     vehicles = [vehicle.id for vehicle in scenario.vehicles]
-    topics = topics_of_graph(vehicles, kinematic=scenario.kinematic, lockstep=True)
+    topics = topics_of_graph(vehicles, scenario.commands, lockstep=True)
     regular = {topic.name: topic.every_ticks for topic in topics if topic.every_ticks}
     assert len(regular) > 30
     assert {

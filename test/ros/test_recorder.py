@@ -26,6 +26,7 @@ from auv_bag.definitions import load_message_type
 from auv_bag.padding import padding_zeroer
 from auv_bag.topics import topics_of_graph
 from auv_bringup.launching.node_start import CONTAINER_MODULE, Part, container_arguments
+from auv_core.messages import COMMANDS
 from auv_msgs.msg import FlockingCentre, RecorderStatus, VehicleState
 
 pytestmark = pytest.mark.ros
@@ -36,7 +37,8 @@ TICK_NS = 100_000_000
 
 def recorder_arguments(folder, vehicles=("auv_1", "auv_2"), *, alone=False):
     """Return the command line that the launcher would make; `alone`: that of the node by itself."""
-    parameters = {"bag_dir": str(folder / "bag"), "topics_vehicles": list(vehicles), "kinematic": False}
+    parameters = {"bag_dir": str(folder / "bag"), "topics_vehicles": list(vehicles)}
+    parameters["commands"] = ["wrench" for _ in vehicles]
     parameters["mode"] = "lockstep"
     path = folder / "params.yaml"
     path.write_text(yaml.safe_dump({"/recorder_node": {"ros__parameters": parameters}}))
@@ -213,7 +215,7 @@ def test_a_full_disk_ends_the_recorder_with_one_error(tmp_path):
 def test_the_types_of_the_graph_have_the_hashes_that_the_bag_states():
     import synthetic_bag as synthetic
 
-    for kinematic in (False, True):
-        for spec in topics_of_graph(["a"], kinematic=kinematic, lockstep=True):
+    for command in COMMANDS:
+        for spec in topics_of_graph(["a"], [command], lockstep=True):
             described = load_message_type(spec.type_name)
             assert described.type_hash == synthetic.message_type(spec.type_name).type_hash, spec

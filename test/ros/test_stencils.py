@@ -126,36 +126,48 @@ def test_a_pose_is_the_same_in_east_north_up(attitude, position):
 
 
 def test_commands_survive_the_way_through_their_messages():
-    from geometry_msgs.msg import TwistStamped, WrenchStamped
-
-    from auv_core.messages import VelocityCommand, Wrench, command_numbers
-    from auv_ros.wire import conversions as convert
+    from auv_core.messages import FinCommand, ThrusterCommand, VelocityCommand, Wrench, command_numbers
+    from auv_ros.wire.commands import command_bytes, command_from_bytes, command_topic
     from auv_ros.wire.stencil import header_stamp_s
 
     @settings(deadline=None)
-    @given(tau=st.tuples(*[st.floats(-1e9, 1e9)] * 6), t_s=times_s)
-    def check(tau, t_s):
+    @given(tau=st.tuples(*[st.floats(-1e9, 1e9)] * 6), t_s=times_s, name=st.text("ab_1", max_size=9))
+    def check(tau, t_s, name):
         for command, kind, frame in (
-            (Wrench(tau), WrenchStamped, "auv_2/base_link_frd"),
-            (VelocityCommand(tau[:3], tau[5]), TwistStamped, "map_ned"),
+            (Wrench(tau), "wrench", f"{name}/base_link_frd"),
+            (VelocityCommand(tau[:3], tau[5]), "velocity", "map_ned"),
+            (FinCommand(*tau[:3]), "fins", f"{name}/base_link_frd"),
+            (ThrusterCommand(tau[:1]), "thrusters", f"{name}/base_link_frd"),
+            (ThrusterCommand(tau), "thrusters", f"{name}/base_link_frd"),
         ):
-            velocity = kind is TwistStamped
-            stencil = convert.command_stencil("auv_2", takes_velocity=velocity)
-            data = stencil.filled(t_s, *command_numbers(command))
-            assert_stamped(read(data, kind).header, t_s, frame)
+            data = command_bytes(name, kind, t_s, *command_numbers(command))
+            assert_stamped(read(data, command_topic(kind)[0]).header, t_s, frame)
             assert header_stamp_s(data) == pytest.approx(t_s, abs=1e-6)
-            assert convert.command_from_bytes(data, takes_velocity=velocity) == command
+            assert command_from_bytes(data, kind) == command
 
     check()
 
 
+def test_outputs_of_actuators_have_their_names_and_units():
+    from auv_core.models import Actuator
+    from auv_msgs.msg import ActuatorStates
+    from auv_ros.wire.commands import actuators_stencil
+
+    data = actuators_stencil("a", [Actuator("rudder", "rad"), Actuator("propeller", "rpm")])
+    message = read(data.filled(2.0, 0.1, 900.0), ActuatorStates)
+    assert_stamped(message.header, 2.0, "a/base_link_frd")
+    assert (message.names, message.units) == (["rudder", "propeller"], ["rad", "rpm"])
+    assert list(message.outputs) == [0.1, 900.0]
+
+
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300, -2e9])
 def test_a_command_that_is_not_finite_is_refused(bad):
-    from auv_ros.wire import conversions as convert
+    from auv_ros.wire.commands import command_bytes, command_from_bytes
 
-    data = convert.command_stencil("a", takes_velocity=False).filled(1.0, 0.0, 0.0, bad, 0.0, 0.0, 0.0)
-    with pytest.raises(ValueError, match="not finite"):
-        convert.command_from_bytes(data, takes_velocity=False)
+    for kind, size in (("wrench", 6), ("fins", 3), ("thrusters", 8)):
+        data = command_bytes("a", kind, 1.0, bad, *[0.0] * (size - 1))
+        with pytest.raises(ValueError, match="not finite"):
+            command_from_bytes(data, kind)
 
 
 @given(data=st.binary(max_size=100))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from auv_bag.link import Opening
 from auv_bag.topics import LOG_TOPIC, TopicSpec, topics_of_graph
+from auv_core.messages import COMMANDS
 from auv_core.params import param
 
 _COMMON_LOGGERS = ("acoustic_relay_node", "clock_node", "recorder_node")
@@ -18,7 +19,7 @@ class RecorderConfig:
 
     bag_dir: str = param("folder of the bag; it must not exist yet")
     topics_vehicles: tuple[str, ...] = param("ids of the vehicles whose topics are recorded")
-    kinematic: bool = param("whether the vehicles take cmd_vel instead of cmd_wrench", default=False)
+    commands: tuple[str, ...] = param("kind of command that each of these vehicles takes", choices=COMMANDS)
     publishers: str = param(
         "accepted publishers: own, the nodes of this run only; any, also modem drivers or navigations",
         default="own",
@@ -30,7 +31,7 @@ class RecorderConfig:
     def opening(self) -> Opening:
         """What the process that writes the bag must know."""
         is_lockstep = self.mode == "lockstep"
-        topics = topics_of_graph(self.topics_vehicles, kinematic=self.kinematic, lockstep=is_lockstep)
+        topics = topics_of_graph(self.topics_vehicles, self.commands, lockstep=is_lockstep)
         return Opening(Path(self.bag_dir), tuple(topics), is_lockstep)
 
     @property

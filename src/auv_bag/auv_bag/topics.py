@@ -92,6 +92,16 @@ _VEHICLE_TOPICS = (
         silence="The vehicle node has ended.",
     ),
     TopicSpec(
+        "actuators",
+        "auv_msgs/msg/ActuatorStates",
+        publisher="vehicle_node",
+        readers=_TOOLS,
+        every_ticks=1,
+        comes="from vehicles whose actuators have a state",
+        fields="`names`, `units` and `outputs` of the actuators: what acts, after the delay of each.",
+        silence="The vehicle's actuators obey at once, or the vehicle node has ended.",
+    ),
+    TopicSpec(
         "robot_description",
         "std_msgs/msg/String",
         latched=True,
@@ -171,26 +181,48 @@ _VEHICLE_TOPICS = (
     ),
 )
 _RESTS = "Lock-step waits. In real time the actuators rest after `command_max_age_s`."
-_WRENCH_TOPIC = TopicSpec(
-    "cmd_wrench",
-    "geometry_msgs/msg/WrenchStamped",
-    publisher="agent_node",
-    readers="vehicle_node",
-    every_ticks=1,
-    comes="from vehicles with a mass",
-    fields="`wrench.force` (N) and `wrench.torque` (N m), body FRD; the stamp gives the tick.",
-    silence=_RESTS,
-)
-_VELOCITY_TOPIC = TopicSpec(
-    "cmd_vel",
-    "geometry_msgs/msg/TwistStamped",
-    publisher="agent_node",
-    readers="vehicle_node",
-    every_ticks=1,
-    comes="from kinematic vehicles",
-    fields="`twist.linear` (m/s, map_ned) and `twist.angular.z` (rad/s); the stamp gives the tick.",
-    silence=_RESTS,
-)
+_COMMAND_TOPICS = {
+    "wrench": TopicSpec(
+        "cmd_wrench",
+        "geometry_msgs/msg/WrenchStamped",
+        publisher="agent_node",
+        readers="vehicle_node",
+        every_ticks=1,
+        comes="from vehicles with a mass",
+        fields="`wrench.force` (N) and `wrench.torque` (N m), body FRD; the stamp gives the tick.",
+        silence=_RESTS,
+    ),
+    "velocity": TopicSpec(
+        "cmd_vel",
+        "geometry_msgs/msg/TwistStamped",
+        publisher="agent_node",
+        readers="vehicle_node",
+        every_ticks=1,
+        comes="from kinematic vehicles",
+        fields="`twist.linear` (m/s, map_ned) and `twist.angular.z` (rad/s); the stamp gives the tick.",
+        silence=_RESTS,
+    ),
+    "fins": TopicSpec(
+        "cmd_fins",
+        "auv_msgs/msg/FinCommand",
+        publisher="agent_node",
+        readers="vehicle_node",
+        every_ticks=1,
+        comes="from torpedoes",
+        fields="`rudder_rad`, `stern_plane_rad`, `propeller_rpm`; the stamp gives the tick.",
+        silence=_RESTS,
+    ),
+    "thrusters": TopicSpec(
+        "cmd_thrusters",
+        "auv_msgs/msg/ThrusterCommand",
+        publisher="agent_node",
+        readers="vehicle_node",
+        every_ticks=1,
+        comes="from vehicles with thrusters",
+        fields="`forces_n`: the force of each thruster (N); the stamp gives the tick.",
+        silence=_RESTS,
+    ),
+}
 _GLOBAL_TOPICS = (
     TopicSpec(
         "/acoustic/stats",
@@ -296,11 +328,13 @@ RECORDER_TOPIC = TopicSpec(
     silence="There is no recorder. If a recorder is silent for `answer_timeout_s`, the run ends.",
 )
 SHARED_TOPICS = frozenset(spec.name for spec in _GLOBAL_TOPICS if spec.shared)
-VEHICLE_TOPICS = (*_VEHICLE_TOPICS, _WRENCH_TOPIC, _VELOCITY_TOPIC)
+VEHICLE_TOPICS = (*_VEHICLE_TOPICS, *_COMMAND_TOPICS.values())
 COMMON_TOPICS = (_CLOCK, _STATUS, *_GLOBAL_TOPICS, _LOG, RECORDER_TOPIC)
 
 
-def topics_of_graph(vehicle_ids: Sequence[str], *, kinematic: bool, lockstep: bool) -> list[TopicSpec]:
+def topics_of_graph(
+    vehicle_ids: Sequence[str], commands: Sequence[str], *, lockstep: bool
+) -> list[TopicSpec]:
     """Return the recorded topics of a run; those with the run's time come first.
 
     The recorder's own status is not recorded, and in lock-step log lines are not, since their stamps and
@@ -310,13 +344,13 @@ def topics_of_graph(vehicle_ids: Sequence[str], *, kinematic: bool, lockstep: bo
     ----------
     vehicle_ids
         Names, and namespaces, of the vehicles.
-    kinematic
-        Whether the vehicles take ``cmd_vel`` instead of ``cmd_wrench``.
+    commands
+        The kind of command that each vehicle takes.
     lockstep
         Whether there is a ``/clock``.
     """
-    per_vehicle = (*_VEHICLE_TOPICS, _VELOCITY_TOPIC if kinematic else _WRENCH_TOPIC)
     specs = [_CLOCK, _STATUS, *_GLOBAL_TOPICS] if lockstep else [_STATUS, *_GLOBAL_TOPICS, _LOG]
-    for vehicle_id in vehicle_ids:
-        specs += [replace(each, name=f"/{vehicle_id}/{each.name}") for each in per_vehicle]
+    for vehicle_id, command in zip(vehicle_ids, commands, strict=True):
+        own = (*_VEHICLE_TOPICS, _COMMAND_TOPICS[command])
+        specs += [replace(each, name=f"/{vehicle_id}/{each.name}") for each in own]
     return specs

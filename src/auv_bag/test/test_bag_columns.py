@@ -9,13 +9,10 @@ from auv_bag.bag import Bag
 from auv_bag.columns import Columns
 from auv_bag.topics import topics_of_graph
 from auv_bag.writer import BagError, BagWriter, Topic
+from auv_core.messages import COMMANDS
 
 TYPES = sorted(
-    {
-        spec.type_name
-        for kinematic in (False, True)
-        for spec in topics_of_graph(["auv_1"], kinematic=kinematic, lockstep=False)
-    }
+    {spec.type_name for command in COMMANDS for spec in topics_of_graph(["auv_1"], [command], lockstep=False)}
 )
 CHANGES = 60
 

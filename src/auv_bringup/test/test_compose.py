@@ -84,7 +84,7 @@ def test_the_recorder_knows_the_bag_and_the_vehicles():
     (recorder,) = _with_role(specs, "recorder")
     assert recorder.params["bag_dir"] == str(BAG)
     assert recorder.params["topics_vehicles"] == ["auv_1", "auv_2", "auv_3", "auv_4"]
-    assert recorder.params["kinematic"] is False
+    assert recorder.params["commands"] == ["wrench"] * 4
 
 
 @pytest.mark.parametrize("mode", ["lockstep", "realtime"])

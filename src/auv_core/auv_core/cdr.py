@@ -70,7 +70,14 @@ def put_text(out: bytearray, text: str) -> None:
 
 def body_at(data: bytes) -> int:
     """
-    Return the offset of a number of eight bytes after the header of a message.
+    Return the offset of a number of eight bytes after the header of a message; raise as `header_end`.
+    """
+    return aligned(header_end(data), 8)
+
+
+def header_end(data: bytes) -> int:
+    """
+    Return the offset of the first byte after the header of a message.
 
     Raises
     ------
@@ -84,8 +91,7 @@ def body_at(data: bytes) -> int:
         encapsulation, length = b"", 0
     if not encapsulation.startswith(LITTLE_ENDIAN) or length > len(data):
         raise MalformedError(f"{len(data)} bytes are not a message with a header in little-endian CDR")
-    place = _HEADER.size + length
-    return place + (_ENCAPSULATION_SIZE - place) % 8
+    return _HEADER.size + length
 
 
 @cache

@@ -13,6 +13,7 @@ from typing import NamedTuple
 from auv_core.geometry import Quat, Vec3
 
 Vec6 = tuple[float, float, float, float, float, float]
+Numbers = tuple[float, ...]
 
 
 class VehicleState(NamedTuple):
@@ -48,14 +49,60 @@ class VelocityCommand(NamedTuple):
     yaw_rate_radps: float
 
 
-Command = Wrench | VelocityCommand
+class FinCommand(NamedTuple):
+    """
+    Command of a torpedo: angles of rudder and stern plane (rad), and the propeller's speed (rpm).
+
+    A positive rudder turns to starboard, a positive stern plane lowers the nose.
+    """
+
+    rudder_rad: float
+    stern_plane_rad: float
+    propeller_rpm: float
 
 
-def command_numbers(command: Command) -> Vec6:
-    """Return [X, Y, Z, K, M, N] (N, N m; body), or [NED velocity, 0, 0, yaw rate] (m/s, rad/s)."""
+class ThrusterCommand(NamedTuple):
+    """Forces of the thrusters, each along its own direction (N), in the order of the vehicle's thrusters."""
+
+    forces_n: Numbers
+
+
+Command = Wrench | VelocityCommand | FinCommand | ThrusterCommand
+COMMANDS = ("wrench", "velocity", "fins", "thrusters")
+"""The kinds of commands: what a vehicle takes and what a controller gives."""
+
+
+def command_numbers(command: Command) -> Numbers:
+    """
+    Return the numbers of a command.
+
+    Returns
+    -------
+    numbers : tuple of float
+        [X, Y, Z, K, M, N] (N, N m; body), [NED velocity, 0, 0, yaw rate] (m/s, rad/s), [rudder, stern plane,
+        propeller] (rad, rad, rpm), or the forces of the thrusters (N).
+
+    """
     if isinstance(command, Wrench):
         return command.tau
-    return (*command.velocity, 0.0, 0.0, command.yaw_rate_radps)
+    if isinstance(command, VelocityCommand):
+        return (*command.velocity, 0.0, 0.0, command.yaw_rate_radps)
+    if isinstance(command, FinCommand):
+        return tuple(command)
+    return command.forces_n
+
+
+def command_of(kind: str, numbers: Numbers) -> Command:
+    """Return the command of a kind with these numbers; the inverse of `command_numbers`."""
+    if kind == "wrench":
+        x, y, z, k, m, n = numbers
+        return Wrench((x, y, z, k, m, n))
+    if kind == "velocity":
+        north, east, down, _, _, yaw_rate_radps = numbers
+        return VelocityCommand((north, east, down), yaw_rate_radps)
+    if kind == "fins":
+        return FinCommand(*numbers)
+    return ThrusterCommand(numbers)
 
 
 class Packet(NamedTuple):

@@ -33,7 +33,7 @@ from auv_flocking.trackers import Sensed, make_tracker
 class Agent:
     """
     The software of one vehicle; `flocks` tells whether it is part of a flock and estimates the flock's
-    centre, `takes_velocity` whether its commands are velocities instead of wrenches.
+    centre, `command` the kind of its commands.
 
     After a step it offers for inspection: `centre` and `centre_rate` (own estimate of the flocking centre, m
     and m/s; NED), `flock_velocity` (m/s; NED, with its stamp), `reference` (the law's velocity, or the
@@ -48,7 +48,7 @@ class Agent:
         consensus = None if config.consensus is None else make_consensus(config.consensus, config.fleet_size)
         self._format = make_format(config.report, () if consensus is None else consensus.shared_fields)
         controller = make_controller(config.controller, config.period_s)
-        self.takes_velocity = controller.command == "velocity"
+        self.command = controller.command
         self.task = self._make_task(controller, consensus)
         self.flocks = isinstance(self.task, FlockTask)
         self._senses = Senses(
@@ -194,7 +194,7 @@ class Agent:
         return self.task.step(t_s, nav, path, self.neighbours, self.sensed, is_waiting=is_waiting)
 
     def _safe_command(self) -> Command:
-        if self.takes_velocity:
+        if self.command == "velocity":
             return VelocityCommand((0.0, 0.0, 0.0), 0.0)
         return Wrench((0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 

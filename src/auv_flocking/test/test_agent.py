@@ -193,8 +193,8 @@ def test_the_command_is_what_the_controller_makes_of_the_reference():
     command, _ = _step(agent, 0)
     assert isinstance(command, VelocityCommand)
     assert command.velocity == agent.reference.velocity
-    assert agent.takes_velocity
-    assert not Agent(_config(controller={"kind": "velocity_pi"})).takes_velocity
+    assert agent.command == "velocity"
+    assert Agent(_config(controller={"kind": "velocity_pi"})).command == "wrench"
 
 
 def test_a_leader_alone_follows_the_path_behind_by_the_lag_of_its_consensus():

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
-from auv_core.messages import Command, VehicleState, command_numbers
-from auv_core.models import make_model
+from auv_core.messages import Command, Numbers, VehicleState, command_numbers
+from auv_core.models import Actuator, VehicleModel, make_model
 from auv_core.params import Section, param, same
 from auv_core.run_settings import RunSettings
 from auv_sim.currents import make_current, steady
@@ -21,6 +21,8 @@ EXACT = Section("exact", exact.Params())
 STEADY = Section("steady", steady.Params())
 
 _MOST_SUBSTEPS = 1_000_000
+_HULL = 13
+"""Numbers of a model's state before the outputs of its actuators."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,6 +34,9 @@ class VehicleConfig:
     position_ned_m: Vec3 = param("start position (m; NED)")
     heading_rad: float = param(
         "start heading (rad, from north towards east)", default=0.0, minimum=-7.0, maximum=7.0
+    )
+    speed_mps: float = param(
+        "start speed, ahead and over ground (m/s)", default=0.0, minimum=0.0, maximum=10.0
     )
     current_ned_mps: Vec3 = param(
         "mean velocity of the water (m/s; NED)", default=(0.0, 0.0, 0.0), minimum=-5.0, maximum=5.0
@@ -87,31 +92,52 @@ def check_finite(state: State, vehicle_id: str, t_s: float) -> None:
 class Vehicle:
     """
     The true vehicle. `step` advances it by one control period with the command held; `state` is the truth at
-    the latest tick, `nav` the output of its own navigation, and `navigation` the navigation itself.
+    the latest tick, `nav` the output of its own navigation, and `navigation` the navigation itself. `command`
+    is the kind of command that it takes.
     """
 
     def __init__(self, config: VehicleConfig) -> None:
-        self._model = make_model(config.model)
+        self._model: VehicleModel = make_model(config.model)
         self._current = make_current(
             config.current, config.current_ned_mps, config.seed, config.address, config.period_s
         )
         self._dt_s = config.dt_s
         self._substeps = substeps(config.period_s, config.dt_s)
         self._tick = 0
-        self._state: State = self._model.initial_state(config.position_ned_m, config.heading_rad)
+        self._state: State = self._model.initial_state(
+            config.position_ned_m, config.heading_rad, config.speed_mps
+        )
         self.state = self._record()
         self._name = config.vehicle_id
         self._period_s = config.period_s
         self.navigation = make_navigation(config.navigation, config.seed, config.address, config.period_s)
-        self.takes_velocity = self._model.command == "velocity"
-        """Whether this vehicle takes a velocity command instead of a wrench."""
+        self.command = self._model.command
         self.nav: VehicleState = self.navigation.measured(self.state)
 
+    @property
+    def command_size(self) -> int:
+        """Count of the numbers of a command."""
+        return len(self._model.resting_command())
+
+    @property
+    def actuators(self) -> tuple[Actuator, ...]:
+        """The actuators that have a state."""
+        return self._model.actuators
+
+    @property
+    def actuator_outputs(self) -> Numbers:
+        """Outputs of `actuators` at the latest tick, each in its unit."""
+        return self._state[_HULL:]
+
     def restore(self, state: VehicleState) -> None:
-        """Set the vehicle to `state`, at its tick."""
+        """Set the vehicle to `state`, at its tick, with the outputs of its actuators at zero."""
         self._tick = state.tick
-        self._state = (*state.position, *state.attitude, *state.nu)
+        self._state = (*state.position, *state.attitude, *state.nu, *(0.0 for _ in self._model.actuators))
         self.state = self._record()
+
+    def lose_computer(self) -> None:
+        """From now on the hull is one without a computer; without a command it drifts."""
+        self._model = self._model.adrift()
 
     def step(self, command: Command | None) -> VehicleState:
         """
@@ -123,7 +149,7 @@ class Vehicle:
             If the motion has no finite solution.
 
         """
-        values = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if command is None else command_numbers(command)
+        values = self._model.resting_command() if command is None else command_numbers(command)
         given = self._model.limited_command(values)
         self._state = self._model.step(
             self._state, given, self._current.at(self._tick), self._dt_s, self._substeps

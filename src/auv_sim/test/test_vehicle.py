@@ -101,7 +101,7 @@ def test_without_a_command_the_hull_drifts_towards_the_waters_velocity():
 
 def test_a_kinematic_vehicle_moves_as_commanded_and_stands_without_a_command():
     vehicle = Vehicle(_config("point"))
-    assert vehicle.takes_velocity
+    assert vehicle.command == "velocity"
     for _ in range(10):
         state = vehicle.step(VelocityCommand((0.1, 0.0, -0.2), 0.0))
     assert state.position == pytest.approx((1.1, 2.0, 2.8))

@@ -9,17 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from auv_core.compiled import use_compiler
-from auv_core.messages import Command, Inbox, VehicleState, VelocityCommand, Wrench
+from auv_core.messages import Command, Inbox, VehicleState, VelocityCommand, command_numbers, command_of
 from auv_core.params import ConfigError, shown
 from auv_experiment.inprocess.stepwise import StepwiseRun
 from auv_experiment.run_memory import check_memory
 from auv_experiment.scenario import schema
-from auv_sim.vehicle import DivergedError
+from auv_sim.vehicle import DivergedError, Vehicle
 from shoal.plain import plain
 from shoal.result import Result
 from shoal.scenario import Scenario, load, resolve
-
-_LENGTHS = {True: 4, False: 6}
 
 
 class Simulation:
@@ -124,8 +122,9 @@ class Simulation:
         ----------
         commands : mapping, optional
             Commands that replace those of the vehicles' own software, by name: six numbers [X, Y, Z, K, M,
-            N] (N, N m; body FRD), or for a kinematic vehicle four numbers, velocity (m/s; NED) and yaw rate
-            (rad/s). Actuator limits apply as for any command.
+            N] (N, N m; body FRD), for a kinematic vehicle four numbers, velocity (m/s; NED) and yaw rate
+            (rad/s), for a torpedo three, rudder and stern plane (rad) and propeller (rpm), and for thrusters
+            one force each (N). Actuator limits apply as for any command.
 
         Raises
         ------
@@ -145,7 +144,8 @@ class Simulation:
                 raise ConfigError(
                     f"commands: {shown(name)} is not allowed; allowed: {', '.join(self.vehicle_ids)}"
                 )
-            decided[self.vehicle_ids.index(name)] = _command(name, given, self.scenario.kinematic)
+            index = self.vehicle_ids.index(name)
+            decided[index] = _command(name, given, self._run.vehicles[index])
         try:
             self._run.act(decided)
         except DivergedError:
@@ -179,18 +179,19 @@ class Simulation:
         return self._decided
 
 
-def _command(name: str, given: Command | Sequence[float], takes_velocity: bool) -> Command:
+def _command(name: str, given: Command | Sequence[float], vehicle: Vehicle) -> Command:
     """Return the numbers for a vehicle as its kind of command."""
+    takes_velocity = vehicle.command == "velocity"
     numbers: Any = plain(given)
-    if isinstance(given, Wrench):
-        numbers = given.tau
-    elif isinstance(given, VelocityCommand):
+    if isinstance(given, VelocityCommand):
         numbers = (*given.velocity, given.yaw_rate_radps)
-    length = _LENGTHS[takes_velocity]
+    elif isinstance(given, Command):
+        numbers = command_numbers(given)
+    length = 4 if takes_velocity else vehicle.command_size
     are_numbers = isinstance(numbers, list | tuple) and all(isinstance(each, int | float) for each in numbers)
     if not are_numbers or len(numbers) != length or not all(map(math.isfinite, numbers)):
         raise ConfigError(f"commands.{name}: {shown(given)} is not allowed; allowed: {length} finite numbers")
     values = [float(each) for each in numbers]
     if takes_velocity:
         return VelocityCommand((values[0], values[1], values[2]), values[3])
-    return Wrench((values[0], values[1], values[2], values[3], values[4], values[5]))
+    return command_of(vehicle.command, tuple(values))

@@ -116,7 +116,7 @@ def _recorder_spec(scenario: Scenario, mode: str, bag_dir: Path) -> NodeSpec:
         params={
             "bag_dir": str(bag_dir),
             "topics_vehicles": [vehicle.id for vehicle in scenario.vehicles],
-            "kinematic": scenario.kinematic,
+            "commands": list(scenario.commands),
             "mode": mode,
         },
     )

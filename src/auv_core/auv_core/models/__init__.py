@@ -4,8 +4,8 @@ Vehicle models: the equations of motion. One file per structure; the parameters 
 To add a model with new equations, write one file here with
 
 1. ``Params``: a frozen dataclass made of `auv_core.params.param` fields, with at least ``hull_radius_m``;
-2. ``Model(params)``, a `VehicleModel`; a model that takes a wrench is a `WrenchModel`, which continuous-time
-   runs integrate themselves.
+2. ``Model(params)``, a `VehicleModel`; a model whose rates are known at every instant is a `ContinuousModel`,
+   which continuous-time runs integrate themselves.
 
 The file's name is its ``kind``. ``Params`` has ``frame`` if nu can be in another frame than the body's (see
 `four_dof`). To add a vehicle with new numbers, write one file ``presets/<name>.yaml`` with ``kind`` and
@@ -15,24 +15,53 @@ changed.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
-from auv_core.messages import Vec6
+from auv_core.messages import Numbers, Vec6
 from auv_core.params import Section
+
+
+class Handling(NamedTuple):
+    """
+    How a vehicle handles: what laws, checks and figures must not take from a hull that hovers.
+
+    can_stop : whether it can hold a place.
+    least_speed_mps : least speed through the water at which it obeys its command (m/s).
+    hull_length_m : length of the hull (m).
+    """
+
+    can_stop: bool
+    least_speed_mps: float
+    hull_length_m: float
+
+
+class Actuator(NamedTuple):
+    """An actuator whose output is part of a model's state: its name and the unit of its output."""
+
+    name: str
+    unit: str
 
 
 class VehicleModel(Protocol):
     """
-    Equations of motion on the 13 floats of a state.
+    Equations of motion.
 
-    They are NED position (m), attitude quaternion body to NED (w, x, y, z) and nu (m/s, rad/s; body FRD).
-    `command` is ``'wrench'`` or ``'velocity'``, what the vehicle takes.
+    A state has 13 floats: NED position (m), attitude quaternion body to NED (w, x, y, z) and nu (m/s, rad/s;
+    body FRD). The outputs of the `actuators` that have a state of their own follow them.
     """
 
-    command: ClassVar[str]
+    actuators: tuple[Actuator, ...] = ()
+
+    @property
+    def command(self) -> str:
+        """What the vehicle takes, one of `auv_core.messages.COMMANDS`."""
+
+    @property
+    def handling(self) -> Handling:
+        """How the vehicle handles."""
 
     @property
     def top_speed_mps(self) -> float:
@@ -41,22 +70,34 @@ class VehicleModel(Protocol):
     def speed_held_mps(self, max_force_n: float) -> float:
         """Return the same for a controller with this limit along each axis (N)."""
 
-    def initial_state(self, position: Vec3, heading_rad: float) -> State:
-        """Return the state of a level vehicle at rest."""
+    def turn_radius_m(self, speed_mps: float) -> float:
+        """Return the radius of the tightest turn at a speed through the water (m); 0 if it turns in place."""
+        return 0.0
 
-    def limited_command(self, command: Vec6) -> Vec6:
+    def initial_state(self, position: Vec3, heading_rad: float, speed_mps: float = 0.0) -> State:
+        """Return the state of a level vehicle that runs ahead at a speed over ground (m/s)."""
+
+    def resting_command(self) -> Numbers:
+        """Return the numbers of the command with which the actuators rest."""
+        return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def limited_command(self, command: Numbers) -> Numbers:
         """Return the actuators' output for a command, in the form of `auv_core.messages.command_numbers`."""
 
-    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float, steps: int = 1) -> State:
-        """Return the state after `steps` steps of `dt_s` (s), with a constant output of the actuators."""
+    def adrift(self) -> VehicleModel:
+        """Return the model of this vehicle after the loss of its computer, such as without a drop weight."""
+        return self
+
+    def step(self, state: State, command: Numbers, current: Vec3, dt_s: float, steps: int = 1) -> State:
+        """Return the state after `steps` steps of `dt_s` (s), with a constant command of the actuators."""
 
 
 @runtime_checkable
-class WrenchModel(VehicleModel, Protocol):
-    """A model that takes a wrench (N, N m; body)."""
+class ContinuousModel(VehicleModel, Protocol):
+    """A model whose rates are known at every instant."""
 
-    def derivative(self, state: State, tau: Vec6, current: Vec3) -> State:
-        """Return the rate of change of a state for a wrench and a current (m/s; NED)."""
+    def derivative(self, state: State, command: Numbers, current: Vec3) -> State:
+        """Return the rate of change of a state for a command and a current (m/s; NED)."""
 
     def normalised(self, state: State) -> State:
         """Return the state with an attitude quaternion of length 1."""
@@ -70,25 +111,25 @@ class _Framed(Protocol):
     frame: str
 
 
-def model_class(kind: str) -> type[VehicleModel]:
-    """Return the class of the model of a kind."""
-    found: type[VehicleModel] = class_of(__name__, kind, "Model")
-    return found
-
-
 def make_model(section: Section) -> VehicleModel:
     """Return the model of a section."""
     made = class_of(__name__, section.kind, "Model")(section.params)
-    model: VehicleModel = fulfilled(made, VehicleModel if made.command == "velocity" else WrenchModel)
+    contract = ContinuousModel if getattr(made, "command", None) == "wrench" else VehicleModel
+    model: VehicleModel = fulfilled(made, contract)
     return model
 
 
-def make_wrench_model(section: Section) -> WrenchModel:
-    """Return the model of a section whose vehicle takes a wrench."""
+def make_continuous_model(section: Section) -> ContinuousModel:
+    """Return the model of a section for a run that integrates it."""
     model = make_model(section)
-    if not isinstance(model, WrenchModel):
-        raise TypeError(f"a vehicle that takes a {model.command}")
+    if not isinstance(model, ContinuousModel):
+        raise TypeError(f"a vehicle that takes a {model.command} and whose rates are not known")
     return model
+
+
+def hovering(hull_radius_m: float) -> Handling:
+    """Return the handling of a hull that can hold a place and turn in it."""
+    return Handling(can_stop=True, least_speed_mps=0.0, hull_length_m=2.0 * hull_radius_m)
 
 
 def frame_of(params: Any) -> str:

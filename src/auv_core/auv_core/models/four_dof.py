@@ -26,8 +26,8 @@ from dataclasses import dataclass
 from auv_core.drag import steady_speed_mps
 from auv_core.geometry import Vec3, clipped, quaternion_from_heading
 from auv_core.integrate import State, rk4_step
-from auv_core.messages import Vec6
-from auv_core.models import WrenchModel
+from auv_core.messages import Numbers, Vec6
+from auv_core.models import ContinuousModel, Handling, hovering
 from auv_core.params import param
 
 Vec4 = tuple[float, float, float, float]
@@ -54,7 +54,7 @@ class Params:
     hull_radius_m: float = param("radius of the sphere around the hull (m)", default=0.3, above=0.0)
 
 
-class Model(WrenchModel):
+class Model(ContinuousModel):
     """A vehicle that takes a wrench, of which only X, Y, Z and N act; integrated by RK4."""
 
     command = "wrench"
@@ -65,6 +65,11 @@ class Model(WrenchModel):
         self._is_printed_drag = params.drag == "thesis"
         self._max_force_n = math.inf if params.max_force_n is None else params.max_force_n
         self._max_moment_nm = math.inf if params.max_moment_nm is None else params.max_moment_nm
+
+    @property
+    def handling(self) -> Handling:
+        """It hovers."""
+        return hovering(self.params.hull_radius_m)
 
     @property
     def top_speed_mps(self) -> float:
@@ -81,11 +86,11 @@ class Model(WrenchModel):
             for linear, quadratic in zip(p.linear_damping[:3], p.quadratic_damping[:3], strict=True)
         )
 
-    def initial_state(self, position: Vec3, heading_rad: float) -> State:
-        """Return the state at rest."""
-        return (*position, *quaternion_from_heading(heading_rad), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    def initial_state(self, position: Vec3, heading_rad: float, speed_mps: float = 0.0) -> State:
+        """Return the state of a vehicle that runs ahead at a speed over ground (m/s)."""
+        return (*position, *quaternion_from_heading(heading_rad), speed_mps, 0.0, 0.0, 0.0, 0.0, 0.0)
 
-    def limited_command(self, tau: Vec6) -> Vec6:
+    def limited_command(self, tau: Numbers) -> Numbers:
         """
         Return the wrench of the actuators for a command: clipped per axis, without roll and pitch moment.
         """
@@ -97,7 +102,7 @@ class Model(WrenchModel):
         a, b, c, d = self.params.inertia
         return 0.5 * (a * nu[0] ** 2 + b * nu[1] ** 2 + c * nu[2] ** 2 + d * nu[5] ** 2)
 
-    def derivative(self, state: State, tau: Vec6, current: Vec3) -> State:
+    def derivative(self, state: State, tau: Numbers, current: Vec3) -> State:
         """
         Return the rate of change of the 13 floats of a state.
 
@@ -133,7 +138,7 @@ class Model(WrenchModel):
             n,
         )
 
-    def _accelerations(self, water: Vec4, tau: Vec6) -> Vec4:
+    def _accelerations(self, water: Vec4, tau: Numbers) -> Vec4:
         """Return the rates of nu relative to the water, including the rotation of the frame."""
         p = self.params
         m11, m22, m33, m44 = p.inertia
@@ -153,7 +158,7 @@ class Model(WrenchModel):
         norm = math.hypot(state[3], state[6])
         return (*state[:3], state[3] / norm, 0.0, 0.0, state[6] / norm, *state[7:])
 
-    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float, steps: int = 1) -> State:
+    def step(self, state: State, command: Numbers, current: Vec3, dt_s: float, steps: int = 1) -> State:
         """Return the state after `steps` steps of `dt_s`, the wrench `command` held."""
         for _ in range(steps):
             after = rk4_step(lambda _t_s, x: self.derivative(x, command, current), 0.0, state, dt_s)

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from auv_core.geometry import Vec3, heading_from_quaternion, ned_to_body, quaternion_from_heading
 from auv_core.integrate import State
-from auv_core.messages import Vec6
-from auv_core.models import VehicleModel
+from auv_core.messages import Numbers
+from auv_core.models import Handling, VehicleModel, hovering
 from auv_core.params import param
 
 
@@ -33,6 +33,11 @@ class Model(VehicleModel):
         self.params = params
 
     @property
+    def handling(self) -> Handling:
+        """It hovers."""
+        return hovering(self.params.hull_radius_m)
+
+    @property
     def top_speed_mps(self) -> float:
         """Infinite: a single integrator has no actuators."""
         return math.inf
@@ -41,15 +46,15 @@ class Model(VehicleModel):
         """Return infinity: no force is needed."""
         return math.inf
 
-    def initial_state(self, position: Vec3, heading_rad: float) -> State:
-        """Return the state at rest."""
-        return (*position, *quaternion_from_heading(heading_rad), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    def initial_state(self, position: Vec3, heading_rad: float, speed_mps: float = 0.0) -> State:
+        """Return the state of a vehicle that runs ahead at a speed over ground (m/s)."""
+        return (*position, *quaternion_from_heading(heading_rad), speed_mps, 0.0, 0.0, 0.0, 0.0, 0.0)
 
-    def limited_command(self, command: Vec6) -> Vec6:
+    def limited_command(self, command: Numbers) -> Numbers:
         """Return `command` itself: a single integrator has no actuators."""
         return command
 
-    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float, steps: int = 1) -> State:
+    def step(self, state: State, command: Numbers, current: Vec3, dt_s: float, steps: int = 1) -> State:
         """
         Return the state after `steps` steps of `dt_s`: exact for a held command [NED velocity, 0, 0, yaw
         rate].
@@ -58,7 +63,7 @@ class Model(VehicleModel):
             state = self._stepped(state, command, dt_s)
         return state
 
-    def _stepped(self, state: State, command: Vec6, dt_s: float) -> State:
+    def _stepped(self, state: State, command: Numbers, dt_s: float) -> State:
         velocity: Vec3 = (command[0], command[1], command[2])
         x, y, z = (state[axis] + dt_s * velocity[axis] for axis in range(3))
         heading_rad = heading_from_quaternion((state[3], state[4], state[5], state[6])) + dt_s * command[5]

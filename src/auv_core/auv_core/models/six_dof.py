@@ -28,8 +28,8 @@ from auv_core.compiled import entry, fastest, inlined
 from auv_core.drag import steady_speed_mps
 from auv_core.geometry import Quat, Vec3, clipped, quaternion_from_heading
 from auv_core.integrate import State, rk4
-from auv_core.messages import Vec6
-from auv_core.models import WrenchModel
+from auv_core.messages import Numbers, Vec6
+from auv_core.models import ContinuousModel, Handling, hovering
 from auv_core.models._hull_forces import Constants as Constants
 from auv_core.models._hull_forces import coriolis_force, damping_force, momentum
 from auv_core.params import param
@@ -97,7 +97,7 @@ def limits(params: Params) -> Vec6:
 
 @entry("TUPLE6(TUPLE6, TUPLE6)")
 @inlined
-def limited_wrench(tau: Vec6, most: Vec6) -> Vec6:
+def limited_wrench(tau: Numbers, most: Vec6) -> Vec6:
     """Return `tau` clipped axis by axis."""
     return (
         clipped(tau[0], most[0]),
@@ -110,7 +110,7 @@ def limited_wrench(tau: Vec6, most: Vec6) -> Vec6:
 
 
 @inlined
-def derivative(state: State, tau: Vec6, current: Vec3, c: Constants) -> State:
+def derivative(state: State, tau: Numbers, current: Vec3, c: Constants) -> State:
     """
     Return the rate of change of the 13 floats of a state.
 
@@ -193,14 +193,16 @@ def normalised(x: State) -> State:
 
 
 @inlined
-def _rate(t_s: float, x: State, given: tuple[Vec6, Vec3, Constants]) -> State:
+def _rate(t_s: float, x: State, given: tuple[Numbers, Vec3, Constants]) -> State:
     """Return `derivative` for the wrench, current and hull given."""
     tau, current, c = given
     return derivative(x, tau, current, c)
 
 
 @entry("TUPLE13(TUPLE13, TUPLE6, TUPLE3, TUPLE21, float64, int64)")
-def advance(x: State, tau: Vec6, current: Vec3, numbers: tuple[float, ...], dt_s: float, steps: int) -> State:
+def advance(
+    x: State, tau: Numbers, current: Vec3, numbers: tuple[float, ...], dt_s: float, steps: int
+) -> State:
     """
     Return the state after `steps` steps of `dt_s` with constant tau; `numbers` are the hull's `Constants`.
     """
@@ -210,7 +212,7 @@ def advance(x: State, tau: Vec6, current: Vec3, numbers: tuple[float, ...], dt_s
     return x
 
 
-class Model(WrenchModel):
+class Model(ContinuousModel):
     """A vehicle that takes a wrench, integrated by RK4."""
 
     command = "wrench"
@@ -221,6 +223,11 @@ class Model(WrenchModel):
         self._numbers = tuple(self._constants)
         self._limits = limits(params)
         self._advance, self._limited = fastest(advance), fastest(limited_wrench)
+
+    @property
+    def handling(self) -> Handling:
+        """It hovers."""
+        return hovering(self.params.hull_radius_m)
 
     @property
     def top_speed_mps(self) -> float:
@@ -242,23 +249,23 @@ class Model(WrenchModel):
         (lx, ly, lz), (hx, hy, hz) = momentum((nu[0], nu[1], nu[2]), (nu[3], nu[4], nu[5]), self._constants)
         return 0.5 * (nu[0] * lx + nu[1] * ly + nu[2] * lz + nu[3] * hx + nu[4] * hy + nu[5] * hz)
 
-    def initial_state(self, position: Vec3, heading_rad: float) -> State:
-        """Return the state of a level vehicle at rest."""
+    def initial_state(self, position: Vec3, heading_rad: float, speed_mps: float = 0.0) -> State:
+        """Return the state of a level vehicle that runs ahead at a speed over ground (m/s)."""
         attitude: Quat = quaternion_from_heading(heading_rad)
-        return (*position, *attitude, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return (*position, *attitude, speed_mps, 0.0, 0.0, 0.0, 0.0, 0.0)
 
-    def limited_command(self, tau: Vec6) -> Vec6:
+    def limited_command(self, tau: Numbers) -> Numbers:
         """Return the wrench of the actuators for a command: clipped per axis, if there are limits."""
         return self._limited(tau, self._limits)
 
-    def step(self, state: State, command: Vec6, current: Vec3, dt_s: float, steps: int = 1) -> State:
+    def step(self, state: State, command: Numbers, current: Vec3, dt_s: float, steps: int = 1) -> State:
         """
         Return the state after `steps` steps of `dt_s`, the wrench `command` held; the quaternion comes back
         with length 1.
         """
         return self._advance(state, command, current, self._numbers, dt_s, steps)
 
-    def derivative(self, state: State, tau: Vec6, current: Vec3) -> State:
+    def derivative(self, state: State, tau: Numbers, current: Vec3) -> State:
         """Return the rate of change of `state`; see the function of the same name."""
         return derivative(state, tau, current, self._constants)
 

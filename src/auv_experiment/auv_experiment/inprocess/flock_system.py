@@ -8,7 +8,7 @@ from auv_control.controllers import ContinuousVelocityController, VelocityRefere
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Vec6
-from auv_core.models import WrenchModel, make_wrench_model
+from auv_core.models import ContinuousModel, make_continuous_model
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario
 from auv_flocking.agent import Agent
@@ -44,7 +44,11 @@ class _Hull:
     """A vehicle with a velocity controller; the state is the 13 numbers of the plant and the integral."""
 
     def __init__(
-        self, model: WrenchModel, controller: ContinuousVelocityController, start: Vec3, heading_rad: float
+        self,
+        model: ContinuousModel,
+        controller: ContinuousVelocityController,
+        start: Vec3,
+        heading_rad: float,
     ) -> None:
         self._model = model
         self._controller = controller
@@ -149,5 +153,5 @@ def _vehicles(scenario: Scenario) -> list[_Point | _Hull]:
         controller = make_controller(scenario.agent.controller, scenario.period_s)
         if not isinstance(controller, ContinuousVelocityController):
             raise TypeError("a controller without a continuous form")
-        vehicles.append(_Hull(make_wrench_model(vehicle.model), controller, start, vehicle.heading_rad))
+        vehicles.append(_Hull(make_continuous_model(vehicle.model), controller, start, vehicle.heading_rad))
     return vehicles

@@ -10,7 +10,7 @@ from auv_control.controllers import MotionView
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import VehicleState
-from auv_core.models import make_wrench_model
+from auv_core.models import make_continuous_model
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario
 from auv_flocking.agent import Agent
@@ -30,7 +30,7 @@ class _Member:
         self.name = vehicle.id
         self.agent = agent
         self.task: MotionTask = agent.task
-        self.model = make_wrench_model(vehicle.model)
+        self.model = make_continuous_model(vehicle.model)
         self.plant_start: State = self.model.initial_state(
             vehicle.position_ned_m or (0.0, 0.0, 0.0), vehicle.heading_rad
         )

@@ -15,7 +15,7 @@ import numpy as np
 from auv_control.controllers import MotionLaw, MotionView, make_controller
 from auv_core.geometry import Vec3
 from auv_core.messages import VehicleState
-from auv_core.models import make_wrench_model
+from auv_core.models import make_continuous_model
 from auv_experiment.recording import FloatArray, Recording
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def _law(scenario: Scenario) -> MotionLaw:
 
 def _values(recording: Recording, scenario: Scenario, law: MotionLaw, index: int) -> FloatArray:
     """Return the (K, number of candidates) values of one vehicle."""
-    energy = make_wrench_model(scenario.vehicles[index].model).kinetic_energy
+    energy = make_continuous_model(scenario.vehicles[index].model).kinetic_energy
     path = scenario.reference_of(index)
     obstacles = tuple(
         (obstacle.position_ned_m, obstacle.safety_distance_m)

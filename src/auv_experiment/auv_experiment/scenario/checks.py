@@ -8,7 +8,7 @@ import auv_control.controllers
 import auv_core.models
 from auv_control.controllers import ContinuousVelocityController, MotionLaw, controller_class, make_controller
 from auv_core.geometry import distance
-from auv_core.models import model_class
+from auv_core.models import make_model
 from auv_core.params import Section, shown
 from auv_experiment.scenario.file import ID, ID_WORDS, MOST_VEHICLES
 from auv_experiment.scenario.reach import check_reach
@@ -121,7 +121,7 @@ def _check_frames(scenario: Scenario) -> None:
 def _check_commands(scenario: Scenario) -> None:
     given = controller_class(scenario.agent.controller.kind).command
     for index, vehicle in enumerate(scenario.vehicles):
-        taken = model_class(vehicle.model.kind).command
+        taken = make_model(vehicle.model).command
         if taken != given:
             raise ValueError(
                 f"agent.controller.kind: {scenario.agent.controller.kind!r} is not allowed; "

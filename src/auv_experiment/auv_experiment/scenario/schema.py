@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from auv_control.controllers import controller_class
 from auv_control.references import ReferencePath, make_reference
 from auv_core.geometry import Vec3
-from auv_core.models import model_class
+from auv_core.models import make_model
 from auv_core.params import Section, extended, param, same, shown
 from auv_core.run_settings import RunSettings
 from auv_experiment.scenario.checks import check_scenario
@@ -68,6 +68,7 @@ class VehicleEntry:
         maximum=MAX_M,
     )
     heading_rad: float = same(VehicleConfig, "heading_rad")
+    speed_mps: float = same(VehicleConfig, "speed_mps")
     reference: Section | None = param(
         "path of this vehicle; if missing, the path of the scenario", default=None, plugins=REFERENCES
     )
@@ -183,7 +184,12 @@ class Scenario:
     @property
     def kinematic(self) -> bool:
         """Whether the vehicles take velocity commands."""
-        return model_class(self.vehicles[0].model.kind).command == "velocity"
+        return self.commands[0] == "velocity"
+
+    @property
+    def commands(self) -> tuple[str, ...]:
+        """The kind of command that each vehicle takes."""
+        return tuple(make_model(vehicle.model).command for vehicle in self.vehicles)
 
     @property
     def medium_config(self) -> MediumConfig:

@@ -31,6 +31,7 @@ from auv_ros.run_config import AGENT_PHASE, RunConfig
 from auv_ros.topic import Topics
 from auv_ros.wire import conversions as convert
 from auv_ros.wire.acoustics import outbox_bytes, read_inbox
+from auv_ros.wire.commands import command_bytes, command_topic
 from auv_ros.wire.diagnostics import diagnostics_bytes
 
 _DIAGNOSTIC_TICKS = 10
@@ -60,10 +61,10 @@ class AgentNode(Node):
 
     def _make_topics(self, run: RunConfig) -> Topics:
         topics = Topics(self, is_recorded=run.recorded, waits=run.waits)
-        name, takes_velocity = self._config.vehicle_id, self._agent.takes_velocity
+        name, kind = self._config.vehicle_id, self._agent.command
         self._command = topics.add(
-            *convert.command_topic(takes_velocity=takes_velocity),
-            convert.command_stencil(name, takes_velocity=takes_velocity).filled,
+            *command_topic(kind),
+            partial(command_bytes, name, kind),
             heard_by=[f"{self.get_namespace().rstrip('/')}/vehicle_node"],
         )
         self._outbox = topics.add(

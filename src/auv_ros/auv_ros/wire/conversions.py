@@ -8,11 +8,10 @@ import math
 import struct
 from collections.abc import Sequence
 from functools import cache
-from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, Quaternion, TransformStamped, TwistStamped, Vector3, WrenchStamped
+from geometry_msgs.msg import Point, Quaternion, TransformStamped, TwistStamped, Vector3
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 from rclpy.serialization import serialize_message
@@ -22,15 +21,8 @@ from std_msgs.msg import Header
 from auv_core.cdr import COUNT, align, begun, put_text
 from auv_core.geometry import Quat, Vec3
 from auv_core.integrate import State
-from auv_core.messages import (
-    Command,
-    Vec6,
-    VehicleState,
-    VelocityCommand,
-    Wrench,
-)
+from auv_core.messages import Vec6, VehicleState
 from auv_core.odom_frame import OdomFrame
-from auv_core.state_checks import LARGEST, is_command
 from auv_msgs.msg import (
     ControlStatus,
     FlockingCentre,
@@ -46,7 +38,6 @@ WORLD_FRAME = "map_ned"
 MAP_FRAME = "map"
 
 _STATE = struct.Struct("<q??6x15d")
-_SIX = struct.Struct("<6d")
 _TICK = struct.Struct("<q")
 NEIGHBOUR_NUMBERS = 44
 """Numbers of one auv_msgs/NeighbourEstimate, its address left out."""
@@ -209,29 +200,9 @@ def map_to_map_ned() -> TransformStamped:
     return message
 
 
-def command_topic(*, takes_velocity: bool) -> tuple[Any, str]:
-    """Return type and name of the topic of a vehicle's commands."""
-    return (TwistStamped, "cmd_vel") if takes_velocity else (WrenchStamped, "cmd_wrench")
-
-
-def command_stencil(vehicle_id: str, *, takes_velocity: bool) -> Stencil:
-    """Return the command message of a vehicle, a wrench in the body frame or a velocity in map_ned."""
-    if takes_velocity:
-        return velocity_stencil()
-    return Stencil(WrenchStamped(header=header(0.0, body_frame(vehicle_id))), "6d")
-
-
 def velocity_stencil() -> Stencil:
     """Return a velocity (m/s; NED) and a yaw rate as geometry_msgs/TwistStamped."""
     return Stencil(TwistStamped(header=header(0.0, WORLD_FRAME)), "6d")
-
-
-def command_from_bytes(data: bytes, *, takes_velocity: bool) -> Command:
-    """Return the record of a serialised command; raise ValueError if a number in it is not plausible."""
-    values = read_numbers(data, _SIX)
-    if not is_command(values):
-        raise ValueError(f"a command with a number that is not finite, or beyond {LARGEST:g}: {values}")
-    return VelocityCommand(values[:3], values[5]) if takes_velocity else Wrench(values)
 
 
 def clock_stencil() -> Stencil:

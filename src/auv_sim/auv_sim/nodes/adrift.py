@@ -44,6 +44,7 @@ class Adrift:
         """Let a hull drift on from a state."""
         hull = Vehicle(self._hulls[index])
         hull.restore(state)
+        hull.lose_computer()
         self._lost[index] = hull
 
     def step(self, index: int) -> VehicleState:

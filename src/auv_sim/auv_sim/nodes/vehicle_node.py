@@ -23,6 +23,7 @@ from auv_ros.qos import own_qos
 from auv_ros.run_config import VEHICLE_PHASE, RunConfig
 from auv_ros.topic import Topics
 from auv_ros.wire import conversions as convert
+from auv_ros.wire.commands import command_from_bytes, command_topic
 from auv_ros.wire.diagnostics import diagnostics_bytes
 from auv_ros.wire.stencil import header_stamp_s
 from auv_sim.command_watch import CommandWatch
@@ -56,7 +57,7 @@ class VehicleNode(Node):
         self._view = VehicleView(topics, self._config, self._vehicle.navigation.velocity_sd_mps)
         self._hearing = Hearing(self)
         self._hearing.listen(
-            *convert.command_topic(takes_velocity=self._vehicle.takes_velocity),
+            *command_topic(self._vehicle.command),
             self._on_command,
             own_qos(admits_strangers=run.admits_strangers),
         )
@@ -83,7 +84,7 @@ class VehicleNode(Node):
         tick = self._ticks.tick_of_stamp(header_stamp_s(data))
         command: Command | None = None
         try:
-            command = convert.command_from_bytes(data, takes_velocity=self._vehicle.takes_velocity)
+            command = command_from_bytes(data, self._vehicle.command)
         except MalformedError:
             raise
         except ValueError as error:

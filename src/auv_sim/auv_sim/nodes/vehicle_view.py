@@ -8,11 +8,14 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from auv_core.geometry import Vec3
+from auv_core.models import make_model
 from auv_core.odom_frame import OdomFrame
+from auv_msgs.msg import ActuatorStates
 from auv_ros.qos import LATCHED
 from auv_ros.robot_description import robot_description
 from auv_ros.topic import Topics
 from auv_ros.wire import conversions as convert
+from auv_ros.wire.commands import actuators_stencil
 from auv_ros.wire.markers import HULL, MARKER_TICKS, sphere_stencil
 from auv_sim.vehicle import Vehicle, VehicleConfig
 
@@ -24,7 +27,8 @@ class VehicleView:
     The topics of a vehicle node that no other node of the run reads.
 
     `odom` is the vehicle's own estimate in the frame `odom`, `ground_truth/odom` is the truth in `map`; both
-    use the axes of REP-103. `/tf` has both, `robot_description` the hull.
+    use the axes of REP-103. `/tf` has both, `robot_description` the hull, `actuators` the outputs
+    of actuators that have a state.
 
     Parameters
     ----------
@@ -56,6 +60,9 @@ class VehicleView:
         u, v, w = velocity_sd_mps
         self._velocity_variances = (u * u, v * v, w * w, 0.0, 0.0, 0.0)
         self._odom_frame = OdomFrame()
+        actuators = make_model(config.model).actuators
+        outputs = actuators_stencil(vehicle_id, actuators).filled
+        self._outputs = topics.add(ActuatorStates, "actuators", outputs) if actuators else None
         self._odom_pose = convert.odom_in_map(self._odom_frame)
 
     def publish(self, t_s: float, vehicle: Vehicle) -> None:
@@ -73,6 +80,8 @@ class VehicleView:
             if navigation.odom_frame is not self._odom_frame:
                 self._odom_frame = navigation.odom_frame
                 self._odom_pose = convert.odom_in_map(self._odom_frame)
+        if self._outputs is not None:
+            self._outputs.publish(t_s, *vehicle.actuator_outputs)
         self._tf.publish(t_s, (self._odom_pose, pose, true_pose))
         if nav.is_valid:
             variances = convert.estimate_variances(nav, navigation.depth_sd_m)
