@@ -32,6 +32,7 @@ WALL_CLOCK_FILES = {
     "auv_thesis/laws/computing.py",
 }
 PLUGIN_FOLDERS = (
+    "auv_control/allocation",
     "auv_control/controllers",
     "auv_control/references",
     "auv_core/models",

@@ -14,14 +14,16 @@ import numpy as np
 import pytest
 import yaml
 
+from auv_control.allocation import ThrusterAllocator
 from auv_control.controllers import MotionLaw, MotionView, VelocityController, VelocityReference
 from auv_control.references import PathPoint, ReferencePath
 from auv_core.contracts import fulfilled, members
 from auv_core.geometry import distance
-from auv_core.messages import VehicleState, VelocityCommand, Wrench
+from auv_core.messages import COMMANDS, VehicleState, VelocityCommand, Wrench
 from auv_core.models import ContinuousModel, VehicleModel
 from auv_core.params import ConfigError, dump, load, load_section
 from auv_core.plugins import find_plugin, list_plugins
+from auv_core.thrusters import Thrusters
 from auv_flocking.central import along
 from auv_flocking.codec import Field, Layout
 from auv_flocking.consensus import ConsensusFilter, ContinuousFilter
@@ -54,6 +56,12 @@ from auv_sim.obstacles import ObstacleMotion
 PERIOD_S = 0.1
 MEAN_NED_MPS = (0.08, 0.06, 0.0)
 SEPARATION = mathematical.Separation(mathematical.Params())
+PAIR = Thrusters(
+    positions_m=(0.0, 0.3, 0.0, 0.0, -0.3, 0.0),
+    directions=(1.0, 0.0, 0.0) * 2,
+    max_forward_n=(20.0,),
+    max_backward_n=(10.0,),
+)
 
 
 class _Inputs:
@@ -72,6 +80,9 @@ class _Inputs:
 
     def points(self, count):
         return self.kept([tuple(self._rng.uniform(-3.0, 3.0, 3).tolist()) for _ in range(count)])
+
+    def numbers(self, count, size):
+        return self.kept(tuple(self._rng.uniform(-size, size, count).tolist()))
 
     def six(self, size):
         return self.kept(tuple(self._rng.uniform(-size, size, 6).tolist()))
@@ -101,22 +112,22 @@ class _Inputs:
 
 def _fly_model(module, params, inputs):
     model = module.Model(params)
-    assert model.command in ("wrench", "velocity")
+    assert model.command in COMMANDS
     assert params.hull_radius_m > 0.0
     state = model.initial_state(inputs.point(), 0.7)
     outputs: list[Any] = []
     for size in (0.1, 10.0, 1e4):
-        given = model.limited_command(inputs.six(size))
+        given = model.limited_command(inputs.numbers(len(model.resting_command()), size))
         for _ in range(5):
             state = model.step(state, given, inputs.point(0.0 if model.command == "velocity" else 0.2), 0.02)
-            assert len(state) == 13
+            assert len(state) == 13 + len(model.actuators)
             assert math.hypot(*state[3:7]) == pytest.approx(1.0, abs=1e-9)
             outputs.append((given, state))
         if isinstance(model, ContinuousModel):
             outputs.append(
                 model.normalised(model.derivative(state, given, inputs.point(0.2))[:3] + state[3:])
             )
-            outputs.append(model.kinetic_energy(state[7:]))
+            outputs.append(model.kinetic_energy(state[7:13]))
             assert outputs[-1] > 0.0
     assert model.top_speed_mps > 0.0
     assert 0.0 < model.speed_held_mps(1.0) <= model.speed_held_mps(math.inf) == model.top_speed_mps
@@ -134,6 +145,20 @@ def _use_controller(module, params, inputs):
         command = controller.step(nav, VelocityReference(inputs.point(1.0), 0.5))
         assert isinstance(command, made)
         outputs.append(command.tau if made is Wrench else (*command.velocity, command.yaw_rate_radps))
+    return outputs
+
+
+def _use_allocator(module, params, inputs):
+    outputs = []
+    for lost in ((), (2,)):
+        allocator = module.Allocator(params, PAIR, lost)
+        for size in (1.0, 30.0, 1e4):
+            tau = inputs.six(size)
+            forces = allocator.forces_n(tau)
+            assert allocator.forces_n(tau) == forces
+            assert all(-10.0 <= force <= 20.0 for force in forces)
+            assert all(forces[number - 1] == 0.0 for number in lost)
+            outputs.append(forces)
     return outputs
 
 
@@ -450,6 +475,7 @@ class Role(NamedTuple):
 
 ROLES = {
     "auv_core.models": Role("Model", (VehicleModel,), (), _fly_model),
+    "auv_control.allocation": Role("Allocator", (ThrusterAllocator,), (PAIR,), _use_allocator),
     "auv_control.controllers": Role(
         "Controller", (MotionLaw, VelocityController), (PERIOD_S,), _use_controller
     ),

@@ -55,7 +55,12 @@ def test_every_preset_loads_and_flies(path):
     model = module.Model(section.params)
     state = model.initial_state((1.0, 2.0, 3.0), 0.5)
     for _ in range(10):
-        state = model.step(state, model.limited_command((0.5, -0.2, 0.1, 0.0, 0.0, 0.3)), STILL, 0.02)
+        state = model.step(
+            state,
+            model.limited_command((0.5, -0.2, 0.1, 0.0, 0.0, 0.3, 0.2, -0.1)[: len(model.resting_command())]),
+            STILL,
+            0.02,
+        )
     assert np.isfinite(state).all()
 
 

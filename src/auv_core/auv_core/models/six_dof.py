@@ -17,6 +17,9 @@ mass.
 Roll and pitch are states, stabilised by the righting moment z_G W and by the controller. At the
 accelerations of a flock (a few cm/s^2) they stay within a degree, but a larger force makes the hull pitch,
 and a law should be tested with that.
+
+With ``actuators: wrench`` the hull takes a wrench, which acts at once within ``max_wrench``. With
+``actuators: thrusters`` it takes one force for each of its ``thrusters``, whose forces are part of the state.
 """
 
 from __future__ import annotations
@@ -27,12 +30,17 @@ from dataclasses import dataclass
 from auv_core.compiled import entry, fastest, inlined
 from auv_core.drag import steady_speed_mps
 from auv_core.geometry import Quat, Vec3, clipped, quaternion_from_heading
-from auv_core.integrate import State, rk4
+from auv_core.integrate import State
 from auv_core.messages import Numbers, Vec6
-from auv_core.models import ContinuousModel, Handling, hovering
+from auv_core.models import Actuator, ContinuousModel, Handling, hovering
 from auv_core.models._hull_forces import Constants as Constants
-from auv_core.models._hull_forces import coriolis_force, damping_force, momentum
+from auv_core.models._hull_forces import momentum
+from auv_core.models._rigid_body import advance as advance
+from auv_core.models._rigid_body import derivative as derivative
+from auv_core.models._rigid_body import normalised as normalised
+from auv_core.models._thruster_drive import HULL, ThrusterDrive
 from auv_core.params import param
+from auv_core.thrusters import Thrusters
 
 
 @dataclass(frozen=True)
@@ -51,13 +59,25 @@ class Params:
     buoyancy_n: float = param("buoyancy (N)", above=0.0)
     hull_radius_m: float = param("radius of the sphere around the hull (m)", above=0.0)
     max_wrench: Vec6 | None = param(
-        "actuator limit per axis (N, N m; body); null: none", default=None, above=0.0
+        "actuator limit per axis (N, N m; body) of a hull that takes a wrench; null: none",
+        default=None,
+        above=0.0,
     )
+    actuators: str = param(
+        "what the hull takes: a wrench, or one force for each thruster",
+        default="wrench",
+        choices=("wrench", "thrusters"),
+    )
+    thrusters: Thrusters = param("the thrusters, for `actuators: thrusters`", default=Thrusters())
     cog_couples: bool = param(
         "whether z_G couples surge with pitch and sway with roll in M; in g it always counts", default=True
     )
 
     def __post_init__(self) -> None:
+        if self.actuators == "thrusters" and self.thrusters.count == 0:
+            raise ValueError(
+                "actuators: 'thrusters' is not allowed; allowed: wrench, unless the vehicle has thrusters"
+            )
         s = _static_moment_kgm(self)
         for linear, angular, name in ((0, 1, "surge-pitch"), (1, 0, "sway-roll")):
             mass = self.mass_kg + self.added_mass[linear]
@@ -109,120 +129,26 @@ def limited_wrench(tau: Numbers, most: Vec6) -> Vec6:
     )
 
 
-@inlined
-def derivative(state: State, tau: Numbers, current: Vec3, c: Constants) -> State:
-    """
-    Return the rate of change of the 13 floats of a state.
-
-    Parameters
-    ----------
-    state : (13,) tuple
-        NED position (m), quaternion body to NED (w, x, y, z), nu (m/s, rad/s; body).
-    tau : (6,) tuple
-        Wrench of the actuators (N, N m; body).
-    current : (3,) tuple
-        Velocity of the water, uniform and constant (m/s; NED).
-    c : Constants
-        Of the hull.
-
-    Notes
-    -----
-    The water is irrotational and steady, so the equations hold for nu_r unchanged (Fossen 2021, property
-    10.1); in the body frame the current changes by -omega x nu_c.
-
-    """
-    qw, qx, qy, qz = state[3:7]
-    u, v, w = state[7:10]
-    p, q, r = state[10:13]
-    r11, r12, r13 = 1.0 - 2.0 * (qy * qy + qz * qz), 2.0 * (qx * qy - qw * qz), 2.0 * (qx * qz + qw * qy)
-    r21, r22, r23 = 2.0 * (qx * qy + qw * qz), 1.0 - 2.0 * (qx * qx + qz * qz), 2.0 * (qy * qz - qw * qx)
-    r31, r32, r33 = 2.0 * (qx * qz - qw * qy), 2.0 * (qy * qz + qw * qx), 1.0 - 2.0 * (qx * qx + qy * qy)
-    cn, ce, cd = current
-    cu = r11 * cn + r21 * ce + r31 * cd
-    cv = r12 * cn + r22 * ce + r32 * cd
-    cw = r13 * cn + r23 * ce + r33 * cd
-    water = (u - cu, v - cv, w - cw)
-    rates = (p, q, r)
-    (cx, cy, cz), (ck, cm, cr) = coriolis_force(water, rates, c)
-    (dx, dy, dz), (dk, dm, dr) = damping_force(water, rates, c)
-    heavy, righting = c.net_weight_n, c.righting_nm
-    fx = tau[0] - cx - dx + heavy * r31
-    fy = tau[1] - cy - dy + heavy * r32
-    fz = tau[2] - cz - dz + heavy * r33
-    nx = tau[3] - ck - dk - righting * r32
-    ny = tau[4] - cm - dm + righting * r31
-    nz = tau[5] - cr - dr
-    s = c.static_moment_kgm
-    surge_pitch = c.surge_kg * c.pitch_kgm2 - s * s
-    sway_roll = c.sway_kg * c.roll_kgm2 - s * s
-    return (
-        r11 * u + r12 * v + r13 * w,
-        r21 * u + r22 * v + r23 * w,
-        r31 * u + r32 * v + r33 * w,
-        -0.5 * (qx * p + qy * q + qz * r),
-        0.5 * (qw * p + qy * r - qz * q),
-        0.5 * (qw * q + qz * p - qx * r),
-        0.5 * (qw * r + qx * q - qy * p),
-        (c.pitch_kgm2 * fx - s * ny) / surge_pitch - (q * cw - r * cv),
-        (c.roll_kgm2 * fy + s * nx) / sway_roll - (r * cu - p * cw),
-        fz / c.heave_kg - (p * cv - q * cu),
-        (c.sway_kg * nx + s * fy) / sway_roll,
-        (c.surge_kg * ny - s * fx) / surge_pitch,
-        nz / c.yaw_kgm2,
-    )
-
-
-@inlined
-def _along(x: State, h: float, k: State) -> State:
-    """Return x + h k."""
-    return (
-        x[0] + h * k[0], x[1] + h * k[1], x[2] + h * k[2], x[3] + h * k[3], x[4] + h * k[4],
-        x[5] + h * k[5], x[6] + h * k[6], x[7] + h * k[7], x[8] + h * k[8], x[9] + h * k[9],
-        x[10] + h * k[10], x[11] + h * k[11], x[12] + h * k[12],
-    )  # fmt: skip
-
-
-@inlined
-def normalised(x: State) -> State:
-    """Return a state with an attitude quaternion of length 1."""
-    norm = math.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6])
-    return (
-        x[0], x[1], x[2], x[3] / norm, x[4] / norm, x[5] / norm, x[6] / norm,
-        x[7], x[8], x[9], x[10], x[11], x[12],
-    )  # fmt: skip
-
-
-@inlined
-def _rate(t_s: float, x: State, given: tuple[Numbers, Vec3, Constants]) -> State:
-    """Return `derivative` for the wrench, current and hull given."""
-    tau, current, c = given
-    return derivative(x, tau, current, c)
-
-
-@entry("TUPLE13(TUPLE13, TUPLE6, TUPLE3, TUPLE21, float64, int64)")
-def advance(
-    x: State, tau: Numbers, current: Vec3, numbers: tuple[float, ...], dt_s: float, steps: int
-) -> State:
-    """
-    Return the state after `steps` steps of `dt_s` with constant tau; `numbers` are the hull's `Constants`.
-    """
-    c = Constants(*numbers)
-    for _ in range(steps):
-        x = normalised(rk4(_rate, _along, 0.0, x, dt_s, (tau, current, c)))
-    return x
-
-
 class Model(ContinuousModel):
-    """A vehicle that takes a wrench, integrated by RK4."""
-
-    command = "wrench"
+    """A vehicle that takes a wrench or the forces of its thrusters, integrated by RK4."""
 
     def __init__(self, params: Params) -> None:
         self.params = params
         self._constants = constants(params)
         self._numbers = tuple(self._constants)
-        self._limits = limits(params)
+        self._drive = ThrusterDrive(params.thrusters) if params.actuators == "thrusters" else None
+        self._limits = limits(params) if self._drive is None else self._drive.axis_limits
         self._advance, self._limited = fastest(advance), fastest(limited_wrench)
+
+    @property
+    def command(self) -> str:
+        """What it takes, `wrench` or `thrusters`."""
+        return self.params.actuators
+
+    @property
+    def actuators(self) -> tuple[Actuator, ...]:  # type: ignore[override]
+        """Its thrusters; none if it takes a wrench."""
+        return () if self._drive is None else self._drive.actuators
 
     @property
     def handling(self) -> Handling:
@@ -250,25 +176,37 @@ class Model(ContinuousModel):
         return 0.5 * (nu[0] * lx + nu[1] * ly + nu[2] * lz + nu[3] * hx + nu[4] * hy + nu[5] * hz)
 
     def initial_state(self, position: Vec3, heading_rad: float, speed_mps: float = 0.0) -> State:
-        """Return the state of a level vehicle that runs ahead at a speed over ground (m/s)."""
+        """Return the state of a level vehicle that runs ahead at a speed over ground (m/s), without force."""
         attitude: Quat = quaternion_from_heading(heading_rad)
-        return (*position, *attitude, speed_mps, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return (*position, *attitude, speed_mps, 0.0, 0.0, 0.0, 0.0, 0.0, *(0.0 for _ in self.actuators))
 
-    def limited_command(self, tau: Numbers) -> Numbers:
-        """Return the wrench of the actuators for a command: clipped per axis, if there are limits."""
-        return self._limited(tau, self._limits)
+    def resting_command(self) -> Numbers:
+        """Return no wrench, or no force of any thruster."""
+        return (0.0,) * (6 if self._drive is None else len(self.actuators))
+
+    def limited_command(self, command: Numbers) -> Numbers:
+        """
+        Return the wrench of the actuators for a command, clipped per axis, or the forces of the thrusters to
+        which they tend (N).
+        """
+        return self._limited(command, self._limits) if self._drive is None else self._drive.delivered(command)
 
     def step(self, state: State, command: Numbers, current: Vec3, dt_s: float, steps: int = 1) -> State:
         """
-        Return the state after `steps` steps of `dt_s`, the wrench `command` held; the quaternion comes back
-        with length 1.
+        Return the state after `steps` steps of `dt_s`, the output of `limited_command` held; the quaternion
+        comes back with length 1.
         """
-        return self._advance(state, command, current, self._numbers, dt_s, steps)
+        if self._drive is None:
+            return self._advance(state, command, current, self._numbers, dt_s, steps)
+        return self._drive.advance(state, command, current, self._numbers, dt_s, steps)
 
-    def derivative(self, state: State, tau: Numbers, current: Vec3) -> State:
-        """Return the rate of change of `state`; see the function of the same name."""
-        return derivative(state, tau, current, self._constants)
+    def derivative(self, state: State, command: Numbers, current: Vec3) -> State:
+        """Return the rate of change of `state` for the output of `limited_command`."""
+        if self._drive is None:
+            return derivative(state, command, current, self._constants)
+        hull = derivative(state[:HULL], self._drive.wrench(state), current, self._constants)
+        return (*hull, *self._drive.rates(state, command))
 
     def normalised(self, state: State) -> State:
         """Return the state with an attitude quaternion of length 1."""
-        return normalised(state)
+        return (*normalised(state[:HULL]), *state[HULL:])
