@@ -76,7 +76,9 @@ class Agent:
         separation = make_separation(config.separation)
         member = Member(config.is_leader, config.address, config.fleet_size)
         law = make_flocking(config.flocking, separation, member)
-        return FlockTask(law, consensus, controller, config.obstacles, config.period_s)
+        return FlockTask(
+            law, consensus, controller, config.obstacles, config.period_s, is_leader=config.is_leader
+        )
 
     @property
     def knows_path(self) -> bool:

@@ -26,6 +26,8 @@ from auv_flocking.separation import CentralLaw
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+KNOWS_PATH = -1
+
 FLOCK_RATES = (
     f"void(Scene, NearPairs, Instant, LawNumbers, FUNCTION({STRENGTH}), FUNCTION({STRENGTH}), "
     "float64[:, ::1], float64[:, :, ::1])"
@@ -71,7 +73,7 @@ class Instant(NamedTuple):
     stage: int
 
 
-@record("float64[:, :, ::1], int64[::1]")
+@record("float64[:, :, ::1], int64[::1], int64[::1]")
 class Paths(NamedTuple):
     """
     The paths of all vehicles.
@@ -81,11 +83,14 @@ class Paths(NamedTuple):
         instants.
     path_of : (N,) array of int64
         The path of each vehicle.
+    guide_of : (N,) array of int64
+        The vehicle whose heading each vehicle takes; `KNOWS_PATH`: none, it has that of its path.
 
     """
 
     table: Floats
     path_of: Ints
+    guide_of: Ints
 
 
 @record("boolean, int64[::1], int64[::1]")
@@ -150,6 +155,19 @@ def flock_law(
         obstacles=np.array([(*place, safe_m) for place, safe_m in obstacles]).reshape(-1, 4),
     )
     return FlockLaw(numbers, fastest(separation.strength), fastest(separation.obstacle_strength))
+
+
+def guides(is_leader: Sequence[bool]) -> list[int]:
+    """
+    Return the vehicle whose heading each vehicle takes in continuous time, where all hear each other.
+
+    A leader has the heading of its path (`KNOWS_PATH`), a follower that of the first leader. Without a leader
+    it keeps its own.
+    """
+    first = list(is_leader).index(True) if any(is_leader) else None
+    return [
+        KNOWS_PATH if leads else (index if first is None else first) for index, leads in enumerate(is_leader)
+    ]
 
 
 @inlined

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from auv_control.controllers import VelocityController, VelocityReference
 from auv_control.references import PathPoint
-from auv_core.geometry import Vec3
+from auv_core.compiled import fastest
+from auv_core.geometry import Vec3, heading_from_quaternion
 from auv_core.messages import Command, VehicleState
 from auv_flocking.consensus import ConsensusFilter, ContinuousFilter, centres_within
 from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, FlockVelocity, View
-from auv_flocking.neighbours.estimates import Estimates, Neighbours, Positions
+from auv_flocking.neighbours.estimates import (
+    Estimates,
+    Neighbours,
+    Positions,
+    heading_nearest_leader_rad,
+)
 from auv_flocking.trackers import Sensed
 
 Obstacles = tuple[tuple[Vec3, float], ...]
@@ -23,7 +30,8 @@ class FlockTask:
     Flocking law, consensus filter and the velocity controller under them.
 
     After a step: `centre` and `centre_rate` (own estimate of the flocking centre, m and m/s; NED),
-    `flock_velocity` (m/s; NED, with its stamp) and `reference` (the law's velocity).
+    `flock_velocity` (m/s; NED, with its stamp) and `reference` (the law's velocity, and the heading to hold).
+    Only a leader (`is_leader`) uses the heading of the path.
     """
 
     law_state: tuple[float, ...] = ()
@@ -35,6 +43,8 @@ class FlockTask:
         controller: VelocityController,
         obstacles: Obstacles,
         period_s: float,
+        *,
+        is_leader: bool,
     ) -> None:
         self._law = law
         self._consensus = consensus
@@ -42,6 +52,9 @@ class FlockTask:
         self._controller = controller
         self._obstacles = obstacles
         self._period_s = period_s
+        self._is_leader = is_leader
+        self._heading_nearest_leader_rad = fastest(heading_nearest_leader_rad)
+        self._heading_rad = math.nan
         self.centre: Vec3 = _ZERO
         self.centre_rate: Vec3 = _ZERO
         self.flock_velocity: FlockVelocity = NOTHING_HEARD
@@ -68,10 +81,27 @@ class FlockTask:
         velocity = law.velocity(view)
         if not is_waiting:
             law.adapt(view, period_s)
-        self.reference = VelocityReference(_ZERO if is_waiting else velocity, path.heading_rad)
+        heading_rad = self._facing_rad(path, nav, estimates)
+        self.reference = VelocityReference(_ZERO if is_waiting else velocity, heading_rad)
         command = self._controller.step(nav, self.reference)
         self.centre_rate = consensus.advance(position, estimates, flock, period_s)
         return command
+
+    def _facing_rad(self, path: PathPoint, nav: VehicleState, estimates: Estimates) -> float:
+        """
+        Return the heading to hold (rad): the path's for a leader, for others what packets say.
+
+        A follower takes the heading of the neighbour nearest to a leader, from its newest packet. Before the
+        first such packet it holds the heading that it had at its first step.
+        """
+        if self._is_leader:
+            return path.heading_rad
+        heard_rad = self._heading_nearest_leader_rad(estimates.rows)
+        if not math.isnan(heard_rad):
+            self._heading_rad = heard_rad
+        elif math.isnan(self._heading_rad):
+            self._heading_rad = heading_from_quaternion(nav.attitude)
+        return self._heading_rad
 
     def shared(self) -> tuple[float, ...]:
         """Return the numbers that the consensus filter adds to a packet after this step."""

@@ -10,7 +10,7 @@ from auv_control.references import PathPoint
 from auv_core.messages import VehicleState
 from auv_core.pairs import near_pairs
 from auv_flocking.consensus import thesis
-from auv_flocking.flock_rates import Instant, NearPairs, Paths, Scene, flock_law, flock_rates
+from auv_flocking.flock_rates import KNOWS_PATH, Instant, NearPairs, Paths, Scene, flock_law, flock_rates
 from auv_flocking.flock_task import FlockTask
 from auv_flocking.flocking import Member, potential
 from auv_flocking.neighbours.estimates import NeighbourEstimate
@@ -47,7 +47,7 @@ class _Flock:
         consensus = thesis.Consensus(self._filter, len(self.points))
         consensus.centre(self.centres[index], ())  # the first estimate is the first position
         controller = velocity_direct.Controller(velocity_direct.Params(), PERIOD_S)
-        return FlockTask(self._laws[index], consensus, controller, self.obstacles, PERIOD_S)
+        return FlockTask(self._laws[index], consensus, controller, self.obstacles, PERIOD_S, is_leader=True)
 
     def _others(self, index):
         return [other for other in range(len(self.points)) if other != index]
@@ -82,7 +82,11 @@ class _Flock:
         consensus = thesis.Consensus(self._filter, count)
         law = flock_law(self._laws, self._params, self._separation, consensus, self.obstacles)
         row = (*self.path.position, *self.path.velocity, 1.0, 0.0)
-        scene = Scene(points, np.array(self.centres), Paths(np.array([[row]]), np.zeros(count, np.int64)))
+        scene = Scene(
+            points,
+            np.array(self.centres),
+            Paths(np.array([[row]]), np.zeros(count, np.int64), np.full(count, KNOWS_PATH)),
+        )
         near = NearPairs(listed, *near_pairs(points, max(law.numbers.push_m, law.numbers.talk_m, 1.0)))
         velocities, rates = np.zeros((count, 3)), np.zeros((4, count, 3))
         laws = law.numbers, law.strength, law.obstacle_strength

@@ -30,7 +30,7 @@ from auv_experiment.inprocess.hull_lanes import (
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario, VehicleEntry
 from auv_flocking.consensus import thesis
-from auv_flocking.flock_rates import FlockLaw, flock_law, flock_rates
+from auv_flocking.flock_rates import FlockLaw, Paths, flock_law, flock_rates, guides
 from auv_flocking.flocking import Member, potential
 from auv_flocking.separation import CentralLaw, make_separation
 from auv_sim.vehicle import check_finite
@@ -88,6 +88,7 @@ class Fleet:
         references = [vehicle.reference or scenario.reference for vehicle in vehicles]
         distinct = [section for i, section in enumerate(references) if section not in references[:i]]
         self._path_of = np.array([distinct.index(section) for section in references])
+        self._guide_of = np.array(guides([vehicle.id in scenario.leaders for vehicle in vehicles]))
         self._paths = [make_reference(section) for section in distinct if section]
         positions = [vehicle.position_ned_m or (0.0, 0.0, 0.0) for vehicle in vehicles]
         self.centres = np.array(positions)
@@ -130,7 +131,12 @@ class Fleet:
             wrenches=np.empty(wrenches),
         )
         state = FleetState(self.motion, self.centres, self._law.numbers, self._hull)
-        self._run(*self._functions, state, Course(ticks, steps, dt_s, paths, self._path_of), log)
+        self._run(
+            *self._functions,
+            state,
+            Course(ticks, steps, dt_s, Paths(paths, self._path_of, self._guide_of)),
+            log,
+        )
         return log
 
 

@@ -86,25 +86,22 @@ class FleetState(NamedTuple):
     hull: Floats
 
 
-@record("int64, int64, float64, float64[:, :, ::1], int64[::1]")
+@record("int64, int64, float64, Paths")
 class Course(NamedTuple):
     """
     Duration and path of a flight.
 
     ticks, steps, dt_s
         Control periods, RK4 steps in each of them, and the length of a step (s).
-    paths : (2 * ticks * steps + 1, P, 8) array
-        The paths at every half step, see `auv_flocking.flock_rates.Paths`.
-    path_of : (N,) array of int64
-        The path of each vehicle.
+    paths : Paths
+        The paths of the vehicles at every half step, 2 * ticks * steps + 1 rows.
 
     """
 
     ticks: int
     steps: int
     dt_s: float
-    paths: Floats
-    path_of: Ints
+    paths: Paths
 
 
 @record(", ".join(5 * ["float64[:, :, ::1]"]))
@@ -161,14 +158,14 @@ def run_fleet(
     """
     motion, centres, law = fleet.motion, fleet.centres, fleet.law
     ticks, steps, dt_s = course.ticks, course.steps, course.dt_s
-    count, rows, columns = len(course.path_of), motion.shape[0], motion.shape[1]
+    count, rows, columns = len(course.paths.path_of), motion.shape[0], motion.shape[1]
     reach_m, is_listed = max(law.push_m, law.talk_m), lists_pairs(count, law)
     first, partners = np.zeros(0, np.int64), np.zeros(0, np.int64)
     listed_at = np.full((count, 3), math.inf)
     points, velocities = np.empty((count, 3)), np.empty((count, 3))
     there, there_centres = np.empty((rows, columns)), np.empty((count, 3))
     k, k_centres = np.zeros((4, rows, columns)), np.zeros((4, count, 3))
-    paths, hull = Paths(course.paths, course.path_of), fleet.hull
+    paths, hull = course.paths, fleet.hull
     scene = Scene(points, there_centres, paths)
     wanted, wrenches = np.zeros((rows, 5 * LANES)), np.zeros((rows, 6 * LANES))
     for step in range(ticks * steps + 1):

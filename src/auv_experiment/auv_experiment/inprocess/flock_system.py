@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from auv_control.controllers import ContinuousVelocityController, VelocityReference, make_controller
-from auv_core.geometry import Vec3
+from auv_core.geometry import Vec3, heading_from_quaternion
 from auv_core.integrate import State
 from auv_core.messages import Vec6
 from auv_core.models import ContinuousModel, make_continuous_model
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario
 from auv_flocking.agent import Agent
+from auv_flocking.flock_rates import KNOWS_PATH, guides
 from auv_flocking.flock_task import FlockTask
 from auv_sim.vehicle import check_finite
 
@@ -27,6 +28,10 @@ class _Point:
     def rate(self, state: State, reference: VelocityReference, current: Vec3) -> State:
         """Return the rate of its position (m/s; NED)."""
         return reference.velocity
+
+    def heading_rad(self, state: State) -> float:
+        """Return its heading (rad): north, which it keeps."""
+        return 0.0
 
     def settled(self, state: State) -> State:
         """Return `state` itself."""
@@ -60,6 +65,11 @@ class _Hull:
         given = self._model.limited_command(tau)
         return (*self._model.derivative(state[:_PLANT], given, current), *growth)
 
+    def heading_rad(self, state: State) -> float:
+        """Return its heading (rad)."""
+        qw, qx, qy, qz = state[3:7]
+        return heading_from_quaternion((qw, qx, qy, qz))
+
     def settled(self, state: State) -> State:
         """Return `state` with a quaternion of length 1."""
         return (*self._model.normalised(state[:_PLANT]), *state[_PLANT:])
@@ -89,6 +99,7 @@ class FlockSystem:
         self._tasks = [agent.task for agent in agents if isinstance(agent.task, FlockTask)]
         paths = [scenario.reference_of(index) for index in range(len(agents))]
         self._paths = [path for path in paths if path is not None]
+        self._guides = guides([vehicle.id in scenario.leaders for vehicle in scenario.vehicles])
         self._current = scenario.environment.current_ned_mps
         self._vehicles = _vehicles(scenario)
         starts = [vehicle.start for vehicle in self._vehicles]
@@ -138,7 +149,13 @@ class FlockSystem:
         for index, task in enumerate(self._tasks):
             path, others = self._paths[index].at(t_s), [*known[:index], *known[index + 1 :]]
             velocity, rate = task.rates(path, points[index], centres[index], others)
-            references.append(VelocityReference(velocity, path.heading_rad))
+            guide = self._guides[index]
+            heading_rad = (
+                path.heading_rad
+                if guide == KNOWS_PATH
+                else self._vehicles[guide].heading_rad(vehicles[guide])
+            )
+            references.append(VelocityReference(velocity, heading_rad))
             rates.append(rate)
         return references, rates
 

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from auv_control.controllers.velocity_pi import Gains, control
 from auv_core.compiled import entry, inlined, inner
-from auv_core.geometry import Vec3
+from auv_core.geometry import Vec3, heading_from_quaternion, quaternion_from_heading
 from auv_core.integrate import State
 from auv_core.messages import Vec6
 from auv_core.models.six_dof import Constants, derivative, limited_wrench, normalised
-from auv_flocking.flock_rates import Instant, Paths
+from auv_flocking.flock_rates import KNOWS_PATH, Instant, Paths
 
 Floats = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ def hull_rates(
     velocities : (N, 3) array
         Commanded velocity over ground (m/s; NED).
     paths, now : Paths, Instant
-        Only the attitude is used.
+        Only the attitude of the paths, and whose heading each vehicle takes.
     hull_numbers : (36,) array
         `Hull.numbers`; empty for points.
     wanted : (B, 80) array
@@ -118,8 +118,14 @@ def hull_rates(
         block, lane, path = i // LANES, i % LANES, paths.path_of[i]
         for axis in range(3):
             wanted[block, lane + axis * LANES] = velocities[i, axis]
-        wanted[block, lane + 3 * LANES] = paths.table[now.row, path, 6]
-        wanted[block, lane + 4 * LANES] = paths.table[now.row, path, 7]
+        guide = paths.guide_of[i]
+        if guide == KNOWS_PATH:
+            wanted[block, lane + 3 * LANES] = paths.table[now.row, path, 6]
+            wanted[block, lane + 4 * LANES] = paths.table[now.row, path, 7]
+        else:
+            x = _plant(lanes, guide // LANES, guide % LANES)
+            q = quaternion_from_heading(heading_from_quaternion((x[3], x[4], x[5], x[6])))
+            wanted[block, lane + 3 * LANES], wanted[block, lane + 4 * LANES] = q[0], q[3]
     for block in range((count + LANES - 1) // LANES):
         for lane in range(lanes_in_use(count, block)):
             x = _plant(lanes, block, lane)

@@ -204,6 +204,24 @@ def position_rows(heard: Neighbours) -> Matrix:
     return np.array([other.position for other in heard], dtype=np.float64).reshape(-1, 3)
 
 
+@entry("float64(float64[:, ::1])", allocates=False)
+def heading_nearest_leader_rad(rows: Matrix) -> float:
+    """
+    Return the heading of the neighbour nearest to a leader in the chain of packets (rad; NaN: none).
+
+    It has the newest flock velocity; of equals the one that sent it first, and so had it from no other. A
+    neighbour without a leader's flock velocity, or whose report has no heading, does not count.
+    """
+    heading_rad, newest_s, sent_s = math.nan, -math.inf, math.inf
+    for k in range(len(rows)):
+        stamp_s, time_s = float(rows[k, FLOCK_STAMP]), float(rows[k, TIME])
+        if math.isnan(rows[k, HEADING]) or stamp_s == -math.inf:
+            continue
+        if stamp_s > newest_s or (stamp_s == newest_s and time_s < sent_s):
+            heading_rad, newest_s, sent_s = float(rows[k, HEADING]), stamp_s, time_s
+    return heading_rad
+
+
 @entry(
     "void(float64[::1], float64, float64[::1], float64[:, ::1], float64, TUPLE4, TUPLE14, float64)",
     allocates=False,

@@ -90,7 +90,9 @@ def _flocking(scenario: str, n_vehicles: int, own: Vec3, others: list[Vec3]) -> 
     agent: Any = load_scenario(scenario).agent
     law = make_flocking(agent.flocking, make_separation(agent.separation), Member(is_leader=True))
     controller: Any = make_controller(agent.controller, _PERIOD_S)
-    task = FlockTask(law, make_consensus(agent.consensus, n_vehicles), controller, (), _PERIOD_S)
+    task = FlockTask(
+        law, make_consensus(agent.consensus, n_vehicles), controller, (), _PERIOD_S, is_leader=True
+    )
     return partial(task.rates, _PATH, own, _ZERO, [(place, _ZERO) for place in others])
 
 
