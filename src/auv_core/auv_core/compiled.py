@@ -186,7 +186,7 @@ def _signature(text: str) -> Any:
     """Return a signature text as a Numba signature."""
     from numba import types
 
-    names = {f"TUPLE{n}": types.UniTuple(types.float64, n) for n in range(2, 40)}
+    names = {f"TUPLE{n}": types.UniTuple(types.float64, n) for n in range(2, 64)}
     names["FUNCTION"] = types.FunctionType
     for name in _records_in(text):
         fields, types_of_fields = _records[name]

@@ -1,4 +1,4 @@
-"""The motion-dependent forces of `six_dof`: momentum, Coriolis force and damping."""
+"""Forces that depend on the motion: momentum, Coriolis force and damping."""
 
 from __future__ import annotations
 
@@ -56,14 +56,14 @@ def momentum(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
 
 
 @inlined
-def coriolis_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
+def turned_momentum(velocity: Vec3, rates: Vec3, linear: Vec3, angular: Vec3) -> tuple[Vec3, Vec3]:
     """
     Return C(nu) nu as force (N) and moment (N m), body frame: Kirchhoff's equations, Fossen (2021) Eq.
-    (3.60).
+    (3.60), for a linear (kg m/s) and an angular momentum (kg m^2/s).
 
-    C is skew-symmetric, so nu . C(nu) nu == 0: it does no work.
+    If the momentum is M nu, then C is skew-symmetric, so nu . C(nu) nu == 0: it does no work.
     """
-    (lx, ly, lz), (hx, hy, hz) = momentum(velocity, rates, c)
+    (lx, ly, lz), (hx, hy, hz) = linear, angular
     u, v, w = velocity
     p, q, r = rates
     force = (q * lz - r * ly, r * lx - p * lz, p * ly - q * lx)
@@ -73,6 +73,13 @@ def coriolis_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec
         u * ly - v * lx + p * hy - q * hx,
     )
     return force, moment
+
+
+@inlined
+def coriolis_force(velocity: Vec3, rates: Vec3, c: Constants) -> tuple[Vec3, Vec3]:
+    """Return C(nu) nu as force (N) and moment (N m), body frame; see `turned_momentum`."""
+    linear, angular = momentum(velocity, rates, c)
+    return turned_momentum(velocity, rates, linear, angular)
 
 
 @inlined
