@@ -555,7 +555,10 @@ def test_the_class_of_the_role_and_everything_public_are_documented(folder, kind
         assert field.metadata["doc"], f"{kind}.{field.name}"
 
 
-DEFAULTS = {"auv_control.controllers": {"constrained"}}
+DEFAULTS = {
+    "auv_control.controllers": {"constrained"},
+    "auv_core.models": {"actuators", "adrift", "resting_command", "turn_radius_m"},
+}
 """Members, by folder, that a protocol itself defines for the plugins that need no other."""
 
 

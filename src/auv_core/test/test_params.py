@@ -47,7 +47,10 @@ NOT_CARTS = [
 ]
 
 WORD, WHOLE, FINITE = "allowed: a word", "allowed: a whole number", "allowed: a finite number"
-A_MODEL, A_MAPPING = "allowed: four_dof, kinematic, six_dof", "allowed: a mapping"
+A_MODEL, A_MAPPING = (
+    "allowed: four_dof, kinematic, six_dof, torpedo, torpedo_coefficients",
+    "allowed: a mapping",
+)
 
 REFUSED = [
     ("seats", 2.0, ": 2.0", f"{WHOLE} at least 1 and at most 9"),

@@ -9,7 +9,13 @@ from auv_core.plugins import PluginError, find_plugin, list_plugins
 
 
 def test_kinds_are_the_files_of_the_folder_sorted():
-    assert list_plugins("auv_core.models") == ["four_dof", "kinematic", "six_dof"]
+    assert list_plugins("auv_core.models") == [
+        "four_dof",
+        "kinematic",
+        "six_dof",
+        "torpedo",
+        "torpedo_coefficients",
+    ]
 
 
 def test_found_module_is_the_file_of_that_name():
@@ -20,7 +26,10 @@ def test_found_module_is_the_file_of_that_name():
     "kind", ["", "Six_dof", "six_dof\n", "no_such", ".six_dof", "six_dof.Model", "__init__", 3, None, []]
 )
 def test_other_kinds_are_refused_and_the_known_ones_named(kind):
-    with pytest.raises(PluginError, match=r"is not allowed; allowed: four_dof, kinematic, six_dof"):
+    with pytest.raises(
+        PluginError,
+        match=r"is not allowed; allowed: four_dof, kinematic, six_dof, torpedo, torpedo_coefficients",
+    ):
         find_plugin("auv_core.models", kind)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Command, Numbers, VehicleState, command_numbers
-from auv_core.models import Actuator, VehicleModel, make_model
+from auv_core.models import HULL, Actuator, VehicleModel, make_model
 from auv_core.params import Section, param, same
 from auv_core.run_settings import RunSettings
 from auv_sim.currents import make_current, steady
@@ -21,8 +21,6 @@ EXACT = Section("exact", exact.Params())
 STEADY = Section("steady", steady.Params())
 
 _MOST_SUBSTEPS = 1_000_000
-_HULL = 13
-"""Numbers of a model's state before the outputs of its actuators."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,7 +125,7 @@ class Vehicle:
     @property
     def actuator_outputs(self) -> Numbers:
         """Outputs of `actuators` at the latest tick, each in its unit."""
-        return self._state[_HULL:]
+        return self._state[HULL:]
 
     def restore(self, state: VehicleState) -> None:
         """Set the vehicle to `state`, at its tick, with the outputs of its actuators at zero."""

@@ -23,6 +23,9 @@ from auv_core.integrate import State
 from auv_core.messages import Numbers, Vec6
 from auv_core.params import Section
 
+HULL = 13
+"""Numbers of a state that belong to the hull; the outputs of actuators follow them."""
+
 
 class Handling(NamedTuple):
     """
@@ -49,8 +52,8 @@ class VehicleModel(Protocol):
     """
     Equations of motion.
 
-    A state has 13 floats: NED position (m), attitude quaternion body to NED (w, x, y, z) and nu (m/s, rad/s;
-    body FRD). The outputs of the `actuators` that have a state of their own follow them.
+    A state begins with 13 floats: NED position (m), attitude quaternion body to NED (w, x, y, z) and nu (m/s,
+    rad/s; body FRD). The outputs of the `actuators` that have a state of their own follow them.
     """
 
     actuators: tuple[Actuator, ...] = ()

@@ -18,15 +18,12 @@ from auv_core.compiled import entry, fastest, inlined
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Numbers, Vec6
-from auv_core.models import Actuator
+from auv_core.models import HULL, Actuator
 from auv_core.models._hull_forces import Constants
 from auv_core.models._rigid_body import stepped
 from auv_core.thrusters import Thrusters, axis_maxima, delivered_n
 
 Floats = NDArray[np.float64]
-
-HULL = 13
-"""Numbers of a state before the forces."""
 
 
 @entry("void(float64[:, ::1], TUPLE2, float64[::1])", allocates=False)

@@ -32,13 +32,13 @@ from auv_core.drag import steady_speed_mps
 from auv_core.geometry import Quat, Vec3, clipped, quaternion_from_heading
 from auv_core.integrate import State
 from auv_core.messages import Numbers, Vec6
-from auv_core.models import Actuator, ContinuousModel, Handling, hovering
+from auv_core.models import HULL, Actuator, ContinuousModel, Handling, hovering
 from auv_core.models._hull_forces import Constants as Constants
 from auv_core.models._hull_forces import momentum
 from auv_core.models._rigid_body import advance as advance
 from auv_core.models._rigid_body import derivative as derivative
 from auv_core.models._rigid_body import normalised as normalised
-from auv_core.models._thruster_drive import HULL, ThrusterDrive
+from auv_core.models._thruster_drive import ThrusterDrive
 from auv_core.params import param
 from auv_core.thrusters import Thrusters
 
