@@ -112,30 +112,40 @@ class Slopes(NamedTuple):
     n_r: float
 
 
+class FinSlopes(NamedTuple):
+    """The numbers of `Fins`, in their order."""
+
+    y_rudder: float
+    n_rudder: float
+    z_stern_plane: float
+    m_stern_plane: float
+
+
 class Coefficients(NamedTuple):
     """The constants of the forces: damping, lift, fins, and thrust per square of the speed (N/rpm^2)."""
 
     linear: Slopes
     quadratic: Slopes
     lift: Slopes
-    y_rudder: float
-    n_rudder: float
-    z_stern_plane: float
-    m_stern_plane: float
+    fins: FinSlopes
     thrust_nprpm2: float
 
 
-_SLOPES = len(Slopes._fields)
+_QUADRATIC = len(Slopes._fields)
+_LIFT = 2 * _QUADRATIC
+_FINS = 3 * _QUADRATIC
+_THRUST = _FINS + len(FinSlopes._fields)
 
 
 @inlined
 def _coefficients(numbers: Numbers) -> Coefficients:
     """Return the coefficients from their numbers, one after the other."""
     return Coefficients(
-        Slopes(*numbers[:_SLOPES]),
-        Slopes(*numbers[_SLOPES : 2 * _SLOPES]),
-        Slopes(*numbers[2 * _SLOPES : 3 * _SLOPES]),
-        *numbers[3 * _SLOPES :],
+        Slopes(*numbers[:_QUADRATIC]),
+        Slopes(*numbers[_QUADRATIC:_LIFT]),
+        Slopes(*numbers[_LIFT:_FINS]),
+        FinSlopes(*numbers[_FINS:_THRUST]),
+        numbers[_THRUST],
     )
 
 
@@ -194,15 +204,15 @@ def rate(_t_s: float, state: State, given: tuple[Numbers, Vec3, Body, Coefficien
     command, current, b, c = given
     water, rates = through_water(state, current), (state[10], state[11], state[12])
     (x, y, z), (k, m, n) = water_force(water, rates, c)
-    square = water[0] * water[0]
+    fins, square = c.fins, water[0] * water[0]
     rudder, stern_plane = (
         square * clipped(state[13], b.fin_max_rad),
         square * clipped(state[14], b.fin_max_rad),
     )
     thrust_n = c.thrust_nprpm2 * abs(state[15]) * state[15]
     forces = (
-        (x + thrust_n, y + c.y_rudder * rudder, z + c.z_stern_plane * stern_plane),
-        (k, m + c.m_stern_plane * stern_plane, n + c.n_rudder * rudder),
+        (x + thrust_n, y + fins.y_rudder * rudder, z + fins.z_stern_plane * stern_plane),
+        (k, m + fins.m_stern_plane * stern_plane, n + fins.n_rudder * rudder),
     )
     return motion(state, command, current, forces, b)
 
