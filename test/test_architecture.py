@@ -34,6 +34,8 @@ WALL_CLOCK_FILES = {
 PLUGIN_FOLDERS = (
     "auv_control/allocation",
     "auv_control/controllers",
+    "auv_control/guidance/crab",
+    "auv_control/guidance/paths",
     "auv_control/references",
     "auv_core/models",
     "auv_flocking/consensus",

@@ -16,6 +16,8 @@ import yaml
 
 from auv_control.allocation import ThrusterAllocator
 from auv_control.controllers import MotionLaw, MotionView, VelocityController, VelocityReference
+from auv_control.guidance.crab import CrabLaw, CrabView
+from auv_control.guidance.paths import GuidancePath
 from auv_control.references import PathPoint, ReferencePath
 from auv_core.contracts import fulfilled, members
 from auv_core.geometry import distance
@@ -206,6 +208,35 @@ def _follow_reference(module, params, _inputs):
         assert now.heading_rate_radps == pytest.approx(turned_rad / (2.0 * step_s), abs=1e-6)
         assert reach.holds(now.position)
         outputs.append(now)
+    return outputs
+
+
+def _follow_guidance_path(module, params, inputs):
+    path = module.Path(params)
+    assert path.track.length_m > 0.0
+    place = path.engage(*inputs.point(300.0)[:2])
+    outputs = [path.point(place)]
+    for _ in range(50):
+        point = path.track.at(place.s_m)
+        course_rad, (aside_m, *_) = point.course_rad, inputs.point(0.1)
+        moved = (
+            point.north_m + 1.5 * math.cos(course_rad) - aside_m * math.sin(course_rad),
+            point.east_m + 1.5 * math.sin(course_rad) + aside_m * math.cos(course_rad),
+        )
+        place, before_m = path.follow(place, *moved), place.s_m
+        assert abs(place.s_m - before_m - 1.5) < 0.05
+        outputs.append(path.point(place))
+    return outputs
+
+
+def _use_crab(module, params, inputs):
+    law = module.Crab(params, PERIOD_S)
+    assert law.lookahead_m > 0.0
+    state, outputs = law.initial_state(CrabView(*inputs.point(0.5))), []
+    for _ in range(200):
+        beta, state = law.step(inputs.kept(state), CrabView(*inputs.point(0.5)))
+        assert abs(beta) < 0.5 * math.pi
+        outputs.append((beta, state))
     return outputs
 
 
@@ -480,6 +511,8 @@ ROLES = {
         "Controller", (MotionLaw, VelocityController), (PERIOD_S,), _use_controller
     ),
     "auv_control.references": Role("Reference", (ReferencePath,), (), _follow_reference),
+    "auv_control.guidance.paths": Role("Path", (GuidancePath,), (), _follow_guidance_path),
+    "auv_control.guidance.crab": Role("Crab", (CrabLaw,), (PERIOD_S,), _use_crab),
     "auv_flocking.flocking": Role(
         "Flocking", (FlockingLaw,), (SEPARATION, Member(is_leader=True)), _use_flocking
     ),
@@ -558,6 +591,7 @@ def test_the_class_of_the_role_and_everything_public_are_documented(folder, kind
 DEFAULTS = {
     "auv_control.controllers": {"constrained"},
     "auv_core.models": {"actuators", "adrift", "resting_command", "turn_radius_m"},
+    "auv_control.guidance.paths": {"engage", "follow", "point"},
 }
 """Members, by folder, that a protocol itself defines for the plugins that need no other."""
 

@@ -14,8 +14,8 @@ from auv_control.guidance.depth import DepthGains, DepthState, dived
 from auv_control.guidance.heading import HeadingGains, steered
 from auv_control.guidance.speed import SpeedGains, propelled
 from auv_core.compiled import entry, inlined, record
-from auv_core.geometry import body_to_ned, heading_from_quaternion, pitch_from_quaternion
-from auv_core.messages import VehicleState
+from auv_core.geometry import heading_from_quaternion, pitch_from_quaternion
+from auv_core.messages import FinCommand, VehicleState
 from auv_core.params import param
 
 
@@ -79,13 +79,7 @@ class AutopilotState(NamedTuple):
     speed_integral_m: float
 
 
-@record(", ".join(3 * ["float64"]))
-class Fins(NamedTuple):
-    """Rudder and stern plane (rad), propeller (rpm)."""
-
-    rudder_rad: float
-    stern_plane_rad: float
-    propeller_rpm: float
+record(", ".join(3 * ["float64"]))(FinCommand)
 
 
 def initial_state(depth_m: float) -> AutopilotState:
@@ -93,7 +87,7 @@ def initial_state(depth_m: float) -> AutopilotState:
     return AutopilotState(0.0, DepthState(depth_m, 0.0, 0.0), 0.0)
 
 
-def measured(nav: VehicleState, course_rad: float) -> Measured:
+def measured(nav: VehicleState, along_mps: float) -> Measured:
     """
     Return the measurements in a vehicle's navigation.
 
@@ -101,12 +95,11 @@ def measured(nav: VehicleState, course_rad: float) -> Measured:
     ----------
     nav : VehicleState
         The vehicle's own navigation.
-    course_rad : float
-        Direction of the path (rad, from north towards east), along which the speed counts.
+    along_mps : float
+        Speed over ground along the path (m/s).
 
     """
     u, v, w, _, q, r = nav.nu
-    north_mps, east_mps, _ = body_to_ned(nav.attitude, (u, v, w))
     return Measured(
         heading_from_quaternion(nav.attitude),
         pitch_from_quaternion(nav.attitude),
@@ -114,15 +107,15 @@ def measured(nav: VehicleState, course_rad: float) -> Measured:
         q,
         nav.position[2],
         math.sqrt(u * u + v * v + w * w),
-        north_mps * math.cos(course_rad) + east_mps * math.sin(course_rad),
+        along_mps,
     )
 
 
-@entry("Tuple((Fins, AutopilotState))(Measured, Setpoint, AutopilotState, float64, AutopilotGains)")
+@entry("Tuple((FinCommand, AutopilotState))(Measured, Setpoint, AutopilotState, float64, AutopilotGains)")
 @inlined
 def piloted(
     now: Measured, setpoint: Setpoint, state: AutopilotState, period_s: float, gains: AutopilotGains
-) -> tuple[Fins, AutopilotState]:
+) -> tuple[FinCommand, AutopilotState]:
     """
     Return rudder, stern plane and propeller of a control period, and the state after it.
 
@@ -163,6 +156,6 @@ def piloted(
         now.along_mps, setpoint.speed_mps, state.speed_integral_m, period_s, gains.speed
     )
     return (
-        Fins(rudder, dive.stern_plane_rad, propeller),
+        FinCommand(rudder, dive.stern_plane_rad, propeller),
         AutopilotState(heading_integral, dive.state, speed_integral),
     )
