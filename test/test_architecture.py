@@ -34,6 +34,7 @@ WALL_CLOCK_FILES = {
 PLUGIN_FOLDERS = (
     "auv_control/allocation",
     "auv_control/controllers",
+    "auv_control/courses",
     "auv_control/guidance/crab",
     "auv_control/guidance/paths",
     "auv_control/references",

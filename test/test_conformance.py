@@ -15,13 +15,21 @@ import pytest
 import yaml
 
 from auv_control.allocation import ThrusterAllocator
-from auv_control.controllers import MotionLaw, MotionView, VelocityController, VelocityReference
+from auv_control.controllers import (
+    CourseController,
+    MotionLaw,
+    MotionView,
+    VelocityController,
+    VelocityReference,
+)
+from auv_control.courses import CourseLaw, Guided
+from auv_control.guidance.autopilots import Setpoint
 from auv_control.guidance.crab import CrabLaw, CrabView
 from auv_control.guidance.paths import GuidancePath
 from auv_control.references import PathPoint, ReferencePath
 from auv_core.contracts import fulfilled, members
 from auv_core.geometry import distance
-from auv_core.messages import COMMANDS, VehicleState, VelocityCommand, Wrench
+from auv_core.messages import COMMANDS, FinCommand, VehicleState, VelocityCommand, Wrench
 from auv_core.models import ContinuousModel, VehicleModel
 from auv_core.params import ConfigError, dump, load, load_section
 from auv_core.plugins import find_plugin, list_plugins
@@ -138,6 +146,8 @@ def _fly_model(module, params, inputs):
 
 def _use_controller(module, params, inputs):
     controller = module.Controller(params, PERIOD_S)
+    if controller.follows == "course":
+        return _use_autopilots(controller, inputs)
     if controller.follows != "velocity":
         return _use_motion_law(controller, params, inputs)
     made: Any = {"wrench": Wrench, "velocity": VelocityCommand}[controller.command]
@@ -147,6 +157,34 @@ def _use_controller(module, params, inputs):
         command = controller.step(nav, VelocityReference(inputs.point(1.0), 0.5))
         assert isinstance(command, made)
         outputs.append(command.tau if made is Wrench else (*command.velocity, command.yaw_rate_radps))
+    return outputs
+
+
+def _use_autopilots(controller, inputs):
+    assert controller.command == "fins"
+    assert controller.state == ()
+    outputs: list[Any] = [tuple(controller.safe_command)]
+    for tick in range(20):
+        nav = VehicleState(tick, inputs.point(), inputs.attitude(), inputs.six(1.0))
+        guided = Guided(Setpoint(0.3, 0.01, inputs.point()[2], 1.5), *inputs.point(1.0)[:2])
+        command = controller.step(nav, inputs.kept(guided))
+        assert isinstance(command, FinCommand)
+        outputs.append((tuple(command), controller.state))
+    return outputs
+
+
+def _use_course(module, params, inputs):
+    course = module.Course(params, PERIOD_S)
+    assert course.speed_mps > 0.0
+    assert course.tightest_m > 0.0
+    reach = course.reach(650.0)
+    assert reach is None or all(low <= high for low, high in zip(*reach, strict=True))
+    outputs: list[Any] = []
+    for tick in range(200):
+        nav = VehicleState(tick, inputs.point(), inputs.attitude(), inputs.six(1.0))
+        guided = course.step(PERIOD_S * tick, nav)
+        assert math.isnan(guided.cross_track_m) == (reach is None)
+        outputs.append((tuple(guided.setpoint), guided.along_mps))
     return outputs
 
 
@@ -508,8 +546,9 @@ ROLES = {
     "auv_core.models": Role("Model", (VehicleModel,), (), _fly_model),
     "auv_control.allocation": Role("Allocator", (ThrusterAllocator,), (PAIR,), _use_allocator),
     "auv_control.controllers": Role(
-        "Controller", (MotionLaw, VelocityController), (PERIOD_S,), _use_controller
+        "Controller", (MotionLaw, VelocityController, CourseController), (PERIOD_S,), _use_controller
     ),
+    "auv_control.courses": Role("Course", (CourseLaw,), (PERIOD_S,), _use_course),
     "auv_control.references": Role("Reference", (ReferencePath,), (), _follow_reference),
     "auv_control.guidance.paths": Role("Path", (GuidancePath,), (), _follow_guidance_path),
     "auv_control.guidance.crab": Role("Crab", (CrabLaw,), (PERIOD_S,), _use_crab),

@@ -65,9 +65,3 @@ def test_turn_and_dive(cross_flow, headings_deg, depths_m):
 def last_outside(flown, column, target, tolerance):
     """Return how long after the step a number was last farther from its target (s)."""
     return max(t_s for t_s, row in flown.items() if abs(row[column] - target) > tolerance) - STEP_AT_S
-
-
-if __name__ == "__main__":
-    for kind in ("horizontal", "both"):
-        flown = steps_flown(remus(cross_flow=kind), (90.0,))
-        print([round(flown[t][0], 2) for t in (12.0, 14.0, 16.0, 20.0, 30.0)], [round(flown[t][1], 3) for t in (14.0, 20.0, 30.0, 40.0, 60.0)], flown[20.0][2], max(f[0] for f in flown.values())-30, max(f[1] for f in flown.values())-20, last_outside(flown, 0, 30.0, 1.0), last_outside(flown, 1, 20.0, 0.2))

@@ -3,19 +3,27 @@ The agent: the software of one vehicle. It has no clock, no ROS and no randomnes
 node and in an in-process run.
 
 Once per control period it reads the packets, extrapolates the neighbour estimates to the current time, does
-the task (a flocking law with a velocity controller and consensus on the centre, or a law that gives the
-wrench directly), and passes a report to the modem when the modem asks for one.
+the task (a flocking law with a velocity controller and consensus on the centre, a law that gives the wrench
+directly, or autopilots under a course), and passes a report to the modem when the modem asks for one.
 """
 
 from __future__ import annotations
 
-from auv_control.controllers import Controller, MotionLaw, VelocityReference, make_controller
+from auv_control.controllers import (
+    Controller,
+    CourseController,
+    MotionLaw,
+    VelocityReference,
+    make_controller,
+)
+from auv_control.courses import make_course
 from auv_control.references import PathPoint, make_reference
 from auv_core.geometry import Vec3, body_to_ned, heading_from_quaternion
 from auv_core.messages import Command, Inbox, Packet, VehicleState, VelocityCommand, Wrench, command_numbers
 from auv_core.state_checks import is_command
 from auv_flocking.agent_config import AgentConfig
 from auv_flocking.consensus import ConsensusFilter, make_consensus
+from auv_flocking.course_task import CourseTask
 from auv_flocking.flock_task import FlockTask
 from auv_flocking.flocking import FlockVelocity, Member, make_flocking
 from auv_flocking.heard import class_of_all, mask_of
@@ -67,8 +75,14 @@ class Agent:
         self.neighbours = Estimates.of(())
         self.sensed: Sensed = ()
 
-    def _make_task(self, controller: Controller, consensus: ConsensusFilter | None) -> FlockTask | MotionTask:
+    def _make_task(
+        self, controller: Controller, consensus: ConsensusFilter | None
+    ) -> FlockTask | MotionTask | CourseTask:
         config = self._config
+        if isinstance(controller, CourseController):
+            if config.course is None:
+                raise RuntimeError("autopilots without a course: AgentConfig should have refused it")
+            return CourseTask(make_course(config.course, config.period_s), controller)
         if isinstance(controller, MotionLaw):
             return MotionTask(controller, config.obstacles, config.period_s)
         if config.flocking is None or config.separation is None or consensus is None:
@@ -144,10 +158,10 @@ class Agent:
         """
         Return the command for one control period and the packets for the modem.
 
-        The command is the safe one (no force, or no velocity) if the navigation is missing, old, marked as
-        invalid or impossible; in a fleet, also if the modem is silent or no report can carry the position;
-        and if the law gives no finite command. Then `holding` says why, and the law's state does not change.
-        In all of these cases but the last nothing is sent.
+        The command is the safe one (no force, no velocity, or a circle) if the navigation is missing, old,
+        marked as invalid or impossible; in a fleet, also if the modem is silent or no report can carry the
+        position; and if the law gives no finite command. Then `holding` says why, and the law's state does
+        not change. In all of these cases but the last nothing is sent.
 
         Parameters
         ----------
@@ -189,6 +203,8 @@ class Agent:
         heard, others = self._senses.table.heard, self._config.fleet_size - 1
         self._is_waiting = is_waiting = t_s < self._config.hold_s and heard < others
         path = self.path_point(t_s)
+        if isinstance(self.task, CourseTask):
+            return self.task.step(t_s, nav)
         if isinstance(self.task, MotionTask):
             return self.task.step(t_s, nav, path, self.neighbours, self.sensed, is_waiting=is_waiting)
         if path is None:
@@ -196,6 +212,8 @@ class Agent:
         return self.task.step(t_s, nav, path, self.neighbours, self.sensed, is_waiting=is_waiting)
 
     def _safe_command(self) -> Command:
+        if isinstance(self.task, CourseTask):
+            return self.task.safe_command
         if self.command == "velocity":
             return VelocityCommand((0.0, 0.0, 0.0), 0.0)
         return Wrench((0.0, 0.0, 0.0, 0.0, 0.0, 0.0))

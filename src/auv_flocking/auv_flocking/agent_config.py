@@ -16,6 +16,7 @@ from auv_flocking.trackers import none
 
 REFERENCES = "auv_control.references"
 CONTROLLERS = "auv_control.controllers"
+COURSES = "auv_control.courses"
 FLOCKING = "auv_flocking.flocking"
 SEPARATION = "auv_flocking.separation"
 CONSENSUS = "auv_flocking.consensus"
@@ -30,11 +31,16 @@ class AgentSettings:
     """
     Section `agent` of a scenario.
 
-    The software of every vehicle: either a controller that follows the velocity command of a flocking law
-    with separation and consensus, or a controller that follows a path or a region itself.
+    The software of every vehicle: a controller that follows the velocity command of a flocking law with
+    separation and consensus, one that follows a path or a region itself, or one that follows a course.
     """
 
     controller: Section = param("control law from velocity, path or region to command", plugins=CONTROLLERS)
+    course: Section | None = param(
+        "what gives heading, depth and speed, for a controller that follows a course",
+        default=None,
+        plugins=COURSES,
+    )
     flocking: Section | None = param(
         "flocking law, for a controller that follows a velocity", default=None, plugins=FLOCKING
     )
@@ -78,7 +84,7 @@ class AgentConfig(AgentSettings):
     reference: Section | None = param("path to follow, if any", default=None, plugins=REFERENCES)
 
     def __post_init__(self) -> None:
-        check_parts(self.controller, self.flocking, self.separation, self.consensus, self.reference)
+        check_parts(self, self.reference)
         if len(self.fleet_ids) not in (0, self.fleet_size):
             raise ValueError(
                 f"fleet_ids: {len(self.fleet_ids)} names are not allowed; allowed: {self.fleet_size}, or none"
@@ -100,15 +106,11 @@ class AgentConfig(AgentSettings):
         )
 
 
-def check_parts(
-    controller: Section,
-    flocking: Section | None,
-    separation: Section | None,
-    consensus: Section | None,
-    reference: Section | None,
-    *,
-    where: str = "",
-) -> None:
+_PARTS = {"velocity": ("flocking", "separation", "consensus"), "course": ("course",)}
+"""The parts that a controller needs, by what it follows; a path or a region needs none."""
+
+
+def check_parts(agent: AgentSettings, reference: Section | None, *, where: str = "") -> None:
     """
     Check that the parts of an agent fit together.
 
@@ -119,22 +121,31 @@ def check_parts(
         name of the part.
 
     """
-    follows = controller_class(controller.kind).follows
-    for name, section in (("flocking", flocking), ("separation", separation), ("consensus", consensus)):
-        if follows == "velocity" and section is None:
-            raise ValueError(
-                f"{where}{name}: missing; allowed: a section, since the controller "
-                f"{controller.kind} follows a velocity that a flocking law gives"
+    kind = agent.controller.kind
+    follows = controller_class(kind).follows
+    for name in ("flocking", "separation", "consensus", "course"):
+        section, is_needed = getattr(agent, name), name in _PARTS.get(follows, ())
+        if is_needed and section is None:
+            needs = (
+                "follows a course" if follows == "course" else "follows a velocity that a flocking law gives"
             )
-        if follows != "velocity" and section is not None:
+            raise ValueError(
+                f"{where}{name}: missing; allowed: a section, since the controller {kind} {needs}"
+            )
+        if section is not None and not is_needed:
+            itself = "" if follows in _PARTS else " by itself"
             raise ValueError(
                 f"{where}{name}: {section.kind!r} is not allowed; allowed: nothing, since the controller "
-                f"{controller.kind} follows a {follows} by itself"
+                f"{kind} follows a {follows}{itself}"
             )
-    if reference is None and follows != "region":
+    if reference is None and follows in ("velocity", "path"):
         raise ValueError(
-            f"reference: missing; allowed: a section, since the controller {controller.kind} "
-            f"follows a {follows}"
+            f"reference: missing; allowed: a section, since the controller {kind} follows a {follows}"
+        )
+    if reference is not None and follows == "course":
+        raise ValueError(
+            f"reference: {reference.kind!r} is not allowed; allowed: nothing, "
+            f"since the controller {kind} follows {where}course"
         )
 
 

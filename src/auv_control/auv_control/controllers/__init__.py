@@ -2,12 +2,15 @@
 Controllers: they compute the command of one vehicle's actuators.
 
 To add one, write one file with ``Params`` and ``Controller(params, period_s)``. The file's name is its
-``kind``. Its attribute ``command`` (``'wrench'`` or ``'velocity'``) is the kind of its output, which the
-vehicle's model must take. Its attribute ``follows`` is the kind of its input:
+``kind``. Its attribute ``command`` (``'wrench'``, ``'velocity'`` or ``'fins'``) is the kind of its output,
+which the vehicle's model must take. Its attribute ``follows`` is the kind of its input:
 
 ``follows = 'velocity'``
     The inner loop under a flocking law: a `VelocityController`, or one that can run in continuous time as
     well, a `ContinuousVelocityController`.
+
+``follows = 'course'``
+    Autopilots of a vehicle with fins, under a course of the folder ``courses``: a `CourseController`.
 
 ``follows = 'path'`` or ``'region'``
     A law that computes the wrench directly from the `MotionView` of one instant: a `MotionLaw` or a
@@ -26,11 +29,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, Protocol, runtime_checkable
 
+from auv_control.courses import Guided
 from auv_control.references import PathPoint
 from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Box, Quat, Vec3
 from auv_core.integrate import State
-from auv_core.messages import Command, Vec6, VehicleState
+from auv_core.messages import Command, FinCommand, Vec6, VehicleState
 from auv_core.params import Section
 
 
@@ -79,6 +83,26 @@ class ContinuousVelocityController(VelocityController, Protocol):
 
 
 @runtime_checkable
+class CourseController(Protocol):
+    """
+    Autopilots under a course.
+
+    `safe_command` is what they give without a usable navigation, `state` the numbers that they keep.
+    """
+
+    command: ClassVar[str]
+    follows: ClassVar[str]
+    safe_command: FinCommand
+
+    @property
+    def state(self) -> State:
+        """Integral states and so on, `()` before the first step."""
+
+    def step(self, nav: VehicleState, guided: Guided) -> FinCommand:
+        """Return the command of one control period, from the vehicle's own navigation and its course."""
+
+
+@runtime_checkable
 class MotionLaw(Protocol):
     """
     A law that computes the wrench directly.
@@ -117,7 +141,8 @@ class RegionLaw(MotionLaw, Protocol):
     region: Box
 
 
-Controller = VelocityController | MotionLaw
+Controller = VelocityController | MotionLaw | CourseController
+ControllerClass = type[VelocityController] | type[MotionLaw] | type[CourseController]
 
 
 @runtime_checkable
@@ -130,16 +155,17 @@ class _Bounded(Protocol):
     max_force_n: float | None
 
 
-def controller_class(kind: str) -> type[VelocityController] | type[MotionLaw]:
+def controller_class(kind: str) -> ControllerClass:
     """Return the class of the controller of a kind."""
-    found: type[VelocityController] | type[MotionLaw] = class_of(__name__, kind, "Controller")
+    found: ControllerClass = class_of(__name__, kind, "Controller")
     return found
 
 
 def contract_of(kind: str) -> type:
     """Return the protocol of a kind, which depends on what it follows."""
     follows = controller_class(kind).follows
-    return {"velocity": VelocityController, "region": RegionLaw}.get(follows, MotionLaw)
+    contracts = {"velocity": VelocityController, "region": RegionLaw, "course": CourseController}
+    return contracts.get(follows, MotionLaw)
 
 
 def make_controller(section: Section, period_s: float) -> Controller:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from auv_experiment.figures import Drawer
 from auv_experiment.figures.acoustics import acoustics_drawers
+from auv_experiment.figures.course import course_drawers
 from auv_experiment.figures.flock import flock_drawers
 from auv_experiment.figures.own import own_drawers
 from auv_experiment.figures.path import path_drawers
@@ -22,6 +23,9 @@ def run_drawers(recording: Recording, scenario: Scenario) -> dict[str, Drawer]:
         found = flock_drawers(recording, scenario)
     elif scenario.follows == "region":
         found = region_drawers(recording, scenario)
+    elif scenario.follows == "course":
+        found = course_drawers(recording, scenario)
+        found |= flock_drawers(recording, scenario, only=("pair_distances",))
     else:
         found = path_drawers(recording, scenario)
         found |= flock_drawers(recording, scenario, only=("pair_distances",))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from auv_experiment.metrics.consensus_bound import flock_metrics
+from auv_experiment.metrics.course import course_metrics
 from auv_experiment.metrics.formation import formation_metrics
 from auv_experiment.metrics.lyapunov import lyapunov_metrics
 from auv_experiment.metrics.path import path_metrics, position_error_ned_m
@@ -22,12 +23,15 @@ def law_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     `Scenario.readings` gives one metric each, ``<axis>_err_<time>_m``: path minus position of the first
     vehicle along one NED axis at one instant (m), at the record nearest to it.
 
-    See `path_metrics`, `formation_metrics`, `region_metrics` and `flock_metrics` for their definitions.
+    See `path_metrics`, `formation_metrics`, `region_metrics`, `course_metrics` and `flock_metrics` for their
+    definitions.
     """
     if recording.n_ticks == 0:
         return {}
     if scenario.follows == "velocity":
         return flock_metrics(recording, scenario)
+    if scenario.follows == "course":
+        return course_metrics(recording, scenario)
     if scenario.follows == "region":
         metrics = region_metrics(recording, scenario)
     else:

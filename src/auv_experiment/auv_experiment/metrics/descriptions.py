@@ -29,6 +29,19 @@ def _tails() -> dict[str, Meaning]:
 
 
 OF_LAWS = {
+    # courses
+    "heading_settling_1deg_s": Meaning(
+        "s", "time after which the heading stays within 1 degree of the course", 1
+    ),
+    "heading_overshoot_rad": Meaning(
+        "rad", "largest heading error beyond the course after the largest error", 4
+    ),
+    "depth_settling_0p2m_s": Meaning("s", "time after which the depth stays within 0.2 m of the course", 1),
+    "depth_overshoot_m": Meaning("m", "largest depth error beyond the course after the largest error", 3),
+    "cross_track_rms_m": Meaning(
+        "m", "distance beside the path of the course, rms after 150 s; the worst vehicle"
+    ),
+    "cross_track_max_m": Meaning("m", "largest distance beside the path of the course after 150 s"),
     # paths
     "position_rms_m": Meaning("m", "distance to the path, rms over the run; the worst vehicle", 4),
     "position_rms_after_30s_m": Meaning("m", "distance to the path, rms from 30 s on; the worst vehicle", 4),

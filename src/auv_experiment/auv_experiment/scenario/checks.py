@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import auv_control.controllers
 import auv_core.models
 from auv_control.controllers import ContinuousVelocityController, MotionLaw, controller_class, make_controller
+from auv_control.courses import make_course
 from auv_core.geometry import distance
 from auv_core.models import make_model
 from auv_core.params import Section, shown
@@ -81,7 +82,7 @@ def _check_agent(scenario: Scenario) -> None:
     a = scenario.agent
     for index in range(len(scenario.vehicles)):
         reference = scenario.vehicles[index].reference or scenario.reference
-        check_parts(a.controller, a.flocking, a.separation, a.consensus, reference, where="agent.")
+        check_parts(a, reference, where="agent.")
     if scenario.leaders and scenario.follows != "velocity":
         raise ValueError(
             f"leaders: {shown(list(scenario.leaders))} is not allowed; "
@@ -103,6 +104,8 @@ def _check_contracts(scenario: Scenario) -> None:
         flocking_params(agent.flocking)
     if agent.consensus is not None:
         consensus_params(agent.consensus)
+    if agent.course is not None:
+        make_course(agent.course, scenario.period_s)
 
 
 def _check_frames(scenario: Scenario) -> None:
@@ -119,14 +122,20 @@ def _check_frames(scenario: Scenario) -> None:
 
 
 def _check_commands(scenario: Scenario) -> None:
-    given = controller_class(scenario.agent.controller.kind).command
+    agent = scenario.agent
+    given = controller_class(agent.controller.kind).command
     for index, vehicle in enumerate(scenario.vehicles):
         taken = make_model(vehicle.model).command
         if taken != given:
             raise ValueError(
-                f"agent.controller.kind: {scenario.agent.controller.kind!r} is not allowed; "
+                f"agent.controller.kind: {agent.controller.kind!r} is not allowed; "
                 "allowed: a controller that gives "
                 f"the {taken} command that the model of vehicles[{index}] takes"
+            )
+        if agent.hold_s > 0.0 and not make_model(vehicle.model).handling.can_stop:
+            raise ValueError(
+                f"agent.hold_s: {agent.hold_s!r} is not allowed; allowed: 0, "
+                f"since vehicles[{index}] cannot stop"
             )
     environment = scenario.environment
     if scenario.kinematic and environment.current.kind != STEADY.kind:
@@ -176,7 +185,7 @@ def _check_continuous(scenario: Scenario) -> None:
     controller = make_controller(agent.controller, scenario.period_s)
     if not scenario.kinematic and not isinstance(controller, ContinuousVelocityController | MotionLaw):
         raise _not_continuous(
-            f", for a flock under the controller {agent.controller.kind}, which works once per control period"
+            f", for the controller {agent.controller.kind}, which works once per control period"
         )
     if scenario.environment.navigation.kind != "exact":
         raise _not_continuous(", unless environment.navigation is exact")

@@ -1,0 +1,66 @@
+"""A path on the map, followed by line of sight at a constant depth and speed over ground."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from auv_control.courses import CourseLaw, Guided
+from auv_control.guidance.autopilots import Setpoint
+from auv_control.guidance.crab import make_crab, measured
+from auv_control.guidance.line_of_sight import over_ground, sight
+from auv_control.guidance.paths import Place, make_path, racetrack
+from auv_core.geometry import Box
+from auv_core.integrate import State
+from auv_core.messages import VehicleState
+from auv_core.params import Section, param
+
+_RACETRACK = Section("racetrack", racetrack.Params())
+_MEASURED = Section("measured", measured.Params())
+
+
+@dataclass(frozen=True)
+class Params:
+    """The path, where on it and how fast."""
+
+    path: Section = param("path on the map", default=_RACETRACK, plugins="auv_control.guidance.paths")
+    lane_m: float = param(
+        "offset of the lane to starboard of the path (m)", default=0.0, minimum=-1e3, maximum=1e3
+    )
+    depth_m: float = param("depth (m; NED z)", default=30.0, minimum=0.0, maximum=1e5)
+    speed_mps: float = param("speed along the path over ground (m/s)", default=1.5, above=0.0, maximum=10.0)
+    crab: Section = param(
+        "how the heading allows for the current", default=_MEASURED, plugins="auv_control.guidance.crab"
+    )
+
+
+class Course(CourseLaw):
+    """It enters the path at the point that is closest at the first tick."""
+
+    def __init__(self, params: Params, period_s: float) -> None:
+        self._params = params
+        self._path = make_path(params.path)
+        self._crab = make_crab(params.crab, period_s)
+        self._crab_state: State | None = None
+        self._place: Place | None = None
+        self.speed_mps = params.speed_mps
+        curvatures = self._path.track.curvatures()
+        radii = [abs(1.0 / curvature - params.lane_m) for curvature in curvatures if curvature != 0.0]
+        self.tightest_m = min(radii, default=float("inf"))
+
+    def step(self, t_s: float, nav: VehicleState) -> Guided:
+        """Return what the course asks at `t_s`."""
+        p, path, (north_m, east_m, _) = self._params, self._path, nav.position
+        if self._place is None:
+            self._place = path.engage(north_m, east_m)
+        else:
+            self._place = path.follow(self._place, north_m, east_m)
+        found = sight(over_ground(nav), path.point(self._place), p.lane_m, self._crab, self._crab_state)
+        self._crab_state = found.crab
+        setpoint = Setpoint(found.heading_rad, found.turn_rate_radps, p.depth_m, p.speed_mps)
+        return Guided(setpoint, found.along_mps, found.cross_track_m)
+
+    def reach(self, duration_s: float) -> Box | None:
+        """Return a box around the path (m; NED)."""
+        track, lane_m = self._path.track, abs(self._params.lane_m)
+        (north, east, depth), (far_north, far_east, _) = track.box(0.0, track.length_m, self._params.depth_m)
+        return Box((north - lane_m, east - lane_m, depth), (far_north + lane_m, far_east + lane_m, depth))
