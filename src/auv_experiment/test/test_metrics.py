@@ -73,7 +73,9 @@ def at_rest(
 
 
 def metrics_of(recording: Recording, scenario: Any = None) -> dict[str, Any]:
-    return compute_metrics(recording, scenario or make_scenario(), mode="inprocess", real_time_factor=50.0)
+    scenario = scenario or make_scenario()
+    scenario.hull_radii_m = recording.n_vehicles * (scenario.hull_radius_m,)
+    return compute_metrics(recording, scenario, mode="inprocess", real_time_factor=50.0)
 
 
 SQUARE = [(0.0, 0.0, 10.0), (2.0, 0.0, 10.0), (2.0, 2.0, 10.0), (0.0, 2.0, 10.0)]
@@ -319,8 +321,10 @@ def test_nobody_listens_on_a_lost_vehicle() -> None:
 
 
 def test_numbers_that_are_not_finite_become_none() -> None:
+    scenario = make_scenario()
+    scenario.hull_radii_m = (0.3, 0.3, 0.3, 0.3)
     metrics = compute_metrics(
-        at_rest(SQUARE, duration_s=5.0), make_scenario(), mode="lockstep", real_time_factor=math.inf
+        at_rest(SQUARE, duration_s=5.0), scenario, mode="lockstep", real_time_factor=math.inf
     )
     assert metrics["real_time_factor"] is None
     metrics_to_json(metrics)

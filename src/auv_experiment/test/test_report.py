@@ -64,6 +64,7 @@ def make_scenario(**changes: Any) -> Any:
         "period_s": 1.0,
         "sampling": "sampled",
         "hull_radius_m": 0.3,
+        "hull_radii_m": (0.3, 0.3, 0.3, 0.3),
         "vehicles": tuple(kind(id=f"auv_{i}") for i in range(1, 5)),
         "leaders": ("auv_1",),
         "reference": kind(kind="circle"),

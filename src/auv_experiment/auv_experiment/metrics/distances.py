@@ -27,6 +27,14 @@ def pair_distances_m(recording: Recording) -> FloatArray:
     return norm(recording.position_ned_m[:, first] - recording.position_ned_m[:, second])
 
 
+def touch_distances_m(scenario: Scenario) -> FloatArray:
+    """Return the (P,) distances between hull centres at which two hulls touch (m)."""
+    radii_m = np.array(scenario.hull_radii_m)
+    first, second = np.triu_indices(len(radii_m), 1)
+    touch_m: FloatArray = radii_m[first] + radii_m[second]
+    return touch_m
+
+
 def flock_pair_distances_m(recording: Recording) -> FloatArray:
     """Return the (K + 1, P) distances between hull centres (m), NaN after the loss of either vehicle."""
     return np.where(pair_is_gone(recording), np.nan, pair_distances_m(recording))

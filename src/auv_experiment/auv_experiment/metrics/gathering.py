@@ -7,7 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from auv_experiment.metrics.distances import flock_pair_distances_m, pair_distances_m, pair_is_gone
+from auv_experiment.metrics.distances import (
+    flock_pair_distances_m,
+    pair_distances_m,
+    pair_is_gone,
+    touch_distances_m,
+)
 from auv_experiment.metrics.finite import largest, smallest
 from auv_experiment.metrics.windows import (
     GATHERED_AFTER_S,
@@ -47,7 +52,7 @@ def gathering_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
     """
     t_s = recording.t_s
     pairs_m = pair_distances_m(recording)
-    ever_touching = (pairs_m < 2.0 * scenario.hull_radius_m).any(axis=1)
+    ever_touching = (pairs_m < touch_distances_m(scenario)).any(axis=1)
     flock_pairs_m = flock_pair_distances_m(recording)
     within_m = formed_within_m(scenario)
     formed_at_s = math.nan

@@ -158,19 +158,21 @@ def _check_starts(scenario: Scenario) -> None:
         raise ValueError(
             f"vehicles[{index}].position_ned_m: missing; allowed: a position here, or random_starts"
         )
+    radii_m = scenario.hull_radii_m
     for index, start in placed:
         if start[2] < 0.0:
             raise ValueError(
                 f"vehicles[{index}].position_ned_m: depth {start[2]!r} m is not allowed; allowed: at least 0"
             )
         for other, place in placed:
-            if other < index and distance(start, place) <= 2.0 * scenario.hull_radius_m:
+            touch_m = radii_m[index] + radii_m[other]
+            if other < index and distance(start, place) <= touch_m:
                 raise ValueError(
                     f"vehicles[{index}].position_ned_m: touches vehicles[{other}]; allowed: more than "
-                    f"{2.0 * scenario.hull_radius_m:g} m between hull centres"
+                    f"{touch_m:g} m between hull centres"
                 )
         for number, obstacle in enumerate(scenario.environment.obstacles):
-            if distance(start, obstacle.position_ned_m) <= scenario.hull_radius_m:
+            if distance(start, obstacle.position_ned_m) <= radii_m[index]:
                 raise ValueError(
                     f"environment.obstacles[{number}].position_ned_m: lies in the hull "
                     f"of vehicles[{index}]; "

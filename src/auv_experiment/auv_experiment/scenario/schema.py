@@ -179,7 +179,12 @@ class Scenario:
     @property
     def hull_radius_m(self) -> float:
         """Largest hull radius of the fleet (m)."""
-        return max(vehicle.model.params.hull_radius_m for vehicle in self.vehicles)
+        return max(self.hull_radii_m)
+
+    @property
+    def hull_radii_m(self) -> tuple[float, ...]:
+        """Hull radius of each vehicle (m)."""
+        return tuple(vehicle.model.params.hull_radius_m for vehicle in self.vehicles)
 
     @property
     def kinematic(self) -> bool:
