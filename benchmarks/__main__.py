@@ -22,7 +22,7 @@ from typing import Any
 
 from auv_core.cli.one_line_parser import OneLineParser
 
-PARTS = {"kernel": "kernel", "inprocess": "inprocess", "ros": "ros_lockstep"}
+PARTS = {"kernel": "kernel", "torpedo": "torpedo", "inprocess": "inprocess", "ros": "ros_lockstep"}
 ONE_THREAD = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 HEADS = ("figure", "measured", "beside", "ratio", "bar", "kept")
 

@@ -181,46 +181,46 @@ _VEHICLE_TOPICS = (
     ),
 )
 _RESTS = "Lock-step waits. In real time the actuators rest after `command_max_age_s`."
+
+
+def _command_topic(name: str, type_name: str, comes: str, fields: str) -> TopicSpec:
+    """Return the topic of a kind of command."""
+    return TopicSpec(
+        name,
+        type_name,
+        publisher="agent_node",
+        readers="vehicle_node",
+        every_ticks=1,
+        comes=comes,
+        fields=f"{fields}; the stamp gives the tick.",
+        silence=_RESTS,
+    )
+
+
 _COMMAND_TOPICS = {
-    "wrench": TopicSpec(
+    "wrench": _command_topic(
         "cmd_wrench",
         "geometry_msgs/msg/WrenchStamped",
-        publisher="agent_node",
-        readers="vehicle_node",
-        every_ticks=1,
-        comes="from vehicles with a mass",
-        fields="`wrench.force` (N) and `wrench.torque` (N m), body FRD; the stamp gives the tick.",
-        silence=_RESTS,
+        "from vehicles with a mass",
+        "`wrench.force` (N) and `wrench.torque` (N m), body FRD",
     ),
-    "velocity": TopicSpec(
+    "velocity": _command_topic(
         "cmd_vel",
         "geometry_msgs/msg/TwistStamped",
-        publisher="agent_node",
-        readers="vehicle_node",
-        every_ticks=1,
-        comes="from kinematic vehicles",
-        fields="`twist.linear` (m/s, map_ned) and `twist.angular.z` (rad/s); the stamp gives the tick.",
-        silence=_RESTS,
+        "from kinematic vehicles",
+        "`twist.linear` (m/s, map_ned) and `twist.angular.z` (rad/s)",
     ),
-    "fins": TopicSpec(
+    "fins": _command_topic(
         "cmd_fins",
         "auv_msgs/msg/FinCommand",
-        publisher="agent_node",
-        readers="vehicle_node",
-        every_ticks=1,
-        comes="from torpedoes",
-        fields="`rudder_rad`, `stern_plane_rad`, `propeller_rpm`; the stamp gives the tick.",
-        silence=_RESTS,
+        "from torpedoes",
+        "`rudder_rad`, `stern_plane_rad`, `propeller_rpm`",
     ),
-    "thrusters": TopicSpec(
+    "thrusters": _command_topic(
         "cmd_thrusters",
         "auv_msgs/msg/ThrusterCommand",
-        publisher="agent_node",
-        readers="vehicle_node",
-        every_ticks=1,
-        comes="from vehicles with thrusters",
-        fields="`forces_n`: the force of each thruster (N); the stamp gives the tick.",
-        silence=_RESTS,
+        "from vehicles with thrusters",
+        "`forces_n`: the force of each thruster (N)",
     ),
 }
 _GLOBAL_TOPICS = (

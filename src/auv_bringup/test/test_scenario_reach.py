@@ -14,7 +14,7 @@ from auv_bringup.tools import run as cli
 from auv_control.references import circle, spiral
 from auv_core.geometry import Box
 from auv_core.params import ConfigError
-from auv_experiment.metrics.surface import surface_metrics, surface_warning
+from auv_experiment.metrics.safety import surface_metrics, surface_warning
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.loading import load_scenario
 from auv_flocking.report import Report

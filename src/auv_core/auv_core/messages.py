@@ -95,11 +95,11 @@ def command_numbers(command: Command) -> Numbers:
 def command_of(kind: str, numbers: Numbers) -> Command:
     """Return the command of a kind with these numbers; the inverse of `command_numbers`."""
     if kind == "wrench":
-        x, y, z, k, m, n = numbers
+        (x, y, z), (k, m, n) = numbers[:3], numbers[3:]
         return Wrench((x, y, z, k, m, n))
     if kind == "velocity":
-        north, east, down, _, _, yaw_rate_radps = numbers
-        return VelocityCommand((north, east, down), yaw_rate_radps)
+        north, east, down = numbers[:3]
+        return VelocityCommand((north, east, down), numbers[5])
     if kind == "fins":
         return FinCommand(*numbers)
     return ThrusterCommand(numbers)

@@ -10,8 +10,8 @@ from auv_core.geometry import Vec3
 from auv_core.messages import Command, VehicleState
 from auv_flocking.flocking import NOTHING_HEARD
 
-HEADING, TURN_RATE, DEPTH, SPEED, CROSS_TRACK = range(5)
-"""Columns of `law_state` before those of the autopilots."""
+HEADING, DEPTH, SPEED, CROSS_TRACK = 0, 2, 3, 4
+"""Columns of `law_state`."""
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
 
 

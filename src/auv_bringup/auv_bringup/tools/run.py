@@ -274,7 +274,7 @@ def _show_results(
     options: argparse.Namespace,
 ) -> dict[str, Any]:
     """Write metrics, figures and report; print the metrics and the path of the report; return the metrics."""
-    from auv_experiment.metrics.surface import surface_warning
+    from auv_experiment.metrics.safety import surface_warning
     from auv_experiment.metrics.wording import metrics_table
 
     metrics = results.write_results(

@@ -5,10 +5,10 @@ The hull is a spheroid with the added mass of potential theory (`_spheroid`). It
 damping, the lift and drag of a wing of low aspect ratio in the vertical plane (Beard and McLain 2012), and
 cross-flow drag on strips along the hull (Hoerner 1965); its propeller has the open-water lines of Allen,
 Vorus and Prestero (2000). The equations are those of Fossen's REMUS 100 (Fossen 2021, Handbook of Marine
-Craft Hydrodynamics and Motion Control, ch. 6-9, and his published programs).
+Craft Hydrodynamics and Motion Control, ch. 6-9, and its published programs).
 
 Deviation: beyond the stall angle the lift and the induced drag fade; in the published programs a hull that
-rises level glides ahead for ever. Below 10 degrees this changes nothing.
+rises level glides ahead without end. Below 10 degrees this changes nothing.
 
 Deviation: the propeller's speed of advance is through the water; the published programs take the speed over
 ground (``advance_by: ground``), which differs in a current only.

@@ -26,8 +26,7 @@ from auv_experiment.metrics.links import packet_metrics
 from auv_experiment.metrics.neighbours import neighbour_metrics, tail_metrics
 from auv_experiment.metrics.network import network_metrics
 from auv_experiment.metrics.own import own_metrics
-from auv_experiment.metrics.safety import safe_command_metrics
-from auv_experiment.metrics.surface import surface_metrics
+from auv_experiment.metrics.safety import safe_command_metrics, surface_metrics
 from auv_experiment.metrics.windows import SETTLED_AFTER_S, TIME_TOLERANCE_S, after
 from auv_experiment.recording import Recording
 

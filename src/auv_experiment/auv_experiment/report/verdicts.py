@@ -6,7 +6,7 @@ import html
 from typing import TYPE_CHECKING, Any
 
 from auv_experiment.metrics.gathering import formed_within_m
-from auv_experiment.metrics.surface import surface_warning
+from auv_experiment.metrics.safety import surface_warning
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
