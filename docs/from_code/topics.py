@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from auv_bag.topics import COMMON_TOPICS, VEHICLE_TOPICS, TopicSpec
+from auv_bag.topic_spec import TopicSpec
+from auv_bag.topics import COMMON_TOPICS, VEHICLE_TOPICS
 from from_code.markdown import code
 
 

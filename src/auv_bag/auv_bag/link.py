@@ -19,7 +19,7 @@ from multiprocessing.connection import Pipe
 from pathlib import Path
 from typing import NamedTuple
 
-from auv_bag.topics import TopicSpec
+from auv_bag.topic_spec import TopicSpec
 from auv_bag.writer import BagError
 from auv_core.machine.child_end import Exit
 from auv_core.machine.process_states import is_stopped

@@ -25,7 +25,8 @@ from auv_bag.definitions import MessageType, load_message_type, read_stamp_ns, s
 from auv_bag.file import TimedMessage
 from auv_bag.padding import padding_zeroer
 from auv_bag.time_line import TimeLine
-from auv_bag.topics import CLOCK_TOPIC, STATUS_TOPIC, TopicSpec
+from auv_bag.topic_spec import TopicSpec
+from auv_bag.topics import CLOCK_TOPIC, STATUS_TOPIC
 from auv_bag.writer import BagWriter, Qos, Topic
 
 HELD_TICKS = 200

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from auv_bag.link import Opening
-from auv_bag.topics import LOG_TOPIC, TopicSpec, topics_of_graph
+from auv_bag.topic_spec import TopicSpec
+from auv_bag.topics import LOG_TOPIC, topics_of_graph
 from auv_core.messages import COMMANDS
 from auv_core.params import param
 

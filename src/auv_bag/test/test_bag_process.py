@@ -10,7 +10,7 @@ import pytest
 from auv_bag.bag import Bag
 from auv_bag.link import BagLink, Batch, Opening, Written
 from auv_bag.process import serve
-from auv_bag.topics import TopicSpec
+from auv_bag.topic_spec import TopicSpec
 from auv_bag.writer import BagError
 
 

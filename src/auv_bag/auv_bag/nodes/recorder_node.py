@@ -23,7 +23,8 @@ from auv_bag.collector import Collector
 from auv_bag.link import BagLink
 from auv_bag.recorder_config import RecorderConfig
 from auv_bag.ros_types import message_class
-from auv_bag.topics import CLOCK_TOPIC, LOG_TOPIC, RECORDER_TOPIC, TopicSpec
+from auv_bag.topic_spec import TopicSpec
+from auv_bag.topics import CLOCK_TOPIC, LOG_TOPIC, RECORDER_TOPIC
 from auv_bag.writer import BagError
 from auv_core.params import ConfigError
 from auv_core.words import listed
