@@ -6,12 +6,16 @@ autopilots, and with a prototype of these equations.
 """
 
 import math
+from pathlib import Path
 
 import pytest
-from torpedo_flights import STILL, angles_deg, remus
+import yaml
+from torpedo_flights import STILL, angles_deg, lauv, remus
 
+from auv_control.controllers import presets
 from auv_control.guidance.autopilots import Params, Setpoint, initial_state, measured, piloted
 from auv_core.messages import VehicleState
+from auv_core.params import load_section
 
 PERIOD_S = 0.1
 STEP_AT_S = 10.0
@@ -22,10 +26,9 @@ def state_of(x):
     return VehicleState(0, x[:3], x[3:7], x[7:13])
 
 
-def steps_flown(model, times_s, *, speed_mps=1.5, turn_deg=30.0, dive_m=10.0, start_rpm=895.5):
+def steps_flown(model, times_s, *, gains=GAINS, speed_mps=1.5, turn_deg=30.0, dive_m=10.0):
     """Return heading (deg), depth (m) and pitch (deg) at some times (s)."""
     x = model.initial_state((0.0, 0.0, 10.0), 0.0, speed_mps)
-    x = (*x[:15], start_rpm)
     memory, flown = initial_state(10.0), {}
     for tick in range(round(max(times_s) / PERIOD_S) + 1):
         t_s = tick * PERIOD_S
@@ -34,8 +37,8 @@ def steps_flown(model, times_s, *, speed_mps=1.5, turn_deg=30.0, dive_m=10.0, st
         is_late = t_s >= STEP_AT_S - 1e-9
         heading_rad = math.radians(turn_deg) if is_late else 0.0
         setpoint = Setpoint(heading_rad, 0.0, 10.0 + dive_m if is_late else 10.0, speed_mps)
-        now = measured(state_of(x), heading_rad)
-        command, memory = piloted(now, setpoint, memory, PERIOD_S, GAINS)
+        now = measured(state_of(x), heading_rad)._replace(along_mps=x[7])
+        command, memory = piloted(now, setpoint, memory, PERIOD_S, gains)
         x = model.step(x, model.limited_command(tuple(command)), STILL, 0.05, 2)
     return flown
 
@@ -60,6 +63,16 @@ def test_turn_and_dive(cross_flow, headings_deg, depths_m):
         assert overshoot_m == pytest.approx(0.53, abs=0.02)
         assert last_outside(flown, 0, 30.0, 1.0) == pytest.approx(9.0, abs=0.5)
         assert last_outside(flown, 1, 20.0, 0.2) == pytest.approx(40.2, abs=2.0)
+
+
+def test_the_lauv_turns_and_dives_with_its_own_gains():
+    raw = yaml.safe_load((Path(presets.__path__[0]) / "autopilot_lauv.yaml").read_text(encoding="utf-8"))
+    gains = load_section(raw, "lauv", "auv_control.controllers").params.gains
+    flown = steps_flown(lauv(), (90.0,), gains=gains, speed_mps=1.3)
+    assert last_outside(flown, 0, 30.0, 1.0) < 8.0
+    assert last_outside(flown, 1, 20.0, 0.2) < 60.0
+    assert max(heading for heading, _, _ in flown.values()) < 31.0
+    assert max(depth for _, depth, _ in flown.values()) < 20.5
 
 
 def last_outside(flown, column, target, tolerance):
