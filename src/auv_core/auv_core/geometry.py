@@ -23,10 +23,11 @@ class Box(NamedTuple):
     lowest: Vec3
     highest: Vec3
 
-    def grown(self, by_m: float) -> Box:
-        """Return the box with `by_m` added on every side."""
+    def grown(self, by_m: float, down_m: float | None = None) -> Box:
+        """Return the box with `by_m` added on every side; above and below `down_m`, if given."""
         (a, b, c), (d, e, f) = self
-        return Box((a - by_m, b - by_m, c - by_m), (d + by_m, e + by_m, f + by_m))
+        dz = by_m if down_m is None else down_m
+        return Box((a - by_m, b - by_m, c - dz), (d + by_m, e + by_m, f + dz))
 
     def holds(self, point: Vec3) -> bool:
         """Return whether a point lies in the box or on its faces."""

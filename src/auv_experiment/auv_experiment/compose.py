@@ -57,6 +57,7 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
             fleet_size=len(scenario.vehicles),
             fleet_ids=fleet_ids,
             is_leader=vehicle.id in scenario.leaders,
+            fails_at_s=vehicle.fails_at_s,
             obstacles_ned_m=tuple(x for obstacle in obstacles for x in obstacle.position_ned_m),
             obstacle_safety_distances_m=tuple(obstacle.safety_distance_m for obstacle in obstacles),
             reference=vehicle.reference or scenario.reference,

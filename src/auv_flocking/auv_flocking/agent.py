@@ -9,6 +9,8 @@ directly, or autopilots under a course), and passes a report to the modem when t
 
 from __future__ import annotations
 
+import math
+
 from auv_control.controllers import (
     Controller,
     CourseController,
@@ -27,7 +29,7 @@ from auv_flocking.course_task import CourseTask
 from auv_flocking.flock_task import FlockTask
 from auv_flocking.flocking import FlockVelocity, Member, make_flocking
 from auv_flocking.heard import class_of_all, mask_of
-from auv_flocking.holding import NO_FINITE_COMMAND, OUT_OF_REPORT
+from auv_flocking.holding import FAILED, NO_FINITE_COMMAND, OUT_OF_REPORT
 from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbours.estimates import Estimates
 from auv_flocking.packet_judge import Refusal
@@ -68,6 +70,7 @@ class Agent:
             config.period_s,
             make_tracker(config.obstacle_tracker, tuple(position for position, _ in config.obstacles)),
         )
+        self._fails_at_s = math.inf if config.fails_at_s is None else config.fails_at_s
         self._sequence = 0
         self._is_waiting = False
         self.unsent = 0
@@ -161,7 +164,8 @@ class Agent:
         The command is the safe one (no force, no velocity, or a circle) if the navigation is missing, old,
         marked as invalid or impossible; in a fleet, also if the modem is silent or no report can carry the
         position; and if the law gives no finite command. Then `holding` says why, and the law's state does
-        not change. In all of these cases but the last nothing is sent.
+        not change. In all of these cases but the last nothing is sent. A computer that has failed, as its
+        configuration has it, does the same from then on.
 
         Parameters
         ----------
@@ -173,6 +177,9 @@ class Agent:
             Data from the modem since the last tick; its tick gives its age.
 
         """
+        if self._fails_at_s <= t_s:
+            self.holding = FAILED
+            return self._safe_command(), []
         packets = [each.packet for each in inbox.receptions]
         usable, self.holding, self.neighbours, self.sensed = self._senses.take(
             t_s, nav, packets, inbox.contacts

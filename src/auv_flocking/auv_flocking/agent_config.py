@@ -74,6 +74,9 @@ class AgentConfig(AgentSettings):
         "names of the vehicles in the order of their addresses, for messages", default=()
     )
     is_leader: bool = param("whether this vehicle knows the path", default=False)
+    fails_at_s: float | None = param(
+        "scenario time from which this computer does nothing (s); null: never", default=None, minimum=0.0
+    )
     period_s: float = same(RunSettings, "period_s")
     obstacles_ned_m: tuple[float, ...] = param(
         "positions of known obstacles, three numbers each (m; NED)", default=()

@@ -12,6 +12,7 @@ BAD_NAVIGATION = "unusable navigation"
 SILENT_MODEM = "silent modem"
 OUT_OF_REPORT = "position beyond the report"
 NO_FINITE_COMMAND = "no finite command from the law"
+FAILED = "failed computer"
 STALE_COMMAND = "stale command"
 
 CAUSES = (
@@ -20,6 +21,7 @@ CAUSES = (
     SILENT_MODEM,
     OUT_OF_REPORT,
     NO_FINITE_COMMAND,
+    FAILED,
     STALE_COMMAND,
 )
 

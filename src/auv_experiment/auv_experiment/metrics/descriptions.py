@@ -114,6 +114,23 @@ OF_LAWS = {
     "adaptation_frozen_s": Meaning(
         "s", "time in which the law's force limit held the parameter estimates, summed over the vehicles", 1
     ),
+    # formations with slots
+    "formation_error_rms_m": Meaning(
+        "m",
+        "distance of a vehicle from its slot relative to the leader, rms over vehicles and the time from the "
+        "formation of the flock on",
+    ),
+    "formation_error_final_m": Meaning(
+        "m", "largest distance of a live vehicle from its slot, relative to the leader, at the end"
+    ),
+    "formation_in_place_after_s": Meaning(
+        "s", "time after which every live vehicle stays within 0.5 m of its slot, relative to the leader", 1
+    ),
+    "string_gain_max": Meaning(
+        "",
+        "largest ratio of the largest spacing error of a vehicle to that of the vehicle that it follows, in "
+        "a formation that does not change, from the formation of the flock on",
+    ),
     # regions
     "ring_first_inside_s": Meaning("s", "first time of each vehicle inside the ring", 1),
     "ring_reached_s": Meaning(

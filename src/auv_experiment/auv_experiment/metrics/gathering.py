@@ -85,6 +85,8 @@ def formed_within_m(scenario: Scenario) -> float | None:
     if scenario.agent.flocking is None:
         return None
     params: Any = scenario.agent.flocking.params
+    if hasattr(params, "extent_m"):  # a formation with slots
+        return float(params.extent_m(len(scenario.vehicles)) + 0.5 * params.spacing_m)
     spacing_m = getattr(params, "spacing_m", None)
     level_m = FORMED_SPACINGS * (params.formation_spacing_m if spacing_m is None else spacing_m)
     height_m = params.height_m(len(scenario.vehicles)) if hasattr(params, "height_m") else 0.0

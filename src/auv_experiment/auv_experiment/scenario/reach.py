@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from auv_control.controllers import max_force_of, region_of
 from auv_control.courses import make_course
@@ -267,7 +267,7 @@ def _places(scenario: Scenario) -> list[tuple[str, Box]]:
     for index in range(len(scenario.vehicles)):
         reach = _reach(scenario, index)
         if reach is not None:
-            places.append((_path_key(scenario, index), reach.grown(_formation_radius_m(scenario))))
+            places.append((_path_key(scenario, index), reach.grown(*_formation_size_m(scenario))))
     return places
 
 
@@ -289,11 +289,20 @@ def _path_key(scenario: Scenario, index: int) -> str:
     return "reference" if scenario.vehicles[index].reference is None else f"vehicles[{index}].reference"
 
 
-def _formation_radius_m(scenario: Scenario) -> float:
-    """Return the radius of a formed flock around its path: a ball with room for each vehicle (m)."""
+def _formation_size_m(scenario: Scenario) -> tuple[float, float]:
+    """
+    Return how far a formed flock reaches from its path, horizontally and vertically (m): a ball with room for
+    each vehicle, or the extent of a formation with slots.
+    """
     if scenario.agent.flocking is None:
-        return 0.0
-    return flocking_params(scenario.agent.flocking).formation_spacing_m * math.cbrt(len(scenario.vehicles))
+        return 0.0, 0.0
+    params: Any = scenario.agent.flocking.params
+    if hasattr(params, "extent_m"):
+        count = len(scenario.vehicles)
+        return params.extent_m(count), params.height_m(count)
+    spacing_m = flocking_params(scenario.agent.flocking).formation_spacing_m
+    radius_m = spacing_m * math.cbrt(len(scenario.vehicles))
+    return radius_m, radius_m
 
 
 def _fastest_mps(path: ReferencePath, duration_s: float, current: Sequence[float]) -> float:

@@ -127,7 +127,7 @@ def newer_stamp(rows: Matrix, stamp_s: float) -> int:
 
 
 @inner
-def _direction(own: Vec3, other: Vec3) -> tuple[Vec3, float]:
+def direction(own: Vec3, other: Vec3) -> tuple[Vec3, float]:
     """Return the unit vector from `other` to `own`, and the distance (m); up if there is no direction."""
     x, y, z = own[0] - other[0], own[1] - other[1], own[2] - other[2]
     distance_m = math.sqrt(x * x + y * y + z * z)
@@ -168,7 +168,7 @@ def outlook(row: Matrix, usual_s: float, own: Vec3, flock: Vec3, gains: Gains) -
     other = (float(row[POSITION]), float(row[POSITION + 1]), float(row[POSITION + 2]))
     packet_s, sonar_s = float(row[AGE]), float(row[SONAR_AGE])
     age_s = min(packet_s, sonar_s)
-    normal, distance_m = _direction(own, other)
+    normal, distance_m = direction(own, other)
     vx, vy, vz = (
         float(row[VELOCITY]) - flock[0],
         float(row[VELOCITY + 1]) - flock[1],
@@ -188,7 +188,7 @@ def outlook(row: Matrix, usual_s: float, own: Vec3, flock: Vec3, gains: Gains) -
 
 
 @inner
-def _neighbour_bound(view: Outlook, gains: Gains) -> float:
+def neighbour_bound(view: Outlook, gains: Gains) -> float:
     """
     Return the smallest allowed velocity along the direction from a neighbour (m/s), in the flock's frame.
 
@@ -265,7 +265,7 @@ def correction(
             view = outlook(rows[k], float(usual_s[addresses[k]]), own, flock, gains)
             normal, factor, spacing_m = view.normal, view.gain, view.spacing_m
             other = (float(rows[k, POSITION]), float(rows[k, POSITION + 1]), float(rows[k, POSITION + 2]))
-            bound_mps = _neighbour_bound(view, gains)
+            bound_mps = neighbour_bound(view, gains)
             if is_layered:
                 keep_m = gains.barrier_distance_m + barrier_margin_m(view.sigma_m, gains)
                 dx, dy, _ = aside(own, other, int(addresses[k]), view.age_s, keep_m, layer)
@@ -275,7 +275,7 @@ def correction(
         else:
             row = obstacles[k - n]
             other, spacing_m = (float(row[0]), float(row[1]), float(row[2])), obstacle_spacing_m(row, gains)
-            normal, distance_m = _direction(own, other)
+            normal, distance_m = direction(own, other)
             factor = matched(gains.lag_budget_rad, gains.response_s)
             bound_mps = obstacle_bound(row, normal, distance_m, flock, gains)
         if len(pushes) > 0:
