@@ -40,6 +40,7 @@ PLUGIN_FOLDERS = (
     "auv_control/references",
     "auv_core/models",
     "auv_flocking/consensus",
+    "auv_flocking/coordination",
     "auv_flocking/flocking",
     "auv_flocking/trackers",
     "auv_flocking/estimators",

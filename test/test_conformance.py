@@ -37,12 +37,14 @@ from auv_core.thrusters import Thrusters
 from auv_flocking.central import along
 from auv_flocking.codec import Field, Layout
 from auv_flocking.consensus import ConsensusFilter, ContinuousFilter
+from auv_flocking.coordination import CoordinationLaw, LanePlace, Pace
 from auv_flocking.estimators import Motion, NeighbourEstimator
 from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, Member, View
+from auv_flocking.lanes.status import LaneNeighbour, LaneStatus, Mode
 from auv_flocking.neighbours.association import Leftovers
 from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.neighbours.sonar_contact import contact_of, sighting
-from auv_flocking.report import Report, ReportError
+from auv_flocking.report import NEVER, Report, ReportError
 from auv_flocking.reports import ReportFormat
 from auv_flocking.separation import (
     CentralLaw,
@@ -64,6 +66,7 @@ from auv_sim.navigation import OwnNavigation
 from auv_sim.obstacles import ObstacleMotion
 
 PERIOD_S = 0.1
+PACE = Pace(1.5, 1742.5, PERIOD_S)
 MEAN_NED_MPS = (0.08, 0.06, 0.0)
 SEPARATION = mathematical.Separation(mathematical.Params())
 PAIR = Thrusters(
@@ -391,11 +394,29 @@ def _use_format(module, params, inputs):
             assert (back.address, back.heard_mask, back.shared) == (1 + tick, tick, numbers)
             assert (back.is_bounded, back.is_holding) == (tick % 2 == 0, tick % 3 == 0)
             assert form.encode(back) == payload, "what was rounded is rounded no more"
-            outputs.append((back.time_s, back.position, back.velocity, back.centre, back.flock_stamp_s))
+            outputs.append((back.time_s, back.position, back.velocity, back.centre))
+            assert back.flock_stamp_s in (NEVER, pytest.approx(report.flock_stamp_s))
             with pytest.raises(ReportError):
                 form.decode(payload[:-1], 0.0)
         assert form.saturated == 0
         outputs.append((float(form.position_resolution_m), float(form.velocity_resolution_mps)))
+    return outputs
+
+
+def _use_coordination(module, params, inputs):
+    assert params.correction_max_mps > 0.0
+    law, outputs = module.Coordination(params, PACE), []
+    own = LanePlace(10.0, 15.0)
+    state = law.begin(own)
+    for tick in range(1, 30):
+        own = LanePlace(10.0 + tick, 15.0 + 1.5 * tick, tick % 5 == 0)
+        (gamma_m, r_m, rate_mps) = inputs.point()
+        status = LaneStatus(gamma_m, r_m, 0.1 * rate_mps, Mode.INLANE, tick % 4 == 0, 6, 30.0)
+        other = inputs.kept(LaneNeighbour(2, own.t_s - 3.0, 3.0, inputs.point(), inputs.point(), status))
+        correction_mps, state = law.step(law.hear(state, own, other), own, (other,))
+        assert abs(correction_mps) <= params.correction_max_mps
+        outputs.append((correction_mps, state, law.reference_m(state, own)))
+        outputs.append(law.predicted_m(status, own.t_s - 3.0, own.t_s))
     return outputs
 
 
@@ -557,6 +578,7 @@ ROLES = {
     ),
     "auv_flocking.separation": Role("Separation", (SeparationLaw,), (), _use_separation),
     "auv_flocking.consensus": Role("Consensus", (ConsensusFilter,), (4,), _use_consensus),
+    "auv_flocking.coordination": Role("Coordination", (CoordinationLaw,), (PACE,), _use_coordination),
     "auv_flocking.estimators": Role("Estimator", (NeighbourEstimator,), (), _use_estimator),
     "auv_flocking.reports": Role("Format", (ReportFormat,), ((),), _use_format),
     "auv_flocking.trackers": Role("Tracker", (ObstacleTracker,), ((),), _use_tracker),

@@ -16,8 +16,9 @@ from hypothesis import strategies as st
 from auv_core.plugins import find_plugin, list_plugins
 from auv_flocking.codec import Field, field_table
 from auv_flocking.consensus import pi, push_sum, thesis
+from auv_flocking.lanes.status import FIELDS
 from auv_flocking.report import NEVER, Report, ReportError
-from auv_flocking.reports import VERSIONS, compact, exact
+from auv_flocking.reports import VERSIONS, compact, exact, lane
 
 MODERATE = settings(max_examples=100, deadline=None)
 SHARED = (Field("sum", -8.0, 8.0, 2.0**-10, wraps=True), Field("weight", 0.0, 1.0, 0.125))
@@ -450,7 +451,7 @@ def _budget_table(kind):
 
 def test_the_page_on_packets_shows_the_fields_as_they_are():
     page = (Path(__file__).parents[3] / "docs" / "reference" / "packets.md").read_text(encoding="utf-8")
-    layouts = [compact.Format(compact.Params(), ()).fields]
+    layouts = [compact.Format(compact.Params(), ()).fields, lane.Format(lane.Params(), ()).fields, FIELDS]
     layouts += [module.Consensus(module.Params(), 4).shared_fields for module in (thesis, pi, push_sum)]
     for layout in layouts:
         assert "\n".join(field_table(layout)) in page
@@ -464,3 +465,24 @@ def test_the_page_on_packets_shows_the_fields_as_they_are():
         alone, *more = (form.payload_bytes for form in forms)
         words = f"{alone}, with `thesis` {more[0]}, with `pi` {more[1]}, with `push_sum` {more[2]}"
         assert words in page
+
+
+def test_a_lane_fills_32_bytes():
+    form = lane.Format(lane.Params(), FIELDS)
+    assert form.payload_bytes == 32
+    assert sum(bits for _, bits in form.budget) == 256
+
+
+@MODERATE
+@given(COMPACT_REPORTS, st.floats(-1e5, 1e5), st.integers(0, 12), st.booleans())
+def test_a_lane_gives_position_and_status_back(report, gamma_m, course, is_limited):
+    form = lane.Format(lane.Params(), FIELDS)
+    shared = (gamma_m, 0.1 * gamma_m, -0.5, 2.0, float(is_limited), float(course), 30.5)
+    sent = report._replace(shared=shared)
+    back = form.decode(form.encode(sent), sent.time_s + 60.0)
+    np.testing.assert_allclose(back.position, sent.position, atol=0.02501)
+    np.testing.assert_allclose(back.velocity, sent.velocity, atol=0.002501)
+    np.testing.assert_allclose(back.shared, shared, atol=0.02501)
+    assert back.time_s == pytest.approx(sent.time_s, abs=0.00501)
+    assert (back.centre, back.flock_velocity, back.flock_stamp_s) == (back.position, (0.0, 0.0, 0.0), NEVER)
+    assert form.saturated == 0

@@ -33,6 +33,7 @@ class Versions(NamedTuple):
 VERSIONS = {
     "compact": Versions(4, older=(3,)),
     "exact": Versions(5, older=(0,)),
+    "lane": Versions(6),
 }
 
 

@@ -26,6 +26,15 @@ def age_of_stamp_s(report: Report) -> float:
 
 def times_s(tag_s: float, age_s: float, levels: int, now_s: float) -> tuple[float, float]:
     """Return the possible time tag nearest to `now_s`, and the stamp (s)."""
-    step, age = round(tag_s / STEP_S), round(age_s / STEP_S)
-    step += levels * round((now_s / STEP_S - step) / levels)
+    step, age = _tagged(tag_s, levels, now_s), round(age_s / STEP_S)
     return step * STEP_S, NEVER if age == _AGE_LEVELS - 1 else (step - age) * STEP_S
+
+
+def tagged_s(tag_s: float, levels: int, now_s: float) -> float:
+    """Return the possible time tag nearest to `now_s` (s)."""
+    return _tagged(tag_s, levels, now_s) * STEP_S
+
+
+def _tagged(tag_s: float, levels: int, now_s: float) -> int:
+    step = round(tag_s / STEP_S)
+    return step + levels * round((now_s / STEP_S - step) / levels)

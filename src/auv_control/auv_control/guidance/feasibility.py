@@ -1,0 +1,86 @@
+"""
+Whether a vehicle can fly a lane in a current: checked before a run.
+
+A current from ahead slows the vehicle through the water at a given speed over ground, a current from astern
+would need less than its least speed. Curves must be wider than the turning circle, with a reserve of 1 / 0.8:
+
+    R_lane >= v_g R_turn(v_w) / (0.8 v_w),     v_w = v_g - V_c,     u_min + V_c <= v_g <= u_max - V_c
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from auv_control.guidance.track import Track
+from auv_core.models import Handling
+
+TURN_RESERVE = 0.8
+"""Share of the largest turn rate that a curve may need."""
+
+
+class Turning(Protocol):
+    """What the check asks of a vehicle model."""
+
+    @property
+    def handling(self) -> Handling:
+        """How the vehicle handles."""
+
+    @property
+    def top_speed_mps(self) -> float:
+        """Highest speed through the water (m/s)."""
+
+    def turn_radius_m(self, speed_mps: float) -> float:
+        """Return the radius of the tightest turn at a speed through the water (m)."""
+
+
+def least_radius_m(vehicle: Turning, speed_mps: float, current_mps: float) -> float:
+    """Return the least radius of a curve (m) at a speed over ground in any current of a speed (m/s)."""
+    water_mps = max(speed_mps - current_mps, vehicle.handling.least_speed_mps)
+    return speed_mps * vehicle.turn_radius_m(water_mps) / (TURN_RESERVE * water_mps)
+
+
+def check_lane(vehicle: Turning, track: Track, lane_m: float, speed_mps: float, current_mps: float) -> None:
+    """
+    Check that a vehicle can fly a lane.
+
+    Parameters
+    ----------
+    vehicle : Turning
+        Model of the vehicle.
+    track : Track
+        The track.
+    lane_m : float
+        Offset of the lane to starboard (m).
+    speed_mps : float
+        Speed along the track (m/s); in a curve the lane's speed is (1 - kappa o_y) times this.
+    current_mps : float
+        Largest speed of the current (m/s).
+
+    Raises
+    ------
+    ValueError
+        With the value and what is allowed.
+
+    """
+    least_mps = vehicle.handling.least_speed_mps + current_mps
+    largest_mps = vehicle.top_speed_mps - current_mps
+    for curvature_pm in sorted(track.curvatures()):
+        ratio = 1.0 - curvature_pm * lane_m
+        lane_mps = ratio * speed_mps
+        if ratio <= 0.0:
+            raise ValueError(
+                f"lane: {lane_m:g} m inside a curve of {1.0 / abs(curvature_pm):g} m is not allowed; "
+                "allowed: less than the radius"
+            )
+        where = f"in the lane at {lane_m:g} m"
+        if not least_mps <= lane_mps <= largest_mps:
+            raise ValueError(
+                f"lane: {lane_mps:.3g} m/s {where} is not allowed; allowed: {least_mps:.3g} to "
+                f"{largest_mps:.3g} m/s over ground in a current of {current_mps:g} m/s"
+            )
+        needed_m = least_radius_m(vehicle, lane_mps, current_mps)
+        if abs(curvature_pm) * needed_m > ratio:
+            raise ValueError(
+                f"lane: a curve of {ratio / abs(curvature_pm):.3g} m {where} is not allowed; allowed: at "
+                f"least {needed_m:.3g} m at {lane_mps:.3g} m/s in a current of {current_mps:g} m/s"
+            )

@@ -1,0 +1,266 @@
+"""
+The task of a vehicle that cannot stop in a fleet of lanes: cooperative path following.
+
+In every control period: where the lane is (line of sight), which mode (`lanes.modes`), which speed
+(`coordination`), and the fins and propeller for them (`auv_control.guidance`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from auv_control.guidance import autopilots
+from auv_control.guidance.crab import make_crab
+from auv_control.guidance.crab import measured as measured_crab
+from auv_control.guidance.follower import Follower
+from auv_control.guidance.line_of_sight import Sight
+from auv_control.guidance.paths import circle, make_path, racetrack
+from auv_core.geometry import Vec3, clipped
+from auv_core.integrate import State
+from auv_core.messages import FinCommand, VehicleState
+from auv_core.params import Section, param
+from auv_flocking.coordination import LanePlace, Pace, make_coordination, reference_consensus
+from auv_flocking.flocking import Member
+from auv_flocking.lanes import broadcast, keeping_up, modes
+from auv_flocking.lanes.broadcast import Sent, after_slot
+from auv_flocking.lanes.keeping_up import KeepingUp, kept_up
+from auv_flocking.lanes.layers import check_layers, layer_depths
+from auv_flocking.lanes.modes import IN_LANE, ModeInputs, ModeState, are_ready, is_heard, next_mode
+from auv_flocking.lanes.status import COURSES, LaneNeighbour, LaneStatus, Mode, apart_m, neighbour
+from auv_flocking.neighbours.estimates import Neighbours
+
+_STRAIGHT_ON = COURSES // 2
+_RACETRACK = Section("racetrack", racetrack.Params())
+_MEASURED = Section("measured", measured_crab.Params())
+_REFERENCE_CONSENSUS = Section("reference_consensus", reference_consensus.Params())
+
+
+@dataclass(frozen=True)
+class Params:
+    """The path, the formation on it, and the parts of the task."""
+
+    path: Section = param("path of the fleet", default=_RACETRACK, plugins="auv_control.guidance.paths")
+    crab: Section = param("crab law of guidance", default=_MEASURED, plugins="auv_control.guidance.crab")
+    coordination: Section = param(
+        "law of coordination", default=_REFERENCE_CONSENSUS, plugins="auv_flocking.coordination"
+    )
+    speed_mps: float = param("speed v_L along the path (m/s)", default=1.5, above=0.0, maximum=10.0)
+    least_speed_mps: float = param("least commanded speed over ground (m/s)", default=0.7, above=0.0)
+    largest_speed_mps: float = param("largest commanded speed over ground (m/s)", default=2.4, above=0.0)
+    transit_speed_mps: float = param("speed through the water outside the lane (m/s)", default=1.5, above=0.0)
+    depth_m: float = param("depth of the formation (m)", default=30.0, above=0.0, maximum=500.0)
+    layer_step_m: float = param("difference of depth between layers (m)", default=6.0, above=0.0)
+    layers: str = param(
+        "layers on both sides of the formation or only below it; none: all vehicles fly at its depth",
+        default="both",
+        choices=("both", "below", "none"),
+    )
+    loiter_north_m: float = param("centre of the circle to loiter on (m; NED north)", default=0.0)
+    loiter_east_m: float = param("centre of the circle to loiter on (m; NED east)", default=0.0)
+    loiter_radius_m: float = param("radius of that circle (m)", default=50.0, above=0.0)
+    cycle_s: float = param("cycle of the channel (s)", default=10.0, above=0.0)
+    remembered_s: float = param("age up to which a neighbour's packet is used (s)", default=400.0, above=0.0)
+    modes: modes.Params = param("when the mode changes", default=modes.Params())
+    broadcast: broadcast.Params = param("when to send", default=broadcast.Params())
+    keeping_up: keeping_up.Params = param("when a vehicle cannot keep up", default=keeping_up.Params())
+    autopilots: autopilots.Params = param("the autopilots", default=autopilots.Params())
+
+
+def depths_of(params: Params, slots: tuple[Vec3, ...]) -> tuple[float, ...]:
+    """
+    Return the depth of each vehicle's layer (m).
+
+    Raises
+    ------
+    ValueError
+        If a vehicle would cross another one's slot in its layer, or a layer is above the surface.
+
+    """
+    if params.layers == "none":
+        return tuple(params.depth_m for _ in slots)
+    below = params.layers == "below"
+    depths = layer_depths(slots, params.depth_m, params.layer_step_m, only_below=below)
+    check_layers(depths, slots, params.depth_m)
+    return depths
+
+
+class LaneTask:
+    """
+    The task of one vehicle.
+
+    Parameters
+    ----------
+    params : Params
+        Of the fleet, the same for all vehicles.
+    slots : tuple of (3,) tuple
+        Offsets of all slots (m; along the course, to starboard, down), in the order of addresses.
+    member : Member
+        The vehicle's address and the size of the fleet.
+    period_s : float
+        Control period (s).
+
+    After a step: `sight` (what guidance found), `mode`, `gamma_m` (path parameter minus the slot's offset,
+    m), `correction_mps` (of the coordination law) and `status` (what a packet says). `layer_m` is the depth
+    of the own layer (m).
+
+    """
+
+    sight: Sight
+    status: LaneStatus
+
+    def __init__(self, params: Params, slots: tuple[Vec3, ...], member: Member, period_s: float) -> None:
+        self._params, self._member, self._period_s = params, member, period_s
+        self._slot = slots[member.address - 1]
+        self.layer_m = depths_of(params, slots)[member.address - 1]
+        self._path = make_path(params.path)
+        self._loiter = circle.Path(
+            circle.Params(params.loiter_north_m, params.loiter_east_m, params.loiter_radius_m)
+        )
+        self._follower = Follower(
+            self._path, make_crab(params.crab, period_s), params.autopilots.gains, period_s
+        )
+        track = self._path.track
+        self._pace = Pace(params.speed_mps, track.length_m if track.is_closed else 0.0, period_s)
+        self._law = make_coordination(params.coordination, self._pace)
+        self._coordination: State | None = None
+        self._keeping_up = KeepingUp()
+        self._heard_s: dict[int, float] = {}
+        self._sent: Sent | None = None
+        self.mode = ModeState(Mode.TRANSIT, 0.0)
+        self.gamma_m = 0.0
+        self.correction_mps = 0.0
+
+    def step(self, t_s: float, nav: VehicleState, neighbours: Neighbours) -> FinCommand:
+        """
+        Return the command of one control period.
+
+        Parameters
+        ----------
+        t_s : float
+            Scenario time (s).
+        nav : VehicleState
+            The vehicle's own navigation.
+        neighbours : sequence of NeighbourEstimate
+            The neighbours, whose shared numbers are those of `LaneStatus`.
+
+        """
+        loiters = self.mode.mode is Mode.LOITER
+        self.sight = found = self._follower.look(nav, 0.0 if loiters else self._slot[1])
+        before_m = self.gamma_m
+        if not loiters:
+            self.gamma_m = self._follower.s_m - self._slot[0]
+        own = LanePlace(t_s, self.gamma_m, self._keeping_up.is_limited)
+        others = [neighbour(each, own.gamma_m, self._reference_m(own)) for each in neighbours if each.shared]
+        fresh = [other for other in others if other.time_s > self._heard_s.get(other.address, -1.0)]
+        self._heard_s.update({other.address: other.time_s for other in fresh})
+        self.mode = self._next_mode(t_s, nav, others)
+        speed_mps = self._coordinated_mps(own, found, others, fresh, self.gamma_m - before_m)
+        self.status = self._status(own)
+        self._follower.change_to(self._loiter if self.mode.mode is Mode.LOITER else self._path)
+        is_in_lane = self.mode.mode in IN_LANE
+        return self._follower.steer(
+            nav,
+            found,
+            self.status.depth_target_m,
+            speed_mps if is_in_lane else self._params.transit_speed_mps,
+            through_water=not is_in_lane,
+        )
+
+    @property
+    def round_m(self) -> float:
+        """Length of a round of the path (m; 0: it is open)."""
+        return self._pace.round_m
+
+    def shared(self) -> tuple[float, ...]:
+        """Return the numbers that this task adds to a packet after a step."""
+        return self.status.numbers()
+
+    def sends(self, t_s: float) -> bool:
+        """Return whether the vehicle uses an own slot of the channel at `t_s` (s), after a step."""
+        ahead_m = 0.0
+        if self._sent is not None:
+            predicted_m = self._law.predicted_m(self._sent.status, self._sent.time_s, t_s)
+            ahead_m = apart_m(self.gamma_m, predicted_m, self._pace.round_m)
+        is_sent, self._sent = after_slot(t_s, self.status, ahead_m, self._sent, self._params.broadcast)
+        return is_sent
+
+    def _reference_m(self, own: LanePlace) -> float:
+        if self._coordination is None:
+            return own.gamma_m - self._pace.speed_mps * own.t_s
+        return self._law.reference_m(self._coordination, own)
+
+    def _next_mode(self, t_s: float, nav: VehicleState, others: list[LaneNeighbour]) -> ModeState:
+        p, fleet_size = self._params, self._member.fleet_size
+        silence_s = t_s - max(self._heard_s.values(), default=0.0) if fleet_size > 1 else 0.0
+        ahead_m = (
+            apart_m(
+                self.gamma_m,
+                other.status.gamma_m + p.speed_mps * (t_s - other.time_s),
+                self._pace.round_m,
+            )
+            for other in others
+        )
+        inputs = ModeInputs(
+            t_s,
+            self.sight.cross_track_m,
+            self.sight.course_error_rad,
+            nav.position[2] - self.layer_m,
+            silence_s,
+            is_heard(silence_s, p.cycle_s),
+            are_ready(zip(others, ahead_m, strict=True), fleet_size, t_s, p.modes, p.cycle_s),
+        )
+        return next_mode(self.mode, inputs, p.modes, p.cycle_s)
+
+    def _coordinated_mps(
+        self,
+        own: LanePlace,
+        found: Sight,
+        others: list[LaneNeighbour],
+        fresh: list[LaneNeighbour],
+        moved_m: float,
+    ) -> float:
+        """Return the speed along the lane (m/s), after the law has heard the fresh packets."""
+        p, law = self._params, self._law
+        self.correction_mps = 0.0
+        if self.mode.mode not in IN_LANE:
+            self._coordination, self._keeping_up = None, KeepingUp()
+            return p.transit_speed_mps
+        if self._coordination is None:
+            self._coordination = law.begin(own)
+        for other in fresh:
+            if other.status.mode in IN_LANE:
+                self._coordination = law.hear(self._coordination, own, other)
+        counted = [each for each in others if each.status.mode in IN_LANE and each.age_s <= p.remembered_s]
+        correction_mps, self._coordination = law.step(self._coordination, own, counted)
+        ratio = 1.0 - self._follower.point.curvature_pm * self._slot[1]
+        is_aligned = (
+            abs(found.course_error_rad) < p.modes.aligned_rad
+            and abs(found.cross_track_m) < p.modes.coordinated_m
+        )
+        if is_aligned:
+            self.correction_mps = correction_mps
+        asked_mps = ratio * (p.speed_mps + self.correction_mps)
+        speed_mps = min(max(asked_mps, p.least_speed_mps), p.largest_speed_mps)
+        if is_aligned:
+            self._keeping_up = kept_up(
+                self._keeping_up,
+                speed_mps - found.along_mps,
+                moved_m / self._period_s - p.speed_mps,
+                self._period_s,
+                p.keeping_up,
+            )
+        return speed_mps
+
+    def _status(self, own: LanePlace) -> LaneStatus:
+        depth_m = self.layer_m
+        if self.mode.mode is Mode.FORM:
+            depth_m = self._params.depth_m + self._slot[2]
+        return LaneStatus(
+            own.gamma_m,
+            self._reference_m(own),
+            clipped(self._keeping_up.rate_mps, 1.27),
+            self.mode.mode,
+            self._keeping_up.is_limited,
+            _STRAIGHT_ON,
+            depth_m,
+        )
