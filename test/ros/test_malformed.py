@@ -46,8 +46,8 @@ def readers():
     status = FlockStatus(state="running", lost_vehicles=["auv_2"], detail="words")
     return {
         "state": (convert.state_from_bytes, [state]),
-        "command": (lambda data: command_from_bytes(data, "wrench"), [wrench]),
-        "forces": (lambda data: command_from_bytes(data, "thrusters"), [forces]),
+        "command": (lambda data: command_from_bytes(data, "wrench", 6), [wrench]),
+        "forces": (lambda data: command_from_bytes(data, "thrusters", 8), [forces]),
         "inbox": (
             lambda data: read_inbox(data, 0),
             [inbox_bytes("auv_1", inbox, 1.0, 0), inbox_bytes("", Inbox(1, False, ()), 0.0, 0)],

@@ -143,7 +143,7 @@ def test_commands_survive_the_way_through_their_messages():
             data = command_bytes(name, kind, t_s, *command_numbers(command))
             assert_stamped(read(data, command_topic(kind)[0]).header, t_s, frame)
             assert header_stamp_s(data) == pytest.approx(t_s, abs=1e-6)
-            assert command_from_bytes(data, kind) == command
+            assert command_from_bytes(data, kind, len(command_numbers(command))) == command
 
     check()
 
@@ -167,7 +167,7 @@ def test_a_command_that_is_not_finite_is_refused(bad):
     for kind, size in (("wrench", 6), ("fins", 3), ("thrusters", 8)):
         data = command_bytes("a", kind, 1.0, bad, *[0.0] * (size - 1))
         with pytest.raises(ValueError, match="not finite"):
-            command_from_bytes(data, kind)
+            command_from_bytes(data, kind, size)
 
 
 @given(data=st.binary(max_size=100))

@@ -13,7 +13,9 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from auv_bag.definitions import MessageType
 from auv_bag.writer import BagWriter, Qos, Topic
+from auv_core.params import Section, load_section
 
+POINT = load_section({"kind": "kinematic", "params": {"hull_radius_m": 0.3}}, "model", "auv_core.models")
 AUV_MSGS = Path(__file__).resolve().parents[2] / "src" / "auv_msgs" / "msg"
 
 
@@ -93,6 +95,7 @@ def _random_numbers(kind: str, count: int, rng: np.random.Generator):
 @dataclass(frozen=True)
 class FakeVehicle:
     id: str
+    model: Section = POINT
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,11 @@ class Thrusters:
         minimum=0.0,
         maximum=0.9,
     )
+    assumed_lag_s: float | None = param(
+        "time constant that the vehicle's computer compensates (s); null: the true one, 0: none",
+        default=None,
+        minimum=0.0,
+    )
     moment_arm_m: float = param(
         "length by which an error of a moment is divided where it is weighed against errors of forces (m)",
         default=0.4,
@@ -124,6 +129,27 @@ class Thrusters:
             if index + 1 not in lost:
                 T[:, index] = _column(_three(self.positions_m, index), _three(self.directions, index))
         return T
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThrusterFault:
+    """One thruster gives no force from a time on, and its vehicle knows that some time later."""
+
+    thruster: int = param("number of the thruster, from 1; 0: none fails", default=0, minimum=0, maximum=64)
+    t_s: float = param("time from which it gives no force (s)", default=0.0, minimum=0.0)
+    known_after_s: float = param(
+        "time after which the vehicle's computer knows it and allocates without that thruster (s)",
+        default=5.0,
+        minimum=0.0,
+    )
+
+    def has_begun(self, t_s: float) -> bool:
+        """Return whether the thruster has failed at a time (s)."""
+        return self.thruster > 0 and t_s >= self.t_s
+
+    def is_known(self, t_s: float) -> bool:
+        """Return whether the vehicle's computer knows at a time (s) that it has failed."""
+        return self.has_begun(t_s - self.known_after_s)
 
 
 def _three(numbers: tuple[float, ...], index: int) -> Vec3:

@@ -78,7 +78,7 @@ def test_the_motion_is_that_of_the_differential_equation(model):
             atol=1e-9,
         )
         state = model.step(state, ends, CURRENT, 0.01, 30)
-        np.testing.assert_allclose(state, exact.y[:, -1], atol=5e-4)
+        np.testing.assert_allclose(state, exact.y[:, -1], atol=1e-3)
 
 
 def test_halving_the_step_quarters_the_error_of_the_lag():

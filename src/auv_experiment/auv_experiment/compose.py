@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from auv_core.compiled import use_compiler
-from auv_core.models import make_model
+from auv_core.models import make_model, thrusters_of
 from auv_core.params import extended
 from auv_core.state_checks import LARGEST
 from auv_experiment.scenario.reach import water_speed_mps
@@ -61,6 +61,8 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
             obstacles_ned_m=tuple(x for obstacle in obstacles for x in obstacle.position_ned_m),
             obstacle_safety_distances_m=tuple(obstacle.safety_distance_m for obstacle in obstacles),
             reference=vehicle.reference or scenario.reference,
+            thrusters=thrusters_of(vehicle.model),
+            fault=vehicle.fault,
         )
         for index, vehicle in enumerate(scenario.vehicles)
     ]

@@ -29,7 +29,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-FORMAT_VERSION = 3
+FORMAT_VERSION = 4
 _VERSION_KEY = "format_version"
 _TOLERANCE_S = 1e-9
 _VALUES_OF_ROWS = (("delay_s", "received"), ("contact_values", "contacts"), ("event_values", "events"))
@@ -58,7 +58,11 @@ class Recording:
         True nu = [u, v, w, p, q, r] (m/s, rad/s; body FRD).
     command : (K, N, 6) array
         Wrench (N, N m; body FRD) commanded to the actuators; for a kinematic vehicle velocity (m/s, NED) in
-        the first three components and yaw rate (rad/s) in the last.
+        the first three components and yaw rate (rad/s) in the last; for thrusters the wrench of their
+        forces at the end of the period; NaN for fins.
+    actuator_command, actuator_output : (K, N, A) and (K + 1, N, A) arrays
+        What was asked of each actuator that has a state, and its output (N, rad or rpm; see
+        `auv_core.models.VehicleModel.actuators`); A is the largest number, and NaN ends shorter rows.
     reference_velocity_ned_mps : (K, N, 3) array
         Velocity commanded by the flocking law, or that of the vehicle's own path (m/s, NED).
     centre_ned_m, centre_velocity_ned_mps : (K, N, 3) arrays
@@ -106,6 +110,8 @@ class Recording:
     attitude_quat_wxyz: FloatArray
     velocity_body: FloatArray
     command: FloatArray
+    actuator_command: FloatArray
+    actuator_output: FloatArray
     reference_velocity_ned_mps: FloatArray
     centre_ned_m: FloatArray
     centre_velocity_ned_mps: FloatArray

@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from auv_bag.bag import Bag
 from auv_bag.writer import BagError
 from auv_core.freshness import age_limit_s
+from auv_experiment.actuator_rows import ActuatorRows
 from auv_experiment.recording import Recording
 from auv_experiment.run_messages import RunMessages
 from auv_experiment.tick_series import FloatArray
@@ -71,6 +73,7 @@ class _Arrays:
         self._period_s = scenario.period_s
         limit_s = age_limit_s(scenario.command_max_age_s, scenario.period_s)
         self._command_max_age_ticks = limit_s / scenario.period_s
+        self._actuators = ActuatorRows([vehicle.model for vehicle in scenario.vehicles])
 
     def recording(self, path: Path) -> Recording:
         """Return the arrays; `path` is that of the bag, for the error message."""
@@ -81,10 +84,14 @@ class _Arrays:
         n_ticks = min(self._most_ticks, *last_ticks)
         t_s: FloatArray = np.arange(n_ticks + 1, dtype=np.float64) * self._period_s
         recording = Recording.empty(self._ids, t_s)
+        shape = (len(self._ids), self._actuators.most)
+        commands, outputs = np.full((n_ticks, *shape), np.nan), np.full((n_ticks + 1, *shape), np.nan)
         for i, name in enumerate(self._ids):
             self._add_truth(recording, i)
             lost = name in self._messages.lost and self._falls_silent(i, n_ticks)
             self._add_decisions(recording, i, lost=lost)
+            self._add_actuators(i, commands[:, i], outputs[:, i], lost=lost)
+        self._actuators.put(recording, commands, outputs)
         self._add_laws(recording)
         self._add_packets(recording)
         self._add_sound(recording)
@@ -109,7 +116,8 @@ class _Arrays:
         """Fill in the outputs of vehicle i's computer, up to its loss."""
         k, n = recording.n_ticks, recording.n_vehicles
         held_to = None if lost else k
-        recording.command[:, i] = self._messages.command[i].table(k, held_to=held_to)
+        if not self._actuators.counts[i]:
+            recording.command[:, i] = self._commands(i, k, recording.command.shape[2], lost=lost)
         recording.reference_velocity_ned_mps[:, i] = self._messages.reference[i].table(k, held_to=held_to)
         centre = self._messages.centre[i].table(k, held_to=held_to)
         recording.centre_ned_m[:, i] = centre[:, :3]
@@ -121,11 +129,29 @@ class _Arrays:
         recording.neighbour_age_s[:, i] = neighbours[..., AGE]
         recording.neighbour_sonar_age_s[:, i] = neighbours[..., SONAR_AGE]
         if not lost:
-            is_resting = self._messages.command[i].ages(k) > self._command_max_age_ticks
-            recording.command[is_resting, i] = 0.0
-            recording.holding[is_resting, i] = cause_number(STALE_COMMAND)
+            recording.holding[self._is_resting(i, k), i] = cause_number(STALE_COMMAND)
         if lost:
             recording.lost_at_s[i] = (self._messages.command[i].last_tick + 1) * self._period_s
+
+    def _add_actuators(self, i: int, commands: FloatArray, outputs: FloatArray, *, lost: bool) -> None:
+        """Fill in what is asked of the actuators of vehicle i that have a state, and their outputs."""
+        count, k = self._actuators.counts[i], len(commands)
+        if count:
+            commands[:, :count] = self._commands(i, k, count, lost=lost)
+            reached = self._messages.actuator_output[i].table(k + 1, held_to=None if lost else k)
+            outputs[:, :count] = _of_width(reached, count)
+
+    def _commands(self, i: int, k: int, size: int, *, lost: bool) -> FloatArray:
+        """Return the (k, size) numbers of vehicle i's commands: 0 while it rests, NaN after its loss."""
+        commands = _of_width(self._messages.command[i].table(k, held_to=None if lost else k), size)
+        if not lost:
+            commands[self._is_resting(i, k)] = 0.0
+        return commands
+
+    def _is_resting(self, i: int, k: int) -> NDArray[np.bool_]:
+        """Return in which ticks the actuators of vehicle i rest, since its last command is old."""
+        resting: NDArray[np.bool_] = self._messages.command[i].ages(k) > self._command_max_age_ticks
+        return resting
 
     def _add_laws(self, recording: Recording) -> None:
         """Fill in the laws' states, repeated up to the last command, and why agents held."""
@@ -160,3 +186,11 @@ class _Arrays:
 def _before(tick: int, rows: FloatArray) -> FloatArray:
     """Return the rows of earlier ticks, which are in their first column."""
     return rows[rows[:, 0] < tick]
+
+
+def _of_width(table: FloatArray, width: int) -> FloatArray:
+    """Return a table with a number of columns; missing ones are NaN."""
+    shown = np.full((len(table), width), np.nan)
+    kept = min(width, table.shape[1])
+    shown[:, :kept] = table[:, :kept]
+    return shown

@@ -25,6 +25,8 @@ def shapes_of(n_states: int, n: int) -> dict[str, tuple[int | None, ...]]:
         "attitude_quat_wxyz": (n_states, n, 4),
         "velocity_body": (n_states, n, 6),
         "command": (k, n, 6),
+        "actuator_command": (k, n, None),
+        "actuator_output": (n_states, n, None),
         "reference_velocity_ned_mps": (k, n, 3),
         "centre_ned_m": (k, n, 3),
         "centre_velocity_ned_mps": (k, n, 3),
@@ -63,11 +65,22 @@ def fits(shape: tuple[int, ...], expected: tuple[int | None, ...]) -> bool:
     return len(shape) == len(expected) and all(want is None or size == want for size, want in pairs)
 
 
-def bytes_per_tick(n_vehicles: int, *, has_neighbours: bool) -> int:
-    """Return the growth of a recording without packets per tick (bytes)."""
+def bytes_per_tick(n_vehicles: int, *, has_neighbours: bool, n_actuators: int = 0) -> int:
+    """
+    Return the growth of a recording without packets per tick (bytes).
+
+    Parameters
+    ----------
+    n_vehicles, n_actuators : int
+        Number of vehicles, and the largest number of actuators of one of them.
+    has_neighbours : bool
+        Whether there are neighbour estimates.
+
+    """
     before, after = shapes_of(1, n_vehicles), shapes_of(2, n_vehicles)
     names = [name for name in after if has_neighbours or name not in NEIGHBOURS]
-    return _NUMBER_BYTES * sum(_count(after[name]) - _count(before[name]) for name in names)
+    numbers = sum(_count(after[name]) - _count(before[name]) for name in names)
+    return _NUMBER_BYTES * (numbers + 2 * n_vehicles * n_actuators)
 
 
 def bytes_of_rows(*, sent: float, heard: float) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from auv_core.machine.free_memory import free_bytes, gigabytes
+from auv_core.models import make_model
 from auv_core.params import ConfigError
 from auv_experiment.recording_shapes import bytes_of_rows, bytes_per_tick
 from auv_flocking.neighbours.track import HISTORY_S, MOST_MEASUREMENTS
@@ -76,7 +77,8 @@ def _report_bytes(scenario: Scenario) -> float:
     """Return the size of a recording plus the memory for metrics and figures (bytes)."""
     count = len(scenario.vehicles)
     is_sampled = scenario.sampling == "sampled"
-    kept = float(bytes_per_tick(count, has_neighbours=is_sampled))
+    actuators = max(len(make_model(vehicle.model).actuators) for vehicle in scenario.vehicles)
+    kept = float(bytes_per_tick(count, has_neighbours=is_sampled, n_actuators=actuators))
     if is_sampled:
         packets = _packets_per_tick(scenario)
         kept += bytes_of_rows(sent=packets, heard=packets * (count - 1))

@@ -41,7 +41,8 @@ class RunMessages:
         n = len(vehicle_ids)
         self.state = [TickSeries(13) for _ in range(n)]
         self.nav = [TickSeries(4) for _ in range(n)]
-        self.command = [TickSeries(6) for _ in range(n)]
+        self.command = [TickSeries() for _ in range(n)]
+        self.actuator_output = [TickSeries() for _ in range(n)]
         self.reference = [TickSeries(3) for _ in range(n)]
         self.centre = [TickSeries(6) for _ in range(n)]
         self.law_state = [TickSeries() for _ in range(n)]
@@ -76,6 +77,9 @@ class RunMessages:
                 ("nav", self._have_known_tick, self._take_nav),
                 ("cmd_wrench", self._have_known_stamp, self._take_wrench),
                 ("cmd_vel", self._have_known_stamp, self._take_velocity_command),
+                ("cmd_fins", self._have_known_stamp, self._take_fins),
+                ("cmd_thrusters", self._have_known_stamp, self._take_forces),
+                ("actuators", self._have_known_stamp, self._take_outputs),
                 ("reference", self._have_known_stamp, self._take_reference),
                 ("flocking_centre", self._have_known_tick, self._take_centre),
                 ("control_status", self._have_known_tick, self._take_control_status),
@@ -159,6 +163,18 @@ class RunMessages:
     def _take_velocity_command(self, i: int, batch: Batch) -> None:
         twist = batch.messages.twist
         self._take_stamped(self.command[i], batch, _rows(*_xyz(twist.linear), *_xyz(twist.angular)))
+
+    def _take_fins(self, i: int, batch: Batch) -> None:
+        fins = batch.messages
+        self._take_stamped(
+            self.command[i], batch, _rows(fins.rudder_rad, fins.stern_plane_rad, fins.propeller_rpm)
+        )
+
+    def _take_forces(self, i: int, batch: Batch) -> None:
+        self._take_stamped(self.command[i], batch, batch.messages.forces_n.copy())
+
+    def _take_outputs(self, i: int, batch: Batch) -> None:
+        self._take_stamped(self.actuator_output[i], batch, batch.messages.outputs.copy())
 
     def _take_reference(self, i: int, batch: Batch) -> None:
         self._take_stamped(self.reference[i], batch, _rows(*_xyz(batch.messages.twist.linear)))

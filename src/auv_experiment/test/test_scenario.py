@@ -113,7 +113,7 @@ REFUSED_VALUES = [
     ("agent.controller.kind=velocity_direct", ".agent.controller.kind: 'velocity_direct' is not allowed"),
     (
         "vehicles.0.model.preset=boat",
-        ".vehicles[0].model.preset: 'boat' is not allowed; allowed: odin, ",
+        ".vehicles[0].model.preset: 'boat' is not allowed; allowed: bluerov2_heavy, ",
     ),
     ("acoustics.preset=air", ".acoustics.preset: 'air' is not allowed; allowed: "),
     (

@@ -20,6 +20,7 @@ from auv_control.controllers import (
 )
 from auv_control.courses import make_course
 from auv_control.references import PathPoint, make_reference
+from auv_control.thruster_computer import ThrusterComputer
 from auv_core.geometry import Vec3, body_to_ned, heading_from_quaternion
 from auv_core.messages import Command, Inbox, Packet, VehicleState, VelocityCommand, Wrench, command_numbers
 from auv_core.state_checks import is_command
@@ -58,7 +59,12 @@ class Agent:
         consensus = None if config.consensus is None else make_consensus(config.consensus, config.fleet_size)
         self._format = make_format(config.report, () if consensus is None else consensus.shared_fields)
         controller = make_controller(config.controller, config.period_s)
-        self.command = controller.command
+        self._thrusters = (
+            ThrusterComputer(config.allocation, config.thrusters, config.fault, config.period_s)
+            if config.thrusters.count
+            else None
+        )
+        self.command = controller.command if self._thrusters is None else "thrusters"
         self.task = self._make_task(controller, consensus)
         self.flocks = isinstance(self.task, FlockTask)
         self._senses = Senses(
@@ -202,7 +208,7 @@ class Agent:
             self.holding = NO_FINITE_COMMAND
             return self._safe_command()
         if is_command(command_numbers(command)):
-            return command
+            return self._allocated(t_s, command)
         self.holding = NO_FINITE_COMMAND
         return self._safe_command()
 
@@ -218,9 +224,17 @@ class Agent:
             raise RuntimeError("a flock without a path: AgentConfig should have refused it")
         return self.task.step(t_s, nav, path, self.neighbours, self.sensed, is_waiting=is_waiting)
 
+    def _allocated(self, t_s: float, command: Command) -> Command:
+        """Return the command itself, or the forces of thrusters for its wrench."""
+        if self._thrusters is None or not isinstance(command, Wrench):
+            return command
+        return self._thrusters.command(t_s, command.tau)
+
     def _safe_command(self) -> Command:
         if isinstance(self.task, CourseTask):
             return self.task.safe_command
+        if self._thrusters is not None:
+            return self._thrusters.rest()
         if self.command == "velocity":
             return VelocityCommand((0.0, 0.0, 0.0), 0.0)
         return Wrench((0.0, 0.0, 0.0, 0.0, 0.0, 0.0))

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from auv_control.allocation import qp
 from auv_control.controllers import controller_class
 from auv_core.params import Section, param, same
 from auv_core.run_settings import RunSettings
+from auv_core.thrusters import ThrusterFault, Thrusters
 from auv_flocking.consensus import make_consensus
 from auv_flocking.flock_task import Obstacles
 from auv_flocking.input_limits import InputLimits
@@ -17,6 +19,7 @@ from auv_flocking.trackers import none
 REFERENCES = "auv_control.references"
 CONTROLLERS = "auv_control.controllers"
 COURSES = "auv_control.courses"
+ALLOCATION = "auv_control.allocation"
 FLOCKING = "auv_flocking.flocking"
 SEPARATION = "auv_flocking.separation"
 CONSENSUS = "auv_flocking.consensus"
@@ -24,6 +27,7 @@ REPORTS = "auv_flocking.reports"
 OBSTACLE_TRACKERS = "auv_flocking.trackers"
 COMPACT = Section("compact", compact.Params())
 NO_TRACKER = Section("none", none.Params())
+QUADRATIC_PROGRAM = Section("qp", qp.Params())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +44,11 @@ class AgentSettings:
         "what gives heading, depth and speed, for a controller that follows a course",
         default=None,
         plugins=COURSES,
+    )
+    allocation: Section = param(
+        "how the forces of thrusters are chosen for a wrench, for vehicles with thrusters",
+        default=QUADRATIC_PROGRAM,
+        plugins=ALLOCATION,
     )
     flocking: Section | None = param(
         "flocking law, for a controller that follows a velocity", default=None, plugins=FLOCKING
@@ -85,6 +94,8 @@ class AgentConfig(AgentSettings):
         "safety distance of each obstacle (m)", default=(), above=0.0
     )
     reference: Section | None = param("path to follow, if any", default=None, plugins=REFERENCES)
+    thrusters: Thrusters = param("the vehicle's thrusters, if it takes a force for each", default=Thrusters())
+    fault: ThrusterFault = param("fault of a thruster", default=ThrusterFault())
 
     def __post_init__(self) -> None:
         check_parts(self, self.reference)

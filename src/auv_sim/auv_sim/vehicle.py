@@ -11,6 +11,7 @@ from auv_core.messages import Command, Numbers, VehicleState, command_numbers
 from auv_core.models import HULL, Actuator, VehicleModel, make_model
 from auv_core.params import Section, param, same
 from auv_core.run_settings import RunSettings
+from auv_core.thrusters import ThrusterFault
 from auv_sim.currents import make_current, steady
 from auv_sim.navigation import exact, make_navigation
 
@@ -45,6 +46,7 @@ class VehicleConfig:
     address: int = param("acoustic address of this vehicle, from 1", default=1, minimum=1, maximum=254)
     seed: int = same(RunSettings, "seed")
     navigation: Section = param("errors of the vehicle's own navigation", default=EXACT, plugins=NAVIGATION)
+    fault: ThrusterFault = param("fault of a thruster", default=ThrusterFault())
     command_max_age_s: float = param(
         "age of a command above which the actuators stop (s); at least two control periods",
         default=0.5,
@@ -109,6 +111,7 @@ class Vehicle:
         self._name = config.vehicle_id
         self._period_s = config.period_s
         self.navigation = make_navigation(config.navigation, config.seed, config.address, config.period_s)
+        self._fault = config.fault
         self.command = self._model.command
         self.nav: VehicleState = self.navigation.measured(self.state)
 
@@ -149,6 +152,8 @@ class Vehicle:
         """
         values = self._model.resting_command() if command is None else command_numbers(command)
         given = self._model.limited_command(values)
+        if self._fault.has_begun(self._tick * self._period_s):
+            given = _without(given, self._fault.thruster)
         self._state = self._model.step(
             self._state, given, self._current.at(self._tick), self._dt_s, self._substeps
         )
@@ -167,3 +172,8 @@ class Vehicle:
             (s[7], s[8], s[9], s[10], s[11], s[12]),
             is_bounded=True,
         )
+
+
+def _without(forces_n: Numbers, thruster: int) -> Numbers:
+    """Return the forces with that of a thruster, counted from 1, at zero."""
+    return (*forces_n[: thruster - 1], 0.0, *forces_n[thruster:])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from auv_core.models import make_model
 from auv_experiment.recording import FORMAT_VERSION, Recording
 from auv_experiment.scenario.loading import scenario_to_yaml
 
@@ -49,7 +50,11 @@ MEANINGS: dict[str, Meaning] = {
     "position_ned_m": Meaning((*_NOW, "axis"), "m", "map_ned", "true position of the hull's centre"),
     "attitude_quat_wxyz": Meaning((*_NOW, "quaternion"), "1", "body FRD to NED", "true attitude"),
     "velocity_body": Meaning((*_NOW, "rate"), "m/s, rad/s", "body FRD", "true velocity and turn rates"),
-    "command": Meaning((*_NOW, "effort"), "N, N m", "body FRD", "wrench commanded to the actuators"),
+    "command": Meaning((*_NOW, "effort"), "N, N m", "body FRD", "wrench asked of the actuators"),
+    "actuator_command": Meaning(
+        (*_NOW, "actuator"), "of the actuator", "", "what was asked of each actuator with a state"
+    ),
+    "actuator_output": Meaning((*_NOW, "actuator"), "of the actuator", "", "its output"),
     "reference_velocity_ned_mps": Meaning((*_NOW, "axis"), "m/s", "map_ned", "velocity commanded by the law"),
     "centre_ned_m": Meaning((*_NOW, "axis"), "m", "map_ned", "own estimate of the flocking centre"),
     "centre_velocity_ned_mps": Meaning((*_NOW, "axis"), "m/s", "map_ned", "rate of that estimate"),
@@ -87,7 +92,8 @@ def to_xarray(recording: Recording, scenario: Scenario, mode: str) -> xr.Dataset
     Return a recording as a Dataset.
 
     Commands have as many rows as states: the last row, for which there is no command, is NaN (-1 in
-    `holding`). Arrays of neighbours are left out if there are no neighbour estimates.
+    `holding`). Arrays of neighbours are left out if there are no neighbour estimates, those of actuators if
+    no vehicle has one with a state. The axis of actuators has their names if all vehicles have the same.
     """
     import xarray as xr
 
@@ -95,6 +101,8 @@ def to_xarray(recording: Recording, scenario: Scenario, mode: str) -> xr.Dataset
     variables = {}
     for name, meaning in MEANINGS.items():
         if "neighbour" in meaning.dims and not recording.has_neighbours:
+            continue
+        if "actuator" in meaning.dims and recording.actuator_output.shape[-1] == 0:
             continue
         values = _as_long_as_states(getattr(recording, name), meaning, len(recording.t_s))
         attributes = {"units": meaning.units, "long_name": meaning.words}
@@ -109,12 +117,19 @@ def to_xarray(recording: Recording, scenario: Scenario, mode: str) -> xr.Dataset
             "long_name": "commanded velocity (X, Y, Z) and yaw rate (N)",
         }
         variables["command"] = (dims, values, {**attributes, **words})
+    actuators = [make_model(vehicle.model).actuators for vehicle in scenario.vehicles]
+    units = {each.unit for those in actuators for each in those}
+    if len(units) == 1:
+        for name in ("actuator_command", "actuator_output"):
+            variables[name][2]["units"] = next(iter(units))
     used = {dim for dims, _, _ in variables.values() for dim in dims}
     coordinates: dict[str, Any] = {dim: list(LABELS[dim]) for dim in LABELS if dim in used}
     coordinates["time"] = ("time", recording.t_s, {"units": "s", "long_name": "scenario time"})
     coordinates["vehicle"] = names
     if "neighbour" in used:
         coordinates["neighbour"] = names
+    if "actuator" in used and len({those for those in actuators if those}) == 1:
+        coordinates["actuator"] = [each.name for each in max(actuators, key=len)]
     about = {
         "title": scenario.title,
         "scenario": scenario.name,

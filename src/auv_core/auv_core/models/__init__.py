@@ -22,6 +22,7 @@ from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Numbers, Vec6
 from auv_core.params import Section
+from auv_core.thrusters import Thrusters
 
 HULL = 13
 """Numbers of a state that belong to the hull; the outputs of actuators follow them."""
@@ -114,6 +115,12 @@ class _Framed(Protocol):
     frame: str
 
 
+@runtime_checkable
+class _Driven(Protocol):
+    actuators: str
+    thrusters: Thrusters
+
+
 def make_model(section: Section) -> VehicleModel:
     """Return the model of a section."""
     made = class_of(__name__, section.kind, "Model")(section.params)
@@ -133,6 +140,14 @@ def make_continuous_model(section: Section) -> ContinuousModel:
 def hovering(hull_radius_m: float) -> Handling:
     """Return the handling of a hull that can hold a place and turn in it."""
     return Handling(can_stop=True, least_speed_mps=0.0, hull_length_m=2.0 * hull_radius_m)
+
+
+def thrusters_of(section: Section) -> Thrusters:
+    """Return the thrusters for which the vehicle of a section takes one force each, none if it does not."""
+    params = section.params
+    return (
+        params.thrusters if isinstance(params, _Driven) and params.actuators == "thrusters" else Thrusters()
+    )
 
 
 def frame_of(params: Any) -> str:

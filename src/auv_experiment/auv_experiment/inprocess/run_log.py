@@ -8,8 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from auv_core.messages import AcousticEvent, Command, Inbox, Packet, VehicleState, command_numbers
+from auv_core.messages import AcousticEvent, Command, Inbox, Numbers, Packet, VehicleState
 from auv_core.stamp import nanoseconds, whole_nanoseconds_s
+from auv_experiment.actuator_rows import ActuatorRows
+from auv_experiment.inprocess.actuator_log import ActuatorLog
 from auv_experiment.recording import FloatArray, Recording
 from auv_experiment.recording_shapes import shapes_of
 from auv_experiment.scenario.schema import Scenario
@@ -45,6 +47,7 @@ class RunLog:
     def __init__(self, scenario: Scenario) -> None:
         ids = [vehicle.id for vehicle in scenario.vehicles]
         self._recording = Recording.empty(ids, scenario.tick_times())
+        self._actuators = ActuatorLog(ActuatorRows([vehicle.model for vehicle in scenario.vehicles]))
         self._law_rows = [array("d") for _ in ids]
         self._law_sizes = [0] * len(ids)
         self._rows = {name: array(getattr(self._recording, name).dtype.char) for name in _ROWS}
@@ -59,13 +62,15 @@ class RunLog:
         navs: Sequence[VehicleState],
         agents: Sequence[Agent],
         commands: Sequence[Command],
+        outputs: Sequence[Numbers],
     ) -> None:
-        """Note the true states, the vehicles' navigation, and the agents' outputs."""
+        """Note true states, the vehicles' navigation, the agents' decisions and the actuators' outputs."""
         if tick - self._written == _BLOCK_TICKS:
             self._write(tick)
+        self._actuators.note(commands, outputs)
         note = self._numbers.extend
         for index, agent in enumerate(agents):
-            state, nav, command = states[index], navs[index], command_numbers(commands[index])
+            state, nav, command = states[index], navs[index], self._actuators.command(index, commands[index])
             centre, rate = (agent.centre, agent.centre_rate) if agent.flocks else (_NOWHERE, _NOWHERE)
             note((*state.position, *state.attitude, *state.nu, *nav.position, nav.position_sd_m, *command))
             note((*agent.reference.velocity, cause_number(agent.holding), *centre, *rate))
@@ -101,8 +106,13 @@ class RunLog:
             times_s = whole_nanoseconds_s(e.start_s), whole_nanoseconds_s(e.end_s)
             rows["event_values"].extend((*times_s, e.snr_db))
 
-    def recording(self, n_ticks: int, states: Sequence[VehicleState]) -> Recording:
-        """Return the recording of the first ticks, all that were noted, which end in these true states."""
+    def recording(
+        self, n_ticks: int, states: Sequence[VehicleState], outputs: Sequence[Numbers]
+    ) -> Recording:
+        """
+        Return the recording of the first ticks, all that were noted, which end in these true states and with
+        these outputs of the actuators.
+        """
         r = self._recording
         self._write(n_ticks)
         r.position_ned_m[n_ticks] = [state.position for state in states]
@@ -114,7 +124,9 @@ class RunLog:
         for name, rows in self._rows.items():
             empty = arrays[name]
             arrays[name] = np.array(rows, empty.dtype).reshape(-1, *empty.shape[1:])
-        return Recording(vehicle_ids=r.vehicle_ids, **arrays)
+        recording = Recording(vehicle_ids=r.vehicle_ids, **arrays)
+        self._actuators.put(recording, outputs)
+        return recording
 
     def _law_table(self, n_ticks: int) -> FloatArray:
         """Return the laws' states in the form of `Recording.law_state`."""

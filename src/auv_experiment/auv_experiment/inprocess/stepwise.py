@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from auv_core.messages import AcousticEvent, Command, Inbox, Packet
+from auv_core.messages import AcousticEvent, Command, Inbox, Numbers, Packet
 from auv_experiment.compose import agent_configs, vehicle_configs
 from auv_experiment.inprocess.run_log import RunLog
 from auv_experiment.recording import Recording
@@ -67,7 +67,7 @@ class StepwiseRun:
             If a motion has no finite solution.
 
         """
-        self._log.tick(self.tick, self.states, self.navs, self.agents, commands)
+        self._log.tick(self.tick, self.states, self.navs, self.agents, commands, self._outputs())
         self._log.water(self.tick, self.inboxes, self._handed_over, self._events)
         self.states = [
             vehicle.step(command) for vehicle, command in zip(self.vehicles, commands, strict=True)
@@ -77,4 +77,8 @@ class StepwiseRun:
 
     def recording(self) -> Recording:
         """Return the recording of the ticks that are behind us."""
-        return self._log.recording(self.tick, self.states)
+        return self._log.recording(self.tick, self.states, self._outputs())
+
+    def _outputs(self) -> list[Numbers]:
+        """Return the outputs of every vehicle's actuators at the tick."""
+        return [vehicle.actuator_outputs for vehicle in self.vehicles]

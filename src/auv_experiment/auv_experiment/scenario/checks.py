@@ -9,7 +9,7 @@ import auv_core.models
 from auv_control.controllers import ContinuousVelocityController, MotionLaw, controller_class, make_controller
 from auv_control.courses import make_course
 from auv_core.geometry import distance
-from auv_core.models import make_model
+from auv_core.models import make_model, thrusters_of
 from auv_core.params import Section, shown
 from auv_experiment.scenario.file import ID, ID_WORDS, MOST_VEHICLES
 from auv_experiment.scenario.reach import check_reach
@@ -41,6 +41,7 @@ def check_scenario(scenario: Scenario) -> None:
         _check_agent,
         _check_contracts,
         _check_commands,
+        _check_faults,
         _check_frames,
         _check_starts,
         _check_continuous,
@@ -126,7 +127,7 @@ def _check_commands(scenario: Scenario) -> None:
     given = controller_class(agent.controller.kind).command
     for index, vehicle in enumerate(scenario.vehicles):
         taken = make_model(vehicle.model).command
-        if taken != given:
+        if taken != given and (taken, given) != ("thrusters", "wrench"):
             raise ValueError(
                 f"agent.controller.kind: {agent.controller.kind!r} is not allowed; "
                 "allowed: a controller that gives "
@@ -149,6 +150,17 @@ def _check_commands(scenario: Scenario) -> None:
             "kinematic vehicles, "
             "whose velocity command is over ground"
         )
+
+
+def _check_faults(scenario: Scenario) -> None:
+    for index, vehicle in enumerate(scenario.vehicles):
+        count = thrusters_of(vehicle.model).count
+        if vehicle.fault.thruster > count:
+            allowed = f"at most {count}" if count else "0, since the vehicle has no thrusters"
+            raise ValueError(
+                f"vehicles[{index}].fault.thruster: {vehicle.fault.thruster} is not allowed; "
+                f"allowed: {allowed}"
+            )
 
 
 def _check_starts(scenario: Scenario) -> None:
@@ -183,6 +195,10 @@ def _check_starts(scenario: Scenario) -> None:
 def _check_continuous(scenario: Scenario) -> None:
     if scenario.sampling != "continuous":
         return
+    if "thrusters" in scenario.commands:
+        raise _not_continuous(
+            ", for vehicles with thrusters, whose forces are chosen once per control period"
+        )
     agent, acoustics = scenario.agent, scenario.acoustics
     controller = make_controller(agent.controller, scenario.period_s)
     if not scenario.kinematic and not isinstance(controller, ContinuousVelocityController | MotionLaw):

@@ -20,6 +20,7 @@ from auv_core.geometry import Vec3
 from auv_core.models import make_model
 from auv_core.params import Section, extended, param, same, shown
 from auv_core.run_settings import RunSettings
+from auv_core.thrusters import ThrusterFault
 from auv_experiment.scenario.checks import check_scenario
 from auv_experiment.scenario.file import ID, ID_WORDS
 from auv_flocking.agent_config import REFERENCES, AgentConfig, AgentSettings
@@ -70,6 +71,7 @@ class VehicleEntry:
     heading_rad: float = same(VehicleConfig, "heading_rad")
     speed_mps: float = same(VehicleConfig, "speed_mps")
     fails_at_s: float | None = same(AgentConfig, "fails_at_s")
+    fault: ThrusterFault = same(VehicleConfig, "fault")
     reference: Section | None = param(
         "path of this vehicle; if missing, the path of the scenario", default=None, plugins=REFERENCES
     )

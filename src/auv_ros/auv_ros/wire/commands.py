@@ -59,19 +59,21 @@ def _stencil(vehicle_id: str, kind: str, size: int) -> Stencil:
     return Stencil(message(header=header(0.0, body_frame(vehicle_id)), **own), f"{size}d")
 
 
-def command_from_bytes(data: bytes, kind: str) -> Command:
+def command_from_bytes(data: bytes, kind: str, size: int) -> Command:
     """
-    Return the record of a serialised command.
+    Return the record of a serialised command with `size` numbers.
 
     Raises
     ------
     ValueError
-        If a number in it is not plausible.
+        If a number in it is not plausible, or it has another number of forces.
     MalformedError
         If the bytes are no command of that kind.
 
     """
     numbers = _forces_n(data) if kind == "thrusters" else read_numbers(data, _LAYOUTS[kind])
+    if len(numbers) != size:
+        raise ValueError(f"a command with {len(numbers)} forces; expected {size}, one for each thruster")
     if not is_command(numbers):
         raise ValueError(f"a command with a number that is not finite, or beyond {LARGEST:g}: {numbers}")
     return command_of(kind, numbers)

@@ -84,7 +84,7 @@ class VehicleNode(Node):
         tick = self._ticks.tick_of_stamp(header_stamp_s(data))
         command: Command | None = None
         try:
-            command = command_from_bytes(data, self._vehicle.command)
+            command = command_from_bytes(data, self._vehicle.command, self._vehicle.command_size)
         except MalformedError:
             raise
         except ValueError as error:
