@@ -15,13 +15,19 @@ from auv_core.models import make_model
 from auv_core.models.torpedo import body_of, mass_kg, natural_frequencies_radps, spheroid, water_of
 from auv_core.params import ConfigError, load_section
 
-REST = remus().initial_state((0.0, 0.0, 0.0), 0.0)
+DEPTH_M = 100.0
+REST = remus().initial_state((0.0, 0.0, DEPTH_M), 0.0)
 FIVE_DEG = math.radians(5.0)
 UP_AND_TO_STARBOARD = [
     (0.0, (FIVE_DEG, -FIVE_DEG, 1525.0)),
     (50.0, (FIVE_DEG, 0.0, 1525.0)),
     (100.0, (0.0, 0.0, 1525.0)),
 ]
+
+
+def from_start(state):
+    """Return the position (m; NED) from the start."""
+    return (state[0], state[1], state[2] - DEPTH_M)
 
 
 def test_derived_numbers_of_the_hull():
@@ -71,14 +77,14 @@ def test_speed_steps_of_the_propeller():
 def test_open_loop_climb_and_turn(cross_flow, expected):
     states = flown(remus(cross_flow=cross_flow), REST, UP_AND_TO_STARBOARD, (10.0, 50.0, 100.0, 149.0))
     for t_s, (position_m, attitude_deg) in expected.items():
-        assert states[t_s][:3] == pytest.approx(position_m, abs=0.02)
+        assert from_start(states[t_s]) == pytest.approx(position_m, abs=0.02)
         turned = [
             (a - b + 180.0) % 360.0 - 180.0
             for a, b in zip(angles_deg(states[t_s]), attitude_deg, strict=True)
         ]
         assert turned == pytest.approx([0.0, 0.0, 0.0], abs=0.02)
     last_m = (128.195, 3.433, -39.534) if cross_flow == "horizontal" else (128.486, 2.886, -39.238)
-    assert states[149.0][:3] == pytest.approx(last_m, abs=0.05)
+    assert from_start(states[149.0]) == pytest.approx(last_m, abs=0.05)
     heading_deg = 6.28 if cross_flow == "horizontal" else 5.96
     assert angles_deg(states[149.0])[2] == pytest.approx(heading_deg, abs=0.05)
 
@@ -97,6 +103,15 @@ def test_a_hull_without_a_computer_stalls_rises_and_glides_on_a_little():
     assert [states[t_s][2] for t_s in (10.0, 20.0, 100.0)] == pytest.approx([28.332, 26.189, 8.992], abs=0.02)
     assert states[100.0][9] == pytest.approx(-0.2150, abs=0.001)
     assert all(abs(angles_deg(states[t_s])[1]) < 0.5 for t_s in states)
+
+
+def test_a_light_hull_floats_at_the_surface():
+    model = remus().adrift()
+    state = model.step(model.initial_state((0.0, 0.0, 1.0), 0.0), (0.0, 0.0, 0.0), STILL, 0.05, 1200)
+    weight_n = mass_kg(model.params) * model.params.gravity_mps2
+    under = weight_n / (weight_n + 10.0)
+    assert state[2] == pytest.approx((under - 0.5) * 0.19, abs=0.005)
+    assert abs(state[9]) < 0.01
 
 
 def test_steady_speeds_are_proportional_to_the_propeller():

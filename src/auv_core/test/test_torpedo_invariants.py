@@ -64,9 +64,14 @@ def test_coriolis_forces_of_the_coefficients_do_no_work(state):
 
 @models
 @MODERATE
-@given(state=states(), command=COMMANDS, current=CURRENTS)
-def test_a_current_carries_the_hull_along(model, state, command, current):
-    """Galilean invariance: seen from the water, the hull moves as in still water."""
+@given(state=states(), ahead_mps=st.floats(0.1, 3.0), command=COMMANDS, current=CURRENTS)
+def test_a_current_carries_the_hull_along(model, state, ahead_mps, command, current):
+    """
+    Galilean invariance: seen from the water, the hull moves as in still water.
+
+    It runs ahead: without motion along its axis and across there is no angle of attack.
+    """
+    state = (*state[:7], ahead_mps, *state[8:])
     in_body = ned_to_body(state[3:7], current)
     carried = (*state[:7], *(a + b for a, b in zip(state[7:10], in_body, strict=True)), *state[10:])
     still, moving = model.derivative(state, command, STILL), model.derivative(carried, command, current)

@@ -80,12 +80,12 @@ def test_its_circle_keeps_its_depth():
 
 
 def test_a_failed_computer_sends_nothing_and_knows_nothing():
-    agent = Agent(config(computer_fails_at_s=5.0))
+    agent = Agent(config(fails_at_s=5.0))
     _, packets = agent.step(4.9, nav_at(49), inbox(49, asks=True))
     assert len(packets) == 1
     _, packets = agent.step(5.0, nav_at(50), inbox(50, asks=True))
     assert packets == []
-    assert agent.holding == ""
+    assert agent.holding == "failed computer"
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from auv_core.models import HULL, Actuator, VehicleModel, make_model
 from auv_core.params import Section, param, same
 from auv_core.run_settings import RunSettings
 from auv_core.thrusters import ThrusterFault
+from auv_flocking.agent_config import AgentConfig
 from auv_sim.currents import make_current, steady
 from auv_sim.navigation import exact, make_navigation
 
@@ -47,6 +48,7 @@ class VehicleConfig:
     seed: int = same(RunSettings, "seed")
     navigation: Section = param("errors of the vehicle's own navigation", default=EXACT, plugins=NAVIGATION)
     fault: ThrusterFault = param("fault of a thruster", default=ThrusterFault())
+    fails_at_s: float | None = same(AgentConfig, "fails_at_s")
     command_max_age_s: float = param(
         "age of a command above which the actuators stop (s); at least two control periods",
         default=0.5,
@@ -109,6 +111,8 @@ class Vehicle:
         )
         self.state = self._record()
         self._name = config.vehicle_id
+        self._fails_at_s = math.inf if config.fails_at_s is None else config.fails_at_s
+        self._has_computer = True
         self._period_s = config.period_s
         self.navigation = make_navigation(config.navigation, config.seed, config.address, config.period_s)
         self._fault = config.fault
@@ -139,10 +143,12 @@ class Vehicle:
     def lose_computer(self) -> None:
         """From now on the hull is one without a computer; without a command it drifts."""
         self._model = self._model.adrift()
+        self._has_computer = False
 
     def step(self, command: Command | None) -> VehicleState:
         """
         Return the state one control period later; without a command the actuators rest and the hull drifts.
+        After the failure of the vehicle's computer no command counts.
 
         Raises
         ------
@@ -150,6 +156,10 @@ class Vehicle:
             If the motion has no finite solution.
 
         """
+        if self._has_computer and self._fails_at_s <= self._tick * self._period_s:
+            self.lose_computer()
+        if not self._has_computer:
+            command = None
         values = self._model.resting_command() if command is None else command_numbers(command)
         given = self._model.limited_command(values)
         if self._fault.has_begun(self._tick * self._period_s):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import auv_core.models
 from auv_core.geometry import body_to_ned
-from auv_core.messages import VehicleState, VelocityCommand, Wrench
+from auv_core.messages import FinCommand, VehicleState, VelocityCommand, Wrench
 from auv_core.models.six_dof import Model
 from auv_core.params import ConfigError, load, load_section
 from auv_sim.vehicle import MODELS, Vehicle, VehicleConfig, substeps
@@ -123,3 +123,37 @@ def test_the_first_state_is_level_and_at_rest_at_tick_zero():
     assert isinstance(state, VehicleState)
     assert (state.tick, state.position, state.nu) == (0, (1.0, 2.0, 3.0), (0.0,) * 6)
     assert state.attitude[1:3] == (0.0, 0.0)
+
+
+def test_after_its_computer_has_failed_a_vehicle_obeys_no_command():
+    failing, resting = Vehicle(_config(fails_at_s=0.3)), Vehicle(_config())
+    for tick in range(6):
+        pushed = failing.step(Wrench((50.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
+        drifting = resting.step(Wrench((50.0, 0.0, 0.0, 0.0, 0.0, 0.0)) if tick < 3 else None)
+        assert pushed == drifting
+
+
+def test_a_torpedo_takes_fins_and_its_actuators_have_outputs():
+    vehicle = Vehicle(_config("remus100", speed_mps=1.5))
+    assert (vehicle.command, vehicle.command_size) == ("fins", 3)
+    assert [each.name for each in vehicle.actuators] == ["rudder", "stern_plane", "propeller"]
+    assert vehicle.state.nu[0] == 1.5
+    assert vehicle.actuator_outputs[2] == pytest.approx(896.2, abs=0.1)
+    for _ in range(30):
+        state = vehicle.step(FinCommand(0.1, 0.0, 900.0))
+    assert vehicle.actuator_outputs[0] == pytest.approx(0.1, abs=1e-6)
+    assert state.nu[5] > 0.03
+
+
+def test_a_torpedo_without_its_computer_drops_its_weight_and_rises():
+    failing = Vehicle(_config("remus100", speed_mps=1.5, position_ned_m=(0.0, 0.0, 30.0), fails_at_s=0.0))
+    for _ in range(600):
+        state = failing.step(FinCommand(0.2, 0.2, 1500.0))
+    assert state.position[2] == pytest.approx(17.6, abs=0.3)
+    assert failing.actuator_outputs == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
+
+
+def test_a_restored_torpedo_has_its_actuators_at_rest():
+    vehicle = Vehicle(_config("remus100", speed_mps=1.5))
+    vehicle.restore(vehicle.state)
+    assert vehicle.actuator_outputs == (0.0, 0.0, 0.0)

@@ -50,7 +50,7 @@ class Servos:
         )
 
 
-@record(", ".join(18 * ["float64"]))
+@record(", ".join(20 * ["float64"]))
 class Body(NamedTuple):
     """
     The constants of the body.
@@ -58,7 +58,8 @@ class Body(NamedTuple):
     surge_kg, ..., yaw_kgm2: mass and inertia, including added mass.  turning_surge_kg, ...: the mass whose
     momentum turns with the body, which some models keep without added mass.  roll_sway_kg, roll_heave_kg:
     the added mass of heave and sway that then couples with roll only.  static_moment_kgm: m z_G.
-    net_weight_n: W - B.  righting_nm: z_G W.  The others are those of `Servos`.
+    weight_n, buoyancy_n: W, B under water.  diameter_m: of the hull.  righting_nm: z_G W.  The others are
+    those of `Servos`.
     """
 
     surge_kg: float
@@ -73,7 +74,9 @@ class Body(NamedTuple):
     roll_sway_kg: float
     roll_heave_kg: float
     static_moment_kgm: float
-    net_weight_n: float
+    weight_n: float
+    buoyancy_n: float
+    diameter_m: float
     righting_nm: float
     fin_max_rad: float
     fin_lag_s: float
@@ -82,12 +85,13 @@ class Body(NamedTuple):
 
 
 class Ballast(NamedTuple):
-    """Mass (kg), its centre below the hull's centre (m), weight, and weight minus buoyancy (N)."""
+    """Mass (kg), its centre below the hull's centre (m), weight, weight minus buoyancy (N), diameter (m)."""
 
     mass_kg: float
     cog_z_m: float
     weight_n: float
     net_weight_n: float
+    diameter_m: float
 
 
 def body(ballast: Ballast, inertia_kgm2: Vec3, added_mass: Vec6, servos: Servos, *, munk: bool) -> Body:
@@ -126,7 +130,9 @@ def body(ballast: Ballast, inertia_kgm2: Vec3, added_mass: Vec6, servos: Servos,
         roll_sway_kg=(1.0 - turning) * below,
         roll_heave_kg=(1.0 - turning) * across,
         static_moment_kgm=mass_kg * cog_z_m,
-        net_weight_n=ballast.net_weight_n,
+        weight_n=ballast.weight_n,
+        buoyancy_n=ballast.weight_n - ballast.net_weight_n,
+        diameter_m=ballast.diameter_m,
         righting_nm=cog_z_m * ballast.weight_n,
         fin_max_rad=servos.fin_max_rad,
         fin_lag_s=servos.fin_lag_s,
@@ -172,13 +178,18 @@ def _turning_force(water: Vec3, rates: Vec3, b: Body) -> Forces:
 
 
 @inlined
-def _gravity_force(attitude: Quat, b: Body) -> Forces:
-    """Return the force and moment of weight and buoyancy (N, N m; body)."""
+def _gravity_force(attitude: Quat, depth_m: float, b: Body) -> Forces:
+    """
+    Return the force and moment of weight and buoyancy (N, N m; body).
+
+    The buoyancy falls while the hull comes out of the water, so that a light one floats at the surface.
+    """
     qw, qx, qy, qz = attitude
     x = 2.0 * (qx * qz - qw * qy)
     y = 2.0 * (qy * qz + qw * qx)
     z = 1.0 - 2.0 * (qx * qx + qy * qy)
-    heavy, righting = b.net_weight_n, b.righting_nm
+    under = min(max(0.5 + depth_m / b.diameter_m, 0.0), 1.0)
+    heavy, righting = b.weight_n - under * b.buoyancy_n, b.righting_nm
     return (heavy * x, heavy * y, heavy * z), (-righting * y, righting * x, 0.0)
 
 
@@ -215,7 +226,7 @@ def motion(state: State, command: Numbers, current: Vec3, forces: Forces, b: Bod
     cu, cv, cw = ned_to_body(attitude, current)
     water = (velocity[0] - cu, velocity[1] - cv, velocity[2] - cw)
     (tx, ty, tz), (tk, tm, tn) = _turning_force(water, rates, b)
-    (gx, gy, gz), (gk, gm, _) = _gravity_force(attitude, b)
+    (gx, gy, gz), (gk, gm, _) = _gravity_force(attitude, state[2], b)
     (fx, fy, fz), (fk, fm, fn) = forces
     fx, fy, fz = fx - tx + gx, fy - ty + gy, fz - tz + gz
     fk, fm, fn = fk - tk + gk, fm - tm + gm, fn - tn

@@ -155,7 +155,7 @@ def body_of(params: Params) -> Body:
     hull, mass = params.hull, mass_kg(params)
     shape = spheroid(hull)
     return body(
-        Ballast(mass, hull.cog_z_m, mass * params.gravity_mps2, hull.net_weight_n),
+        Ballast(mass, hull.cog_z_m, mass * params.gravity_mps2, hull.net_weight_n, hull.diameter_m),
         shape.inertia_kgm2(mass),
         shape.added_mass(mass, hull.roll_added_ratio),
         params.servos,
@@ -228,7 +228,7 @@ def rate(_t_s: float, state: State, given: tuple[Numbers, Vec3, Body, Water]) ->
     return motion(state, command, current, summed(forces, ((thrust_n, 0.0, 0.0), (roll_nm, 0.0, 0.0))), b)
 
 
-@entry("TUPLE16(TUPLE16, TUPLE3, TUPLE3, TUPLE40, float64, int64)")
+@entry("TUPLE16(TUPLE16, TUPLE3, TUPLE3, TUPLE42, float64, int64)")
 def advance(x: State, command: Numbers, current: Vec3, numbers: Numbers, dt_s: float, steps: int) -> State:
     """
     Return the state after `steps` steps of `dt_s` with a constant command; `numbers` are `Body` and `Water`.

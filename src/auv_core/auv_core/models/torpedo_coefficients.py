@@ -154,7 +154,7 @@ def body_of(params: Params) -> Body:
     shape = Spheroid(0.5 * params.length_m, 0.5 * params.diameter_m)
     mass = params.mass_kg
     return body(
-        Ballast(mass, params.cog_z_m, mass * params.gravity_mps2, params.net_weight_n),
+        Ballast(mass, params.cog_z_m, mass * params.gravity_mps2, params.net_weight_n, params.diameter_m),
         shape.inertia_kgm2(mass),
         shape.added_mass(mass, 0.0),
         params.servos,
@@ -217,7 +217,7 @@ def rate(_t_s: float, state: State, given: tuple[Numbers, Vec3, Body, Coefficien
     return motion(state, command, current, forces, b)
 
 
-@entry("TUPLE16(TUPLE16, TUPLE3, TUPLE3, TUPLE53, float64, int64)")
+@entry("TUPLE16(TUPLE16, TUPLE3, TUPLE3, TUPLE55, float64, int64)")
 def advance(x: State, command: Numbers, current: Vec3, numbers: Numbers, dt_s: float, steps: int) -> State:
     """
     Return the state after `steps` steps of `dt_s` with a constant command; `numbers` are those of the body
