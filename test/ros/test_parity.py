@@ -49,6 +49,12 @@ SHIPPED = [name for name, _ in list_scenarios()]
 QUICK_S, LONG_S = 8, 20
 FLIGHTS = [pytest.param(name, QUICK_S) for name in QUICK]
 FLIGHTS += [pytest.param(name, LONG_S, marks=pytest.mark.slow) for name in SHIPPED]
+THRUSTERS = (
+    "vehicles.1.fault={thruster: 1, t_s: 2.0, known_after_s: 1.5}",
+    "vehicles.2={id: auv_3, model: {preset: bluerov2_heavy}}",
+    "vehicles.3={id: auv_4, model: {preset: odin}}",
+    "agent.hold_s=0.0",
+)
 WATER = (
     "agent.neighbours.timeout_s=60",
     (
@@ -207,6 +213,14 @@ def test_sound_sonar_drift_and_a_varying_current_are_the_same_in_lockstep(tmp_pa
     assert {Outcome.SENT, Outcome.DELIVERED, Outcome.OUTAGE} <= outcomes
     assert len(recorded.contacts) > 0
     assert np.ptp(recorded.nav_position_sd_m) > 0.0
+
+
+def test_thrusters_with_a_fault_beside_a_hull_without_are_the_same_in_lockstep(tmp_path):
+    settings = [word for override in THRUSTERS for word in ("--set", override)]
+    recorded = assert_equals_in_process(fly("hover_thrusters", tmp_path, 6, *settings, "--layout", "vehicle"))
+    assert np.isfinite(recorded.actuator_output[:, :3]).all()
+    assert not recorded.actuator_command[35:, 1, 0].any()
+    assert recorded.actuator_command[1:35, 1, 0].all()
 
 
 def test_sensed_and_moving_obstacles_are_the_same_in_lockstep(tmp_path):
