@@ -41,6 +41,8 @@ QUICK = (
     "flock_drift",
     "medium_access",
     "passage",
+    "torpedo_path",
+    "torpedo_steps",
 )
 FLOWN_BELOW = ("flock_acoustic", "flock_sensed", "ch2_pfpd")
 # All layouts make one bag (a test says so), so most fly in the one that starts and flies fastest.

@@ -230,12 +230,12 @@ def _preset(package: ModuleType, name: object, path: str) -> dict[str, Any]:
 
 
 def _merged(preset: Any, explicit: Any) -> Any:
-    """Return a plugin section: explicit keys override those of the preset, unless they name another kind."""
+    """
+    Return a plugin section: explicit keys override those of the preset, also within its mappings, unless they
+    name another kind.
+    """
     if not isinstance(preset, Mapping) or not isinstance(explicit, Mapping):
         return explicit
     if "kind" in explicit and explicit["kind"] != preset.get("kind"):
         return explicit
-    merged = {**preset, **explicit}
-    if isinstance(preset.get("params"), Mapping) and isinstance(explicit.get("params"), Mapping):
-        merged["params"] = {**preset["params"], **explicit["params"]}
-    return merged
+    return {**preset, **{key: _merged(preset.get(key), value) for key, value in explicit.items()}}
