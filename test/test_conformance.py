@@ -412,7 +412,7 @@ def _use_coordination(module, params, inputs):
         own = LanePlace(10.0 + tick, 15.0 + 1.5 * tick, tick % 5 == 0)
         (gamma_m, r_m, rate_mps) = inputs.point()
         status = LaneStatus(gamma_m, r_m, 0.1 * rate_mps, Mode.INLANE, tick % 4 == 0, 6, 30.0)
-        other = inputs.kept(LaneNeighbour(2, own.t_s - 3.0, 3.0, inputs.point(), inputs.point(), status))
+        other = inputs.kept(LaneNeighbour(2, own.t_s - 3.0, status, own.t_s, inputs.point(), inputs.point()))
         correction_mps, state = law.step(law.hear(state, own, other), own, (other,))
         assert abs(correction_mps) <= params.correction_max_mps
         outputs.append((correction_mps, state, law.reference_m(state, own)))

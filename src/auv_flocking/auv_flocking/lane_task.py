@@ -124,7 +124,7 @@ class LaneTask:
         self._law = make_coordination(params.coordination, self._pace)
         self._coordination: State | None = None
         self._keeping_up = KeepingUp()
-        self._heard_s: dict[int, float] = {}
+        self._others: dict[int, LaneNeighbour] = {}
         self._sent: Sent | None = None
         self.mode = ModeState(Mode.TRANSIT, 0.0)
         self.gamma_m = 0.0
@@ -150,11 +150,9 @@ class LaneTask:
         if not loiters:
             self.gamma_m = self._follower.s_m - self._slot[0]
         own = LanePlace(t_s, self.gamma_m, self._keeping_up.is_limited)
-        others = [neighbour(each, own.gamma_m, self._reference_m(own)) for each in neighbours if each.shared]
-        fresh = [other for other in others if other.time_s > self._heard_s.get(other.address, -1.0)]
-        self._heard_s.update({other.address: other.time_s for other in fresh})
-        self.mode = self._next_mode(t_s, nav, others)
-        speed_mps = self._coordinated_mps(own, found, others, fresh, self.gamma_m - before_m)
+        fresh = self._hear(own, neighbours)
+        self.mode = self._next_mode(t_s, nav)
+        speed_mps = self._coordinated_mps(own, found, fresh, self.gamma_m - before_m)
         self.status = self._status(own)
         self._follower.change_to(self._loiter if self.mode.mode is Mode.LOITER else self._path)
         is_in_lane = self.mode.mode in IN_LANE
@@ -189,17 +187,22 @@ class LaneTask:
             return own.gamma_m - self._pace.speed_mps * own.t_s
         return self._law.reference_m(self._coordination, own)
 
-    def _next_mode(self, t_s: float, nav: VehicleState, others: list[LaneNeighbour]) -> ModeState:
-        p, fleet_size = self._params, self._member.fleet_size
-        silence_s = t_s - max(self._heard_s.values(), default=0.0) if fleet_size > 1 else 0.0
-        ahead_m = (
-            apart_m(
-                self.gamma_m,
-                other.status.gamma_m + p.speed_mps * (t_s - other.time_s),
-                self._pace.round_m,
-            )
-            for other in others
-        )
+    def _hear(self, own: LanePlace, neighbours: Neighbours) -> list[LaneNeighbour]:
+        """Return the neighbours with a new packet, in the order of addresses."""
+        fresh = []
+        for each in neighbours:
+            known = self._others.get(each.address)
+            if each.shared and (known is None or each.time_s > known.time_s):
+                fresh.append(neighbour(each, own.t_s, own.gamma_m, self._reference_m(own)))
+        if fresh:
+            heard = {**self._others, **{other.address: other for other in fresh}}
+            self._others = dict(sorted(heard.items()))
+        return fresh
+
+    def _next_mode(self, t_s: float, nav: VehicleState) -> ModeState:
+        p, others = self._params, self._others.values()
+        newest_s = max((other.time_s for other in others), default=0.0)
+        silence_s = t_s - newest_s if self._member.fleet_size > 1 else 0.0
         inputs = ModeInputs(
             t_s,
             self.sight.cross_track_m,
@@ -207,17 +210,24 @@ class LaneTask:
             nav.position[2] - self.layer_m,
             silence_s,
             is_heard(silence_s, p.cycle_s),
-            are_ready(zip(others, ahead_m, strict=True), fleet_size, t_s, p.modes, p.cycle_s),
+            self.mode.mode is Mode.INLANE and self._are_ready(t_s),
         )
         return next_mode(self.mode, inputs, p.modes, p.cycle_s)
 
+    def _are_ready(self, t_s: float) -> bool:
+        p = self._params
+        ahead_m = [
+            apart_m(
+                self.gamma_m, other.status.gamma_m + p.speed_mps * (t_s - other.time_s), self._pace.round_m
+            )
+            for other in self._others.values()
+        ]
+        return are_ready(
+            zip(self._others.values(), ahead_m, strict=True), self._member.fleet_size, t_s, p.modes, p.cycle_s
+        )
+
     def _coordinated_mps(
-        self,
-        own: LanePlace,
-        found: Sight,
-        others: list[LaneNeighbour],
-        fresh: list[LaneNeighbour],
-        moved_m: float,
+        self, own: LanePlace, found: Sight, fresh: list[LaneNeighbour], moved_m: float
     ) -> float:
         """Return the speed along the lane (m/s), after the law has heard the fresh packets."""
         p, law = self._params, self._law
@@ -230,7 +240,11 @@ class LaneTask:
         for other in fresh:
             if other.status.mode in IN_LANE:
                 self._coordination = law.hear(self._coordination, own, other)
-        counted = [each for each in others if each.status.mode in IN_LANE and each.age_s <= p.remembered_s]
+        counted = [
+            other
+            for other in self._others.values()
+            if other.status.mode in IN_LANE and own.t_s - other.time_s <= p.remembered_s
+        ]
         correction_mps, self._coordination = law.step(self._coordination, own, counted)
         ratio = 1.0 - self._follower.point.curvature_pm * self._slot[1]
         is_aligned = (

@@ -21,10 +21,10 @@ EVERY = pytest.mark.parametrize("kind", LAWS)
 AT_REST = (0.0, 0.0, 0.0)
 
 
-def told(address, t_s, gamma_m, r_m=0.0, *, age_s=0.0, rate_mps=0.0, is_limited=False):
+def told(address, t_s, gamma_m, r_m=0.0, *, rate_mps=0.0, is_limited=False):
     """Return a neighbour whose packet was sent at `t_s` with these numbers."""
     status = LaneStatus(gamma_m, r_m, rate_mps, Mode.INLANE, is_limited, 6, 30.0)
-    return LaneNeighbour(address, t_s, age_s, AT_REST, AT_REST, status)
+    return LaneNeighbour(address, t_s, status, t_s, AT_REST, AT_REST)
 
 
 def spread_m(kind, starts_m, *, every_s=4.0, loss_prob=0.3, delay_s=2.0, duration_s=600.0, seed=1):

@@ -73,7 +73,7 @@ def test_slow_channels_make_the_fleet_more_patient():
 
 
 def _neighbour(address, age_s, status=STATUS):
-    return LaneNeighbour(address, T_S - age_s, age_s, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), status)
+    return LaneNeighbour(address, T_S - age_s, status, T_S, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 @pytest.mark.parametrize(

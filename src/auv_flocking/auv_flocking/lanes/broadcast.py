@@ -3,7 +3,7 @@ When a vehicle in a fleet of lanes uses its slot of the channel.
 
 ``periodic``: always. ``event``: if the path parameter differs from what receivers predict, if the mode has
 changed, or after a heartbeat; and again in the next slots, since a lost packet is not noticed. The threshold
-falls with time, c0 + c1 exp(-alpha (t - t0)), as in the event-triggered coordination of Farol (DSOR/IST,
+falls with time, c0 + c1 exp(-alpha (t - t0)), as in the event-triggered coordination of Farol (DSOR,
 Lisbon). A vehicle on its way to its lane or back to its layer always sends.
 """
 

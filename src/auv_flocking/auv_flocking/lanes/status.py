@@ -69,28 +69,31 @@ class LaneStatus(NamedTuple):
 
 class LaneNeighbour(NamedTuple):
     """
-    A neighbour as its newest report tells.
+    A neighbour as its newest packet tells.
 
-    Address, time tag (s), age of the report (s), position and velocity at the time tag's estimate (m, m/s;
-    NED) and its status; `gamma_m` and `reference_m` of the status are the values nearest to the own ones.
+    address, time_s : its address, and the time tag of the packet (s). status : what it says; `gamma_m` and
+    `reference_m` are the values nearest to the own ones. seen_s, position, velocity : the time at which the
+    packet came (s), and the estimate at that time (m, m/s; NED).
     """
 
     address: int
     time_s: float
-    age_s: float
+    status: LaneStatus
+    seen_s: float
     position: Vec3
     velocity: Vec3
-    status: LaneStatus
 
 
-def neighbour(estimate: NeighbourEstimate, gamma_m: float, reference_m: float) -> LaneNeighbour:
+def neighbour(estimate: NeighbourEstimate, t_s: float, gamma_m: float, reference_m: float) -> LaneNeighbour:
     """
-    Return a neighbour from its estimate.
+    Return a neighbour from its estimate when its packet comes.
 
     Parameters
     ----------
     estimate : NeighbourEstimate
         Whose shared numbers are those of a `LaneStatus`.
+    t_s : float
+        Time of the estimate (s).
     gamma_m, reference_m : float
         The own ones (m), to undo the wrapping of the neighbour's.
 
@@ -112,9 +115,7 @@ def neighbour(estimate: NeighbourEstimate, gamma_m: float, reference_m: float) -
         int(numbers.turn_away_course),
         numbers.depth_target_m,
     )
-    return LaneNeighbour(
-        estimate.address, estimate.time_s, estimate.age_s, estimate.position, estimate.velocity, status
-    )
+    return LaneNeighbour(estimate.address, estimate.time_s, status, t_s, estimate.position, estimate.velocity)
 
 
 def nearest(value: float, to: float, field: Field) -> float:
