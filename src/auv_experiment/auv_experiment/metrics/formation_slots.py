@@ -18,7 +18,7 @@ from auv_experiment.metrics.finite import norm, rms
 from auv_experiment.metrics.formation_stability import LEADER, gains_along_string, settled_after_s, sup
 from auv_experiment.recording import FloatArray, Recording
 from auv_flocking.flocking import Member
-from auv_flocking.flocking.displacement import NO_SHAPE, Params, roster_of
+from auv_flocking.flocking._formation import NO_SHAPE, FormationParams, roster_of
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -33,7 +33,7 @@ class Plan(NamedTuple):
     offsets : (K + 1, N, 3) array
         World offsets of the vehicles' slots (m; NED); NaN from a vehicle's failure on.
     leaders : (K + 1,) array of int
-        Index of the leader.
+        Index of the leader; after its failure of the next one.
     followed : tuple of N int
         The vehicle that each one follows in the last formation, `LEADER` for the leader and for lost ones.
     changed_at_s : float
@@ -55,7 +55,7 @@ def formation_slot_metrics(recording: Recording, scenario: Scenario, formed_at_s
     gain.
     """
     params = None if scenario.agent.flocking is None else scenario.agent.flocking.params
-    if not isinstance(params, Params) or recording.n_ticks == 0:
+    if not isinstance(params, FormationParams) or recording.n_ticks == 0:
         return {}
     t_s, plan = recording.t_s, plan_of(recording, scenario, params)
     errors = recording.position_ned_m - plan.offsets
@@ -73,7 +73,7 @@ def formation_slot_metrics(recording: Recording, scenario: Scenario, formed_at_s
     }
 
 
-def plan_of(recording: Recording, scenario: Scenario, params: Params) -> Plan:
+def plan_of(recording: Recording, scenario: Scenario, params: FormationParams) -> Plan:
     """Return the formation that the fleet of a run should have at each instant."""
     t_s, count = recording.t_s.tolist(), recording.n_vehicles
     roster = roster_of(params, Member(False, 0, count))
@@ -91,9 +91,10 @@ def plan_of(recording: Recording, scenario: Scenario, params: Params) -> Plan:
             changed_at_s = now_s
             roster.count_on(live, now_s)
         course = course_of(path.at(now_s)) if path is not None else None
-        leaders[row] = roster.order.leader - 1
-        for address in roster.live:
-            if course is not None and (now_s < fails_at_s[address - 1] or address == roster.order.leader):
+        working = [address for address in roster.live if now_s < fails_at_s[address - 1]]
+        leaders[row] = min(working, default=roster.order.leader) - 1
+        for address in working:
+            if course is not None:
                 offsets[row, address - 1] = world_offset(roster.offset(address, now_s), course).position
     order = roster.order
     by_slot = {slot: address - 1 for address, slot in order.slots.items()}
