@@ -39,6 +39,7 @@ QUICK = (
     "ch5_communication_obstacles",
     "ch6_obstacles",
     "flock_drift",
+    "formation_repair",
     "medium_access",
     "passage",
     "torpedo_path",

@@ -116,9 +116,7 @@ OF_LAWS = {
     ),
     # formations with slots
     "formation_error_rms_m": Meaning(
-        "m",
-        "distance of a vehicle from its slot relative to the leader, rms over vehicles and the time from the "
-        "formation of the flock on",
+        "m", "distance of vehicles from their slots relative to the leader, rms, from the formation on"
     ),
     "formation_error_final_m": Meaning(
         "m", "largest distance of a live vehicle from its slot, relative to the leader, at the end"
@@ -127,9 +125,7 @@ OF_LAWS = {
         "s", "time after which every live vehicle stays within 0.5 m of its slot, relative to the leader", 1
     ),
     "string_gain_max": Meaning(
-        "",
-        "largest ratio of the largest spacing error of a vehicle to that of the vehicle that it follows, in "
-        "a formation that does not change, from the formation of the flock on",
+        "", "largest spacing error of a vehicle / that of the one that it follows, in a fixed formation"
     ),
     # regions
     "ring_first_inside_s": Meaning("s", "first time of each vehicle inside the ring", 1),

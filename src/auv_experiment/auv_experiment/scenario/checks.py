@@ -101,7 +101,11 @@ def _check_contracts(scenario: Scenario) -> None:
     make_controller(agent.controller, scenario.period_s)
     make_navigation(scenario.environment.navigation, scenario.seed, 1, scenario.period_s)
     if agent.flocking is not None and agent.separation is not None:
-        make_flocking(agent.flocking, make_separation(agent.separation), Member(is_leader=True))
+        separation, first = make_separation(agent.separation), Member(True, 1, len(scenario.vehicles))
+        try:
+            make_flocking(agent.flocking, separation, first)
+        except ValueError as error:
+            raise ValueError(f"agent.flocking.params.{error}") from None
         flocking_params(agent.flocking)
     if agent.consensus is not None:
         consensus_params(agent.consensus)

@@ -15,8 +15,10 @@ REFERENCES = {
     "l-p 0.5/0.5": (0.5, 0.5, 0.0),
     "neighbour": (0.0, 0.0, 1.0),
 }
-CYCLES_OF_SILENCE = 8.0
-"""A vehicle counts as lost after this many cycles without news."""
+CYCLES_TO_HEAR = 8.0
+"""The fleet stays at rest for so many cycles, and a vehicle counts as lost after as many without news."""
+SETTLING_S = 120.0
+"""From the departure to a step of the speed, a switch or a loss."""
 _SHARES = ("leader_share", "predecessor_share", "neighbour_share")
 
 
@@ -28,14 +30,23 @@ class Cell(NamedTuple):
     loss_prob: float
 
 
+def _wait_s(cell: Cell, vehicles: int) -> float:
+    """Return the time at rest, and that without news after which a vehicle is lost (s)."""
+    return max(40.0, CYCLES_TO_HEAR * vehicles * cell.slot_s)
+
+
+def _departure(cell: Cell, vehicles: int) -> str:
+    return f"reference.params.from_s=[0.0, {_wait_s(cell, vehicles)}]"
+
+
 def _spec(scenario: str, cell: Cell, vehicles: int, duration_s: float, *changes: str) -> RunSpec:
-    lost_after_s = max(30.0, CYCLES_OF_SILENCE * vehicles * cell.slot_s)
+    wait_s = _wait_s(cell, vehicles)
     return RunSpec(
         scenario,
         (
             f"acoustics.mac.params.slot_s={cell.slot_s}",
             f"acoustics.outage.params.loss_prob={cell.loss_prob}",
-            f"agent.flocking.params.lost_after_s={lost_after_s}",
+            f"agent.flocking.params.lost_after_s={wait_s}",
             *changes,
         ),
         duration_s,
@@ -51,23 +62,33 @@ def string_runs() -> dict[Cell, RunSpec]:
         for slot_s in SLOTS_S:
             for loss_prob in LOSSES:
                 cell = Cell(name, slot_s, loss_prob)
-                runs[cell] = _spec("formation_string", cell, 8, 240.0 if slot_s < 8.0 else 800.0, *changes)
+                at_s = _wait_s(cell, 8) + SETTLING_S
+                times = f"reference.params.from_s=[0.0, {_wait_s(cell, 8)}, {at_s}]"
+                runs[cell] = _spec("formation_string", cell, 8, 2.0 * at_s, *changes, times)
     return runs
 
 
 @cache
 def switch_runs() -> dict[Cell, RunSpec]:
-    """Return the runs of six vehicles that switch from a column to a line at 90 s, by cell."""
-    cells = [Cell("column to line", slot_s, loss_prob) for slot_s in SLOTS_S for loss_prob in LOSSES]
-    return {
-        cell: _spec("formation_switching", cell, 6, 240.0 if cell.slot_s < 8.0 else 600.0) for cell in cells
-    }
+    """Return the runs of six vehicles that switch from a column to a line, by cell."""
+    runs = {}
+    for slot_s in SLOTS_S:
+        for loss_prob in LOSSES:
+            cell = Cell("column to line", slot_s, loss_prob)
+            at_s = _wait_s(cell, 6) + SETTLING_S
+            changes = (_departure(cell, 6), f"agent.flocking.params.switch_at_s={at_s}")
+            runs[cell] = _spec("formation_switching", cell, 6, 2.0 * at_s + 80.0, *changes)
+    return runs
 
 
 @cache
 def repair_runs() -> dict[Cell, RunSpec]:
-    """Return the runs of eight vehicles that lose two at 60 s, by cell."""
-    cells = [Cell("leader and one lost", slot_s, loss_prob) for slot_s in SLOTS_S for loss_prob in LOSSES]
-    return {
-        cell: _spec("formation_repair", cell, 8, 300.0 if cell.slot_s < 8.0 else 1000.0) for cell in cells
-    }
+    """Return the runs of eight vehicles that lose two, by cell."""
+    runs = {}
+    for slot_s in SLOTS_S:
+        for loss_prob in LOSSES:
+            cell = Cell("leader and one lost", slot_s, loss_prob)
+            at_s = _wait_s(cell, 8) + SETTLING_S
+            changes = [_departure(cell, 8), *(f"vehicles.{index}.fails_at_s={at_s}" for index in (0, 3))]
+            runs[cell] = _spec("formation_repair", cell, 8, at_s + 2.0 * _wait_s(cell, 8) + 120.0, *changes)
+    return runs

@@ -1,0 +1,125 @@
+"""Claims about the error of a formation with slots, and about stability along its strings."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from auv_core.params import ConfigError
+from auv_experiment.metrics.formation_slots import formation_slot_metrics, plan_of
+from auv_experiment.metrics.formation_stability import (
+    LEADER,
+    decay_rate_ps,
+    formation_error_m,
+    gains_along_string,
+    gains_from_leader,
+    least_distance_m,
+    root_of_integral,
+    settled_after_s,
+    spacing_errors_m,
+    sup,
+)
+from auv_experiment.recording import Recording
+from auv_experiment.scenario.loading import load_scenario
+
+MODERATE = settings(max_examples=40, deadline=None)
+COLUMN = (LEADER, 0, 1, 2)
+OFFSETS = np.array([[(-4.0 * i, 0.0, 0.0) for i in range(4)]])
+shifts = st.tuples(*(3 * [st.floats(-5.0, 5.0)]))
+
+
+@MODERATE
+@given(shifts)
+def test_a_formation_that_is_elsewhere_as_a_whole_has_no_error(shift):
+    positions = OFFSETS + np.array(shift)
+    assert formation_error_m(positions, OFFSETS) == pytest.approx([0.0], abs=1e-12)
+    errors = spacing_errors_m(positions, np.zeros((1, 3)), OFFSETS, COLUMN)
+    assert errors[0] == pytest.approx([math.hypot(*shift), 0.0, 0.0, 0.0], abs=1e-12)
+
+
+@MODERATE
+@given(st.integers(1, 3), shifts)
+def test_a_vehicle_out_of_its_slot_counts_for_itself_and_the_one_behind(index, shift):
+    positions = OFFSETS.copy()
+    positions[0, index] += shift
+    size_m = math.hypot(*shift)
+    assert formation_error_m(positions, OFFSETS) == pytest.approx([size_m / 2.0], abs=1e-9)
+    errors = spacing_errors_m(positions, np.zeros((1, 3)), OFFSETS, COLUMN)[0]
+    expected = [size_m if j in (index, index + 1) else 0.0 for j in range(4)]
+    assert errors == pytest.approx(expected, abs=1e-9)
+
+
+def test_gains_are_ratios_to_the_vehicle_ahead_and_to_the_leader():
+    sizes = np.array([2.0, 1.0, 1.5, 0.75])
+    assert gains_along_string(sizes, COLUMN) == [1.5, 0.5]
+    assert gains_from_leader(sizes, COLUMN) == [0.5, 0.75, 0.375]
+    assert gains_along_string(np.array([2.0, 1e-4, 1.5, 0.75]), COLUMN) == [0.5]
+    assert gains_from_leader(1e-4 * sizes, COLUMN) == []
+
+
+def test_norms_of_errors():
+    errors = np.array([[3.0, 0.0], [4.0, 1.0]])
+    assert sup(errors).tolist() == [4.0, 1.0]
+    assert root_of_integral(errors, 0.25).tolist() == [2.5, 0.5]
+
+
+def test_settling_and_decay():
+    t_s = np.linspace(0.0, 10.0, 101)
+    errors = np.exp(-0.5 * t_s)
+    assert decay_rate_ps(t_s, errors) == pytest.approx(0.5)
+    assert settled_after_s(t_s, errors, 0.1) == pytest.approx(2.0 * math.log(10.0), abs=0.1)
+    assert settled_after_s(t_s, errors, 2.0) == -math.inf
+    assert settled_after_s(t_s, errors, 1e-3) == math.inf
+    assert least_distance_m(OFFSETS) == 4.0
+    assert least_distance_m(OFFSETS[:, :1]) == math.inf
+
+
+def recording_of(scenario, positions):
+    ids = [vehicle.id for vehicle in scenario.vehicles]
+    recording = Recording.empty(ids, scenario.tick_times())
+    recording.position_ned_m[:] = positions
+    return recording
+
+
+def test_a_fleet_on_its_plan_has_no_error_and_a_lost_vehicle_does_not_count():
+    scenario = load_scenario("formation_repair", duration_s=240.0, overrides=("period_s=1.0",))
+    recording = recording_of(scenario, 0.0)
+    params = scenario.agent.flocking.params
+    plan = plan_of(recording, scenario, params)
+    assert plan.changed_at_s == 130.0
+    assert set(np.flatnonzero(np.isnan(plan.offsets[-1, :, 0])).tolist()) == {0, 3}
+    assert plan.followed[1] == LEADER
+    positions = np.nan_to_num(plan.offsets) + 7.0
+    metrics = formation_slot_metrics(recording_of(scenario, positions), scenario, 10.0)
+    assert metrics["formation_error_rms_m"] == pytest.approx(0.0, abs=1e-9)
+    assert metrics["formation_error_final_m"] == pytest.approx(0.0, abs=1e-9)
+    assert metrics["formation_in_place_after_s"] == 0.0
+    assert metrics["string_gain_max"] is None
+
+
+def test_a_string_has_a_gain_and_another_law_has_none_of_these():
+    scenario = load_scenario("formation_string", duration_s=40.0, overrides=("period_s=1.0",))
+    plan = plan_of(recording_of(scenario, 0.0), scenario, scenario.agent.flocking.params)
+    positions = plan.offsets.copy()
+    for vehicle in range(1, 8):
+        positions[20, vehicle:, 0] += 0.1 * 1.2**vehicle
+    metrics = formation_slot_metrics(recording_of(scenario, positions), scenario, 10.0)
+    assert metrics["string_gain_max"] == pytest.approx(1.2)
+    other = load_scenario("flock_modem", duration_s=10.0)
+    assert formation_slot_metrics(recording_of(other, 0.0), other, 0.0) == {}
+
+
+def test_a_formation_that_cannot_be_is_refused_at_load():
+    with pytest.raises(
+        ConfigError, match=r"^scenario\.agent\.flocking\.params\.shape: 'column' is not allowed"
+    ):
+        load_scenario(
+            "formation_string", overrides=("agent.flocking={kind: bearing, params: {shape: column}}",)
+        )
+    with pytest.raises(ConfigError, match=r"params\.offsets_m: those of 1 vehicles are not allowed"):
+        load_scenario(
+            "formation_string",
+            overrides=("agent.flocking={kind: displacement, params: {offsets_m: [0.0, 0.0, 0.0]}}",),
+        )
