@@ -7,81 +7,24 @@ In every control period: where the lane is (line of sight), which mode (`lanes.m
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 
-from auv_control.guidance import autopilots
 from auv_control.guidance.crab import make_crab
-from auv_control.guidance.crab import measured as measured_crab
 from auv_control.guidance.follower import Follower
-from auv_control.guidance.line_of_sight import Sight
-from auv_control.guidance.paths import circle, make_path, racetrack
+from auv_control.guidance.line_of_sight import Sight, over_ground
+from auv_control.guidance.paths import circle, make_path
 from auv_core.geometry import Vec3, clipped
 from auv_core.integrate import State
 from auv_core.messages import FinCommand, VehicleState
-from auv_core.params import Section, param
-from auv_flocking.coordination import LanePlace, Pace, make_coordination, reference_consensus
+from auv_flocking.coordination import LanePlace, Pace, make_coordination
 from auv_flocking.flocking import Member
-from auv_flocking.lanes import broadcast, keeping_up, modes
+from auv_flocking.lane_settings import LaneSettings, depths_of
 from auv_flocking.lanes.broadcast import Sent, after_slot
 from auv_flocking.lanes.keeping_up import KeepingUp, kept_up
-from auv_flocking.lanes.layers import check_layers, layer_depths
 from auv_flocking.lanes.modes import IN_LANE, ModeInputs, ModeState, are_ready, is_heard, next_mode
-from auv_flocking.lanes.status import COURSES, LaneNeighbour, LaneStatus, Mode, apart_m, neighbour
+from auv_flocking.lanes.status import STRAIGHT_ON, LaneNeighbour, LaneStatus, Mode, apart_m, neighbour
+from auv_flocking.lanes.turn_away import Intent, TurnAway
 from auv_flocking.neighbours.estimates import Neighbours
-
-_STRAIGHT_ON = COURSES // 2
-_RACETRACK = Section("racetrack", racetrack.Params())
-_MEASURED = Section("measured", measured_crab.Params())
-_REFERENCE_CONSENSUS = Section("reference_consensus", reference_consensus.Params())
-
-
-@dataclass(frozen=True)
-class Params:
-    """The path, the formation on it, and the parts of the task."""
-
-    path: Section = param("path of the fleet", default=_RACETRACK, plugins="auv_control.guidance.paths")
-    crab: Section = param("crab law of guidance", default=_MEASURED, plugins="auv_control.guidance.crab")
-    coordination: Section = param(
-        "law of coordination", default=_REFERENCE_CONSENSUS, plugins="auv_flocking.coordination"
-    )
-    speed_mps: float = param("speed v_L along the path (m/s)", default=1.5, above=0.0, maximum=10.0)
-    least_speed_mps: float = param("least commanded speed over ground (m/s)", default=0.7, above=0.0)
-    largest_speed_mps: float = param("largest commanded speed over ground (m/s)", default=2.4, above=0.0)
-    transit_speed_mps: float = param("speed through the water outside the lane (m/s)", default=1.5, above=0.0)
-    depth_m: float = param("depth of the formation (m)", default=30.0, above=0.0, maximum=500.0)
-    layer_step_m: float = param("difference of depth between layers (m)", default=6.0, above=0.0)
-    layers: str = param(
-        "layers on both sides of the formation or only below it; none: all vehicles fly at its depth",
-        default="both",
-        choices=("both", "below", "none"),
-    )
-    loiter_north_m: float = param("centre of the circle to loiter on (m; NED north)", default=0.0)
-    loiter_east_m: float = param("centre of the circle to loiter on (m; NED east)", default=0.0)
-    loiter_radius_m: float = param("radius of that circle (m)", default=50.0, above=0.0)
-    cycle_s: float = param("cycle of the channel (s)", default=10.0, above=0.0)
-    remembered_s: float = param("age up to which a neighbour's packet is used (s)", default=400.0, above=0.0)
-    modes: modes.Params = param("when the mode changes", default=modes.Params())
-    broadcast: broadcast.Params = param("when to send", default=broadcast.Params())
-    keeping_up: keeping_up.Params = param("when a vehicle cannot keep up", default=keeping_up.Params())
-    autopilots: autopilots.Params = param("the autopilots", default=autopilots.Params())
-
-
-def depths_of(params: Params, slots: tuple[Vec3, ...]) -> tuple[float, ...]:
-    """
-    Return the depth of each vehicle's layer (m).
-
-    Raises
-    ------
-    ValueError
-        If a vehicle would cross another one's slot in its layer, or a layer is above the surface.
-
-    """
-    if params.layers == "none":
-        return tuple(params.depth_m for _ in slots)
-    below = params.layers == "below"
-    depths = layer_depths(slots, params.depth_m, params.layer_step_m, only_below=below)
-    check_layers(depths, slots, params.depth_m)
-    return depths
 
 
 class LaneTask:
@@ -90,7 +33,7 @@ class LaneTask:
 
     Parameters
     ----------
-    params : Params
+    params : LaneSettings
         Of the fleet, the same for all vehicles.
     slots : tuple of (3,) tuple
         Offsets of all slots (m; along the course, to starboard, down), in the order of addresses.
@@ -98,6 +41,8 @@ class LaneTask:
         The vehicle's address and the size of the fleet.
     period_s : float
         Control period (s).
+    plan : sequence of LaneNeighbour
+        Where the vehicles of the mission start, for turning away before their first packets.
 
     After a step: `sight` (what guidance found), `mode`, `gamma_m` (path parameter minus the slot's offset,
     m), `correction_mps` (of the coordination law) and `status` (what a packet says). `layer_m` is the depth
@@ -108,7 +53,14 @@ class LaneTask:
     sight: Sight
     status: LaneStatus
 
-    def __init__(self, params: Params, slots: tuple[Vec3, ...], member: Member, period_s: float) -> None:
+    def __init__(
+        self,
+        params: LaneSettings,
+        slots: tuple[Vec3, ...],
+        member: Member,
+        period_s: float,
+        plan: Sequence[LaneNeighbour] = (),
+    ) -> None:
         self._params, self._member, self._period_s = params, member, period_s
         self._slot = slots[member.address - 1]
         self.layer_m = depths_of(params, slots)[member.address - 1]
@@ -124,8 +76,12 @@ class LaneTask:
         self._law = make_coordination(params.coordination, self._pace)
         self._coordination: State | None = None
         self._keeping_up = KeepingUp()
+        self._plan = {other.address: other for other in plan if other.address != member.address}
         self._others: dict[int, LaneNeighbour] = {}
         self._sent: Sent | None = None
+        self._turn_away = None
+        if params.turn_away.kind != "none":
+            self._turn_away = TurnAway(params.turn_away, track, slots, member.address, params.speed_mps)
         self.mode = ModeState(Mode.TRANSIT, 0.0)
         self.gamma_m = 0.0
         self.correction_mps = 0.0
@@ -153,6 +109,8 @@ class LaneTask:
         fresh = self._hear(own, neighbours)
         self.mode = self._next_mode(t_s, nav)
         speed_mps = self._coordinated_mps(own, found, fresh, self.gamma_m - before_m)
+        if self._turn_away is not None:
+            found = self._turned_away(t_s, nav, found, self._turn_away)
         self.status = self._status(own)
         self._follower.change_to(self._loiter if self.mode.mode is Mode.LOITER else self._path)
         is_in_lane = self.mode.mode in IN_LANE
@@ -265,6 +223,28 @@ class LaneTask:
             )
         return speed_mps
 
+    def _turned_away(self, t_s: float, nav: VehicleState, found: Sight, law: TurnAway) -> Sight:
+        """Return what guidance found, with the heading of a vehicle in transit that turns away."""
+        if self.mode.mode is not Mode.TRANSIT:
+            law.give_up()
+            return found
+        own = over_ground(nav)
+        intent = Intent(
+            *nav.position,
+            own.course_rad,
+            own.speed_mps,
+            self._follower.s_m,
+            self._slot[1],
+            self.layer_m,
+            0.0,
+            0.0,
+        )
+        known = {**self._plan, **self._others}
+        offset_rad = law.decide(t_s, intent, known.values())
+        if law.course == STRAIGHT_ON:
+            return found
+        return found._replace(heading_rad=found.heading_rad + offset_rad, turn_rate_radps=0.0)
+
     def _status(self, own: LanePlace) -> LaneStatus:
         depth_m = self.layer_m
         if self.mode.mode is Mode.FORM:
@@ -275,6 +255,6 @@ class LaneTask:
             clipped(self._keeping_up.rate_mps, 1.27),
             self.mode.mode,
             self._keeping_up.is_limited,
-            _STRAIGHT_ON,
+            self._turn_away.course if self._turn_away else STRAIGHT_ON,
             depth_m,
         )

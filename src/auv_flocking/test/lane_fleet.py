@@ -13,13 +13,15 @@ import numpy as np
 from torpedo_flights import preset
 
 from auv_control.formations.shapes import shape_slots
+from auv_control.guidance.paths import make_path
 from auv_core.geometry import body_to_ned, heading_from_quaternion
 from auv_core.messages import VehicleState
 from auv_core.models import make_model
 from auv_flocking.flocking import Member
-from auv_flocking.lane_task import LaneTask, Params
+from auv_flocking.lane_settings import LaneSettings, depths_of
+from auv_flocking.lane_task import LaneTask
 from auv_flocking.lanes.layers import staggered
-from auv_flocking.lanes.status import FIELDS, Mode
+from auv_flocking.lanes.status import FIELDS, STRAIGHT_ON, LaneNeighbour, LaneStatus, Mode
 from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.report import Report
 from auv_flocking.reports import lane
@@ -27,6 +29,7 @@ from auv_flocking.reports import lane
 PERIOD_S, STEP_S, STEPS = 0.2, 0.1, 2
 AIRTIME_S, SOUND_MPS = 0.35, 1500.0
 CENTRE_M, REACH_M, APART_M, START_MPS = (100.0, 0.0), 100.0, 60.0, 1.5
+SHALLOW_M = 5.0
 EYE = np.eye(6)
 
 
@@ -48,7 +51,7 @@ class Setting:
     silent_s: tuple[float, float] = (math.inf, math.inf)
     weak: tuple[int, ...] = ()
     weak_rpm: float = 806.0
-    params: Params = field(default_factory=Params)
+    params: LaneSettings = field(default_factory=LaneSettings)
 
 
 class Starts(NamedTuple):
@@ -169,19 +172,34 @@ class Channel:
                 self._on_air.append((t_s + AIRTIME_S + way_m / SOUND_MPS, receiver, report))
 
 
+def planned(setting, starts, slots, params):
+    """Return the start of every vehicle, as the mission plan has it."""
+    track = make_path(params.path).track
+    plan = []
+    for index, (place, heading_rad) in enumerate(zip(starts.places, starts.headings_rad, strict=True)):
+        layer_m = depths_of(params, slots)[index]
+        gamma_m = track.closest(*place) - slots[index][0]
+        status = LaneStatus(gamma_m, 0.0, 0.0, Mode.TRANSIT, False, STRAIGHT_ON, layer_m)
+        depth_m = SHALLOW_M if setting.start_at_one_depth else layer_m
+        north_mps, east_mps = START_MPS * math.cos(heading_rad), START_MPS * math.sin(heading_rad)
+        plan.append(LaneNeighbour(index + 1, 0.0, status, 0.0, (*place, depth_m), (north_mps, east_mps, 0.0)))
+    return plan
+
+
 def fleet_of(setting, starts):
     """Return the vehicles of a setting at their starts."""
     slots = shape_slots(setting.shape, setting.count, setting.spacing_m)
     slots = staggered(slots, setting.stagger_m)
     params = replace(setting.params, cycle_s=setting.slot_s * setting.count)
     model = make_model(preset("remus100"))
+    plan = planned(setting, starts, slots, params)
     fleet = []
     for index, ((north_m, east_m), heading_rad) in enumerate(
         zip(starts.places, starts.headings_rad, strict=True)
     ):
         address = index + 1
-        task = LaneTask(params, slots, Member(False, address, setting.count), PERIOD_S)
-        depth_m = 5.0 if setting.start_at_one_depth else task.layer_m
+        task = LaneTask(params, slots, Member(False, address, setting.count), PERIOD_S, plan)
+        depth_m = SHALLOW_M if setting.start_at_one_depth else task.layer_m
         state = model.initial_state((north_m, east_m, depth_m), heading_rad, START_MPS)
         fleet.append(
             Torpedo(model, state, task, address, setting.weak_rpm if address in setting.weak else math.inf)

@@ -11,7 +11,8 @@ from auv_flocking.codec import Field
 from auv_flocking.neighbours.estimates import NeighbourEstimate
 
 COURSES = 13
-"""Courses among which a vehicle chooses to turn away; the middle one is straight on."""
+"""Courses among which a vehicle chooses to turn away."""
+STRAIGHT_ON = COURSES // 2
 
 
 class Mode(enum.IntEnum):

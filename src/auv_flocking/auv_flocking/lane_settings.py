@@ -1,0 +1,70 @@
+"""The settings of a fleet of lanes: the path, the formation on it, and the parts of the task."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from auv_control.guidance import autopilots
+from auv_control.guidance.crab import measured as measured_crab
+from auv_control.guidance.paths import racetrack
+from auv_core.geometry import Vec3
+from auv_core.params import Section, param
+from auv_flocking.coordination import reference_consensus
+from auv_flocking.lanes import broadcast, keeping_up, modes, turn_away
+from auv_flocking.lanes.layers import check_layers, layer_depths
+
+_RACETRACK = Section("racetrack", racetrack.Params())
+_MEASURED = Section("measured", measured_crab.Params())
+_REFERENCE_CONSENSUS = Section("reference_consensus", reference_consensus.Params())
+
+
+@dataclass(frozen=True)
+class LaneSettings:
+    """The path, the formation on it, and the parts of the task."""
+
+    path: Section = param("path of the fleet", default=_RACETRACK, plugins="auv_control.guidance.paths")
+    crab: Section = param("crab law of guidance", default=_MEASURED, plugins="auv_control.guidance.crab")
+    coordination: Section = param(
+        "law of coordination", default=_REFERENCE_CONSENSUS, plugins="auv_flocking.coordination"
+    )
+    speed_mps: float = param("speed v_L along the path (m/s)", default=1.5, above=0.0, maximum=10.0)
+    least_speed_mps: float = param("least commanded speed over ground (m/s)", default=0.7, above=0.0)
+    largest_speed_mps: float = param("largest commanded speed over ground (m/s)", default=2.4, above=0.0)
+    transit_speed_mps: float = param("speed through the water outside the lane (m/s)", default=1.5, above=0.0)
+    depth_m: float = param("depth of the formation (m)", default=30.0, above=0.0, maximum=500.0)
+    layer_step_m: float = param("difference of depth between layers (m)", default=6.0, above=0.0)
+    layers: str = param(
+        "layers on both sides of the formation or only below it; none: all vehicles fly at its depth",
+        default="both",
+        choices=("both", "below", "none"),
+    )
+    loiter_north_m: float = param("centre of the circle to loiter on (m; NED north)", default=0.0)
+    loiter_east_m: float = param("centre of the circle to loiter on (m; NED east)", default=0.0)
+    loiter_radius_m: float = param("radius of that circle (m)", default=50.0, above=0.0)
+    cycle_s: float = param("cycle of the channel (s)", default=10.0, above=0.0)
+    remembered_s: float = param("age up to which a neighbour's packet is used (s)", default=400.0, above=0.0)
+    modes: modes.Params = param("when the mode changes", default=modes.Params())
+    broadcast: broadcast.Params = param("when to send", default=broadcast.Params())
+    keeping_up: keeping_up.Params = param("when a vehicle cannot keep up", default=keeping_up.Params())
+    turn_away: turn_away.Params = param(
+        "turning away from others on the way to the lane", default=turn_away.Params()
+    )
+    autopilots: autopilots.Params = param("the autopilots", default=autopilots.Params())
+
+
+def depths_of(params: LaneSettings, slots: tuple[Vec3, ...]) -> tuple[float, ...]:
+    """
+    Return the depth of each vehicle's layer (m).
+
+    Raises
+    ------
+    ValueError
+        If a vehicle would cross another one's slot in its layer, or a layer is above the surface.
+
+    """
+    if params.layers == "none":
+        return tuple(params.depth_m for _ in slots)
+    below = params.layers == "below"
+    depths = layer_depths(slots, params.depth_m, params.layer_step_m, only_below=below)
+    check_layers(depths, slots, params.depth_m)
+    return depths
