@@ -7,6 +7,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import MISSING, fields
+from functools import cache
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, Protocol
 
@@ -30,7 +31,7 @@ from auv_control.references import PathPoint, ReferencePath
 from auv_core.contracts import fulfilled, members
 from auv_core.geometry import distance
 from auv_core.messages import COMMANDS, FinCommand, VehicleState, VelocityCommand, Wrench
-from auv_core.models import ContinuousModel, VehicleModel
+from auv_core.models import ContinuousModel, VehicleModel, make_model
 from auv_core.params import ConfigError, dump, load, load_section
 from auv_core.plugins import find_plugin, list_plugins
 from auv_core.thrusters import Thrusters
@@ -176,10 +177,18 @@ def _use_autopilots(controller, inputs):
     return outputs
 
 
+@cache
+def _remus100():
+    (path,) = [path for path in _presets("auv_core.models") if path.stem == "remus100"]
+    return make_model(load_section(yaml.safe_load(path.read_text()), "remus100", "auv_core.models"))
+
+
 def _use_course(module, params, inputs):
     course = module.Course(params, PERIOD_S)
-    assert course.speed_mps > 0.0
-    assert course.tightest_m > 0.0
+    vehicle = _remus100()
+    course.check(vehicle, 0.2)
+    with pytest.raises(ValueError, match=r"^[a-z_]+: .* is not allowed; allowed: "):
+        course.check(vehicle, 2.0)
     reach = course.reach(650.0)
     assert reach is None or all(low <= high for low, high in zip(*reach, strict=True))
     outputs: list[Any] = []

@@ -86,12 +86,12 @@ def test_a_racetrack_in_a_current(crab):
         (
             "torpedo_path",
             ["agent.course.params.path.params.radius_m=30"],
-            r"agent\.course\.params: turns with a radius of 30 m, which is not allowed; allowed: at least",
+            r"agent\.course\.params\.lane: a curve of 30 m .* is not allowed; allowed: at least 3",
         ),
         (
             "torpedo_path",
             ["environment.current_ned_mps=[0, 0.9, 0]"],
-            r"agent\.course\.params\.speed_mps: 1\.5 is not allowed; allowed: 1\.7 to 1\.65 m/s",
+            r"agent\.course\.params\.lane: 1\.5 m/s .* is not allowed; allowed: 1\.7 to 1\.65 m/s",
         ),
         (
             "torpedo_steps",

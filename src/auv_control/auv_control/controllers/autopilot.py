@@ -53,6 +53,6 @@ class Controller(CourseController):
         if self._memory is None:
             self._memory = initial_state(nav.position[2])
         setpoint = guided.setpoint
-        now = measured(nav, setpoint.heading_rad)._replace(along_mps=guided.along_mps)
+        now = measured(nav, guided.along_mps)
         fins, self._memory = piloted(now, setpoint, self._memory, self._period_s, self._gains)
         return FinCommand(*fins)

@@ -11,6 +11,7 @@ import math
 from typing import NamedTuple, Protocol
 
 from auv_control.guidance.autopilots import Setpoint
+from auv_control.guidance.feasibility import Turning
 from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Box
 from auv_core.messages import VehicleState
@@ -32,18 +33,21 @@ class Guided(NamedTuple):
 
 
 class CourseLaw(Protocol):
-    """
-    A course: it is stepped once per control period and keeps its own state.
-
-    `speed_mps` is the commanded speed (m/s), `tightest_m` the radius of the tightest turn of its path (m; inf
-    without one).
-    """
-
-    speed_mps: float
-    tightest_m: float
+    """A course: it is stepped once per control period and keeps its own state."""
 
     def step(self, t_s: float, nav: VehicleState) -> Guided:
         """Return what it asks at a time (s), from the vehicle's own navigation."""
+
+    def check(self, vehicle: Turning, current_mps: float) -> None:
+        """
+        Check that a vehicle can follow it in any current of a speed (m/s).
+
+        Raises
+        ------
+        ValueError
+            With the parameter, the value and what is allowed.
+
+        """
 
     def reach(self, duration_s: float) -> Box | None:
         """Return a box around the path for that time (m; NED), None if it has no path."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from auv_control.courses import CourseLaw, Guided
 from auv_control.guidance.autopilots import Setpoint
 from auv_control.guidance.crab import make_crab, measured
+from auv_control.guidance.feasibility import Turning, check_lane
 from auv_control.guidance.line_of_sight import over_ground, sight
 from auv_control.guidance.paths import Place, make_path, racetrack
 from auv_core.geometry import Box
@@ -42,10 +43,6 @@ class Course(CourseLaw):
         self._crab = make_crab(params.crab, period_s)
         self._crab_state: State | None = None
         self._place: Place | None = None
-        self.speed_mps = params.speed_mps
-        curvatures = self._path.track.curvatures()
-        radii = [abs(1.0 / curvature - params.lane_m) for curvature in curvatures if curvature != 0.0]
-        self.tightest_m = min(radii, default=float("inf"))
 
     def step(self, t_s: float, nav: VehicleState) -> Guided:
         """Return what the course asks at `t_s`."""
@@ -58,6 +55,10 @@ class Course(CourseLaw):
         self._crab_state = found.crab
         setpoint = Setpoint(found.heading_rad, found.turn_rate_radps, p.depth_m, p.speed_mps)
         return Guided(setpoint, found.along_mps, found.cross_track_m)
+
+    def check(self, vehicle: Turning, current_mps: float) -> None:
+        """Raise ValueError unless the vehicle can fly the lane in a current of any direction (m/s)."""
+        check_lane(vehicle, self._path.track, self._params.lane_m, self._params.speed_mps, current_mps)
 
     def reach(self, duration_s: float) -> Box | None:
         """Return a box around the path (m; NED)."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from auv_control.courses import CourseLaw, Guided
 from auv_control.guidance.autopilots import Setpoint
+from auv_control.guidance.feasibility import Turning
 from auv_core.geometry import Box
 from auv_core.messages import VehicleState
 from auv_core.params import param
@@ -36,13 +37,21 @@ class Course(CourseLaw):
         self._half_period_s = 0.5 * period_s
         self._before = Setpoint(p.heading_before_rad, 0.0, p.depth_before_m, p.speed_mps)
         self._after = Setpoint(p.heading_after_rad, 0.0, p.depth_after_m, p.speed_mps)
-        self.speed_mps = p.speed_mps
-        self.tightest_m = math.inf
 
     def step(self, t_s: float, nav: VehicleState) -> Guided:
         """Return what the course asks at `t_s`; the step falls on the tick that is nearest to its time."""
         is_after = t_s > self._params.step_at_s - self._half_period_s
         return Guided(self._after if is_after else self._before, nav.nu[0])
+
+    def check(self, vehicle: Turning, current_mps: float) -> None:
+        """Raise ValueError unless the vehicle holds the speed in a current of any direction (m/s)."""
+        low_mps = vehicle.handling.least_speed_mps + current_mps
+        high_mps = vehicle.top_speed_mps - current_mps
+        if not low_mps <= self._params.speed_mps <= high_mps:
+            raise ValueError(
+                f"speed_mps: {self._params.speed_mps!r} is not allowed; allowed: {low_mps:.3g} to "
+                f"{high_mps:.3g} m/s in a current of {current_mps:g} m/s"
+            )
 
     def reach(self, duration_s: float) -> Box | None:
         """Return None: the track depends on the vehicle."""

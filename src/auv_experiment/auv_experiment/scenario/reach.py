@@ -17,7 +17,7 @@ from auv_control.controllers import max_force_of, region_of
 from auv_control.courses import make_course
 from auv_control.references import ReferencePath
 from auv_core.geometry import Box, Vec3, distance
-from auv_core.models import VehicleModel, make_model
+from auv_core.models import make_model
 from auv_flocking.agent_config import report_format
 from auv_flocking.flocking import flocking_params
 from auv_flocking.reports import Bounds, ReportFormat
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 _PATH_SAMPLES = 64
 # A link that carries fewer reports than one in a hundred, with ambient noise alone, is none.
 _LEAST_LOG_SUCCESS = math.log(0.01)
-_TURN_SHARE = 0.8
-"""Part of the turn rate that a path may use; the rest is for corrections."""
 _AXES = ("north", "east", "down")
 
 
@@ -100,32 +98,10 @@ def _check_course(scenario: Scenario) -> None:
         return
     course, water_mps = make_course(section, scenario.period_s), water_speed_mps(scenario)
     for index, vehicle in enumerate(scenario.vehicles):
-        model = make_model(vehicle.model)
-        low_mps = model.handling.least_speed_mps + water_mps
-        high_mps = model.top_speed_mps - water_mps
-        if not low_mps <= course.speed_mps <= high_mps:
-            raise ValueError(
-                f"agent.course.params.speed_mps: {course.speed_mps!r} is not allowed; "
-                f"allowed: {low_mps:.3g} to {high_mps:.3g} m/s, which vehicles[{index}] holds "
-                f"in a current of {water_mps:.3g} m/s"
-            )
-        radius_m = _turn_radius_m(model, course.speed_mps, water_mps)
-        if course.tightest_m < radius_m:
-            raise ValueError(
-                f"agent.course.params: turns with a radius of {course.tightest_m:.3g} m, which is not "
-                f"allowed; allowed: at least {radius_m:.3g} m at {course.speed_mps:.3g} m/s in a current of "
-                f"{water_mps:.3g} m/s, which vehicles[{index}] turns with four fifths of its turn rate"
-            )
-
-
-def _turn_radius_m(model: VehicleModel, speed_mps: float, water_mps: float) -> float:
-    """
-    Return the radius over ground of a turn with a fifth of the turn rate in reserve (m): at the worst, with
-    the current astern, the speed through the water is that over ground less the current.
-    """
-    slowest_mps = speed_mps - water_mps
-    radius_m = model.turn_radius_m(slowest_mps)
-    return speed_mps * radius_m / (_TURN_SHARE * slowest_mps) if radius_m > 0.0 else 0.0
+        try:
+            course.check(make_model(vehicle.model), water_mps)
+        except ValueError as error:
+            raise ValueError(f"agent.course.params.{error}, for vehicles[{index}]") from None
 
 
 def _check_surface(scenario: Scenario) -> None:
