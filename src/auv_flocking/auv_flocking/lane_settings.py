@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from auv_control.guidance import autopilots
+from auv_control.formations.shapes import SHAPES, shape_slots
 from auv_control.guidance.crab import measured as measured_crab
 from auv_control.guidance.paths import racetrack
 from auv_core.geometry import Vec3
 from auv_core.params import Section, param
 from auv_flocking.coordination import reference_consensus
 from auv_flocking.lanes import broadcast, keeping_up, modes, turn_away
-from auv_flocking.lanes.layers import check_layers, layer_depths
+from auv_flocking.lanes.layers import check_layers, layer_depths, staggered
 
 _RACETRACK = Section("racetrack", racetrack.Params())
 _MEASURED = Section("measured", measured_crab.Params())
@@ -27,6 +27,9 @@ class LaneSettings:
     coordination: Section = param(
         "law of coordination", default=_REFERENCE_CONSENSUS, plugins="auv_flocking.coordination"
     )
+    shape: str = param("shape of the formation", default="line", choices=SHAPES)
+    spacing_m: float = param("distance of neighbouring slots (m)", default=15.0, above=0.0)
+    stagger_m: float = param("difference of depth of the slots in one lane (m)", default=6.0, minimum=0.0)
     speed_mps: float = param("speed v_L along the path (m/s)", default=1.5, above=0.0, maximum=10.0)
     least_speed_mps: float = param("least commanded speed over ground (m/s)", default=0.7, above=0.0)
     largest_speed_mps: float = param("largest commanded speed over ground (m/s)", default=2.4, above=0.0)
@@ -49,22 +52,24 @@ class LaneSettings:
     turn_away: turn_away.Params = param(
         "turning away from others on the way to the lane", default=turn_away.Params()
     )
-    autopilots: autopilots.Params = param("the autopilots", default=autopilots.Params())
 
+    def slots(self, fleet_size: int) -> tuple[Vec3, ...]:
+        """Return the offsets of all slots (m; along the course, to starboard, down)."""
+        return staggered(shape_slots(self.shape, fleet_size, self.spacing_m), self.stagger_m)
 
-def depths_of(params: LaneSettings, slots: tuple[Vec3, ...]) -> tuple[float, ...]:
-    """
-    Return the depth of each vehicle's layer (m).
+    def layer_depths(self, fleet_size: int) -> tuple[float, ...]:
+        """
+        Return the depth of each vehicle's layer (m).
 
-    Raises
-    ------
-    ValueError
-        If a vehicle would cross another one's slot in its layer, or a layer is above the surface.
+        Raises
+        ------
+        ValueError
+            If a vehicle would cross another one's slot in its layer, or a layer is above the surface.
 
-    """
-    if params.layers == "none":
-        return tuple(params.depth_m for _ in slots)
-    below = params.layers == "below"
-    depths = layer_depths(slots, params.depth_m, params.layer_step_m, only_below=below)
-    check_layers(depths, slots, params.depth_m)
-    return depths
+        """
+        slots = self.slots(fleet_size)
+        if self.layers == "none":
+            return tuple(self.depth_m for _ in slots)
+        depths = layer_depths(slots, self.depth_m, self.layer_step_m, only_below=self.layers == "below")
+        check_layers(depths, slots, self.depth_m)
+        return depths

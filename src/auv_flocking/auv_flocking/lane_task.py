@@ -2,23 +2,27 @@
 The task of a vehicle that cannot stop in a fleet of lanes: cooperative path following.
 
 In every control period: where the lane is (line of sight), which mode (`lanes.modes`), which speed
-(`coordination`), and the fins and propeller for them (`auv_control.guidance`).
+(`coordination`), and the fins and propeller for them (the controller). Outside its lane a vehicle runs at a
+speed through the water, which is not measured: it follows from the propeller.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from auv_control.controllers import CourseController
+from auv_control.courses import Guided
+from auv_control.guidance.autopilots import Setpoint
 from auv_control.guidance.crab import make_crab
-from auv_control.guidance.follower import Follower
 from auv_control.guidance.line_of_sight import Sight, over_ground
+from auv_control.guidance.path_guide import PathGuide
 from auv_control.guidance.paths import circle, make_path
-from auv_core.geometry import Vec3, clipped
+from auv_core.geometry import clipped
 from auv_core.integrate import State
 from auv_core.messages import FinCommand, VehicleState
 from auv_flocking.coordination import LanePlace, Pace, make_coordination
 from auv_flocking.flocking import Member
-from auv_flocking.lane_settings import LaneSettings, depths_of
+from auv_flocking.lane_settings import LaneSettings
 from auv_flocking.lanes.broadcast import Sent, after_slot
 from auv_flocking.lanes.keeping_up import KeepingUp, kept_up
 from auv_flocking.lanes.modes import IN_LANE, ModeInputs, ModeState, are_ready, is_heard, next_mode
@@ -35,10 +39,10 @@ class LaneTask:
     ----------
     params : LaneSettings
         Of the fleet, the same for all vehicles.
-    slots : tuple of (3,) tuple
-        Offsets of all slots (m; along the course, to starboard, down), in the order of addresses.
     member : Member
         The vehicle's address and the size of the fleet.
+    controller : CourseController
+        The autopilots.
     period_s : float
         Control period (s).
     plan : sequence of LaneNeighbour
@@ -56,21 +60,21 @@ class LaneTask:
     def __init__(
         self,
         params: LaneSettings,
-        slots: tuple[Vec3, ...],
         member: Member,
+        controller: CourseController,
         period_s: float,
         plan: Sequence[LaneNeighbour] = (),
     ) -> None:
         self._params, self._member, self._period_s = params, member, period_s
+        slots = params.slots(member.fleet_size)
         self._slot = slots[member.address - 1]
-        self.layer_m = depths_of(params, slots)[member.address - 1]
+        self.layer_m = params.layer_depths(member.fleet_size)[member.address - 1]
+        self._controller = controller
         self._path = make_path(params.path)
         self._loiter = circle.Path(
             circle.Params(params.loiter_north_m, params.loiter_east_m, params.loiter_radius_m)
         )
-        self._follower = Follower(
-            self._path, make_crab(params.crab, period_s), params.autopilots.gains, period_s
-        )
+        self._guide = PathGuide(self._path, make_crab(params.crab, period_s))
         track = self._path.track
         self._pace = Pace(params.speed_mps, track.length_m if track.is_closed else 0.0, period_s)
         self._law = make_coordination(params.coordination, self._pace)
@@ -101,10 +105,10 @@ class LaneTask:
 
         """
         loiters = self.mode.mode is Mode.LOITER
-        self.sight = found = self._follower.look(nav, 0.0 if loiters else self._slot[1])
+        self.sight = found = self._guide.look(nav, 0.0 if loiters else self._slot[1])
         before_m = self.gamma_m
         if not loiters:
-            self.gamma_m = self._follower.s_m - self._slot[0]
+            self.gamma_m = self._guide.s_m - self._slot[0]
         own = LanePlace(t_s, self.gamma_m, self._keeping_up.is_limited)
         fresh = self._hear(own, neighbours)
         self.mode = self._next_mode(t_s, nav)
@@ -112,15 +116,10 @@ class LaneTask:
         if self._turn_away is not None:
             found = self._turned_away(t_s, nav, found, self._turn_away)
         self.status = self._status(own)
-        self._follower.change_to(self._loiter if self.mode.mode is Mode.LOITER else self._path)
-        is_in_lane = self.mode.mode in IN_LANE
-        return self._follower.steer(
-            nav,
-            found,
-            self.status.depth_target_m,
-            speed_mps if is_in_lane else self._params.transit_speed_mps,
-            through_water=not is_in_lane,
-        )
+        self._guide.change_to(self._loiter if self.mode.mode is Mode.LOITER else self._path)
+        setpoint = Setpoint(found.heading_rad, found.turn_rate_radps, self.status.depth_target_m, speed_mps)
+        along_mps = found.along_mps if self.mode.mode in IN_LANE else speed_mps
+        return self._controller.step(nav, Guided(setpoint, along_mps, found.cross_track_m))
 
     @property
     def round_m(self) -> float:
@@ -204,7 +203,7 @@ class LaneTask:
             if other.status.mode in IN_LANE and own.t_s - other.time_s <= p.remembered_s
         ]
         correction_mps, self._coordination = law.step(self._coordination, own, counted)
-        ratio = 1.0 - self._follower.point.curvature_pm * self._slot[1]
+        ratio = 1.0 - self._guide.point.curvature_pm * self._slot[1]
         is_aligned = (
             abs(found.course_error_rad) < p.modes.aligned_rad
             and abs(found.cross_track_m) < p.modes.coordinated_m
@@ -233,7 +232,7 @@ class LaneTask:
             *nav.position,
             own.course_rad,
             own.speed_mps,
-            self._follower.s_m,
+            self._guide.s_m,
             self._slot[1],
             self.layer_m,
             0.0,

@@ -12,15 +12,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from torpedo_flights import preset
 
-from auv_control.formations.shapes import shape_slots
+from auv_control.controllers import autopilot
 from auv_control.guidance.paths import make_path
 from auv_core.geometry import body_to_ned, heading_from_quaternion
 from auv_core.messages import VehicleState
 from auv_core.models import make_model
 from auv_flocking.flocking import Member
-from auv_flocking.lane_settings import LaneSettings, depths_of
+from auv_flocking.lane_settings import LaneSettings
 from auv_flocking.lane_task import LaneTask
-from auv_flocking.lanes.layers import staggered
 from auv_flocking.lanes.status import FIELDS, STRAIGHT_ON, LaneNeighbour, LaneStatus, Mode
 from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.report import Report
@@ -72,6 +71,11 @@ class Flown(NamedTuple):
     modes: Any
     sent_s: list[float]
     round_m: float
+
+
+def autopilots():
+    """Return the autopilots of a vehicle."""
+    return autopilot.Controller(autopilot.Params(), PERIOD_S)
 
 
 def random_starts(seed, count):
@@ -172,12 +176,12 @@ class Channel:
                 self._on_air.append((t_s + AIRTIME_S + way_m / SOUND_MPS, receiver, report))
 
 
-def planned(setting, starts, slots, params):
+def planned(setting, starts, params):
     """Return the start of every vehicle, as the mission plan has it."""
-    track = make_path(params.path).track
+    track, slots = make_path(params.path).track, params.slots(setting.count)
     plan = []
     for index, (place, heading_rad) in enumerate(zip(starts.places, starts.headings_rad, strict=True)):
-        layer_m = depths_of(params, slots)[index]
+        layer_m = params.layer_depths(setting.count)[index]
         gamma_m = track.closest(*place) - slots[index][0]
         status = LaneStatus(gamma_m, 0.0, 0.0, Mode.TRANSIT, False, STRAIGHT_ON, layer_m)
         depth_m = SHALLOW_M if setting.start_at_one_depth else layer_m
@@ -188,17 +192,21 @@ def planned(setting, starts, slots, params):
 
 def fleet_of(setting, starts):
     """Return the vehicles of a setting at their starts."""
-    slots = shape_slots(setting.shape, setting.count, setting.spacing_m)
-    slots = staggered(slots, setting.stagger_m)
-    params = replace(setting.params, cycle_s=setting.slot_s * setting.count)
+    params = replace(
+        setting.params,
+        shape=setting.shape,
+        spacing_m=setting.spacing_m,
+        stagger_m=setting.stagger_m,
+        cycle_s=setting.slot_s * setting.count,
+    )
     model = make_model(preset("remus100"))
-    plan = planned(setting, starts, slots, params)
+    plan = planned(setting, starts, params)
     fleet = []
     for index, ((north_m, east_m), heading_rad) in enumerate(
         zip(starts.places, starts.headings_rad, strict=True)
     ):
         address = index + 1
-        task = LaneTask(params, slots, Member(False, address, setting.count), PERIOD_S, plan)
+        task = LaneTask(params, Member(False, address, setting.count), autopilots(), PERIOD_S, plan)
         depth_m = SHALLOW_M if setting.start_at_one_depth else task.layer_m
         state = model.initial_state((north_m, east_m, depth_m), heading_rad, START_MPS)
         fleet.append(

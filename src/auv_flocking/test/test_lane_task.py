@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lane_fleet import Setting, coordination_error_m, distances_m, fly, formed_s, random_starts
+from lane_fleet import Setting, autopilots, coordination_error_m, distances_m, fly, formed_s, random_starts
 
 from auv_core import compiled
 from auv_core.params import ConfigError, Section, load
@@ -16,7 +16,6 @@ from auv_flocking.lane_task import LaneTask
 from auv_flocking.lanes.status import Mode
 
 SHORT = Setting(seed=1001, count=3, duration_s=330.0)
-SLOTS = ((0.0, 0.0, 0.0), (0.0, 15.0, 0.0), (0.0, -15.0, 0.0))
 
 
 @pytest.fixture(autouse=True)
@@ -69,7 +68,7 @@ def test_one_vehicle_alone_forms_and_never_leaves():
 
 def test_layers_that_meet_a_slot_are_refused():
     with pytest.raises(ValueError, match=r"depth_m: 5.0 is not allowed"):
-        LaneTask(LaneSettings(depth_m=5.0), SLOTS, Member(False, 1, 3), 0.2)
+        LaneTask(LaneSettings(depth_m=5.0), Member(False, 1, 3), autopilots(), 0.2)
 
 
 def test_unknown_laws_are_refused_in_one_line():

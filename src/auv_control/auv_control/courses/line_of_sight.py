@@ -8,10 +8,9 @@ from auv_control.courses import CourseLaw, Guided
 from auv_control.guidance.autopilots import Setpoint
 from auv_control.guidance.crab import make_crab, measured
 from auv_control.guidance.feasibility import Turning, check_lane
-from auv_control.guidance.line_of_sight import over_ground, sight
-from auv_control.guidance.paths import Place, make_path, racetrack
+from auv_control.guidance.path_guide import PathGuide
+from auv_control.guidance.paths import make_path, racetrack
 from auv_core.geometry import Box
-from auv_core.integrate import State
 from auv_core.messages import VehicleState
 from auv_core.params import Section, param
 
@@ -40,19 +39,11 @@ class Course(CourseLaw):
     def __init__(self, params: Params, period_s: float) -> None:
         self._params = params
         self._path = make_path(params.path)
-        self._crab = make_crab(params.crab, period_s)
-        self._crab_state: State | None = None
-        self._place: Place | None = None
+        self._guide = PathGuide(self._path, make_crab(params.crab, period_s))
 
     def step(self, t_s: float, nav: VehicleState) -> Guided:
         """Return what the course asks at `t_s`."""
-        p, path, (north_m, east_m, _) = self._params, self._path, nav.position
-        if self._place is None:
-            self._place = path.engage(north_m, east_m)
-        else:
-            self._place = path.follow(self._place, north_m, east_m)
-        found = sight(over_ground(nav), path.point(self._place), p.lane_m, self._crab, self._crab_state)
-        self._crab_state = found.crab
+        p, found = self._params, self._guide.look(nav, self._params.lane_m)
         setpoint = Setpoint(found.heading_rad, found.turn_rate_radps, p.depth_m, p.speed_mps)
         return Guided(setpoint, found.along_mps, found.cross_track_m)
 

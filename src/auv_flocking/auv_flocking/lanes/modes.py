@@ -88,7 +88,9 @@ class ModeInputs(NamedTuple):
 def next_mode(state: ModeState, inputs: ModeInputs, params: Params, cycle_s: float) -> ModeState:
     """Return the mode after a control period; at most one change per period."""
     is_aligned = (
-        abs(inputs.cross_track_m) < params.in_lane_m and abs(inputs.course_error_rad) < params.aligned_rad
+        state.mode is not Mode.LOITER
+        and abs(inputs.cross_track_m) < params.in_lane_m
+        and abs(inputs.course_error_rad) < params.aligned_rad
     )
     aligned_since_s = min(state.aligned_since_s, inputs.t_s) if is_aligned else math.inf
     mode = _mode(state, inputs, aligned_since_s, params, params.silence_max_s(cycle_s))
