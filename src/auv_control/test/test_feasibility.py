@@ -13,7 +13,7 @@ STRAIGHT_ON = racetrack.Path(racetrack.Params()).track
 class Remus:
     """The turning circles of `remus100` as measured, without flying them."""
 
-    handling = Handling(False, 0.8, 1.6)
+    handling = Handling(False, 0.8, 1.6, 0.19)
     top_speed_mps = 2.5536
 
     def turn_radius_m(self, speed_mps):

@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 import auv_core.models
+from auv_core.models import make_model
 from auv_core.params import load_section
 from auv_ros.robot_description import robot_description
 
@@ -15,24 +16,29 @@ PRESETS = sorted((Path(auv_core.models.__file__).parent / "presets").glob("*.yam
 
 @pytest.fixture(params=PRESETS, ids=lambda path: path.stem)
 def hull(request):
-    """Return the radius of a preset's hull, and its description."""
+    """Return the radius of a preset's hull, how it handles, and its description."""
     section = load_section(yaml.safe_load(request.param.read_text()), "model", "auv_core.models")
-    radius_m = section.params.hull_radius_m
-    return radius_m, ElementTree.fromstring(
-        robot_description("auv_1/base_link", "auv_1/base_link_frd", radius_m)
-    )
+    radius_m, handling = section.params.hull_radius_m, make_model(section).handling
+    text = robot_description("auv_1/base_link", "auv_1/base_link_frd", radius_m, handling)
+    return radius_m, handling, ElementTree.fromstring(text)
 
 
-def test_the_sphere_is_the_hull(hull):
-    radius_m, robot = hull
+def test_its_shape_is_the_hull(hull):
+    radius_m, handling, robot = hull
     link = robot.find("link")
     assert link.get("name") == "auv_1/base_link"
     spheres = [float(sphere.get("radius")) for sphere in link.iter("sphere")]
-    assert spheres == [radius_m, radius_m]  # what is seen, and what collides
+    if handling.hull_length_m == handling.hull_diameter_m:
+        assert spheres == [radius_m, radius_m]  # what is seen, and what collides
+        return
+    assert spheres == [radius_m]
+    cylinder = link.find("visual").find("geometry").find("cylinder")
+    assert float(cylinder.get("length")) == handling.hull_length_m
+    assert float(cylinder.get("radius")) == 0.5 * handling.hull_diameter_m
 
 
 def test_it_is_a_valid_robot(hull):
-    _, robot = hull
+    _, _, robot = hull
     assert robot.tag == "robot"
     assert robot.get("name")
     links = [link.get("name") for link in robot.findall("link")]

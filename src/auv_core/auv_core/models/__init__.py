@@ -34,12 +34,13 @@ class Handling(NamedTuple):
 
     can_stop : whether it can hold a place.
     least_speed_mps : least speed through the water at which it obeys its command (m/s).
-    hull_length_m : length of the hull (m).
+    hull_length_m, hull_diameter_m : length and diameter of the hull (m); equal for a sphere.
     """
 
     can_stop: bool
     least_speed_mps: float
     hull_length_m: float
+    hull_diameter_m: float
 
 
 class Actuator(NamedTuple):
@@ -139,7 +140,8 @@ def make_continuous_model(section: Section) -> ContinuousModel:
 
 def hovering(hull_radius_m: float) -> Handling:
     """Return the handling of a hull that can hold a place and turn in it."""
-    return Handling(can_stop=True, least_speed_mps=0.0, hull_length_m=2.0 * hull_radius_m)
+    diameter_m = 2.0 * hull_radius_m
+    return Handling(can_stop=True, least_speed_mps=0.0, hull_length_m=diameter_m, hull_diameter_m=diameter_m)
 
 
 def thrusters_of(section: Section) -> Thrusters:

@@ -40,6 +40,10 @@ class TorpedoParams(Hashable, Protocol):
     def length_m(self) -> float:
         """Length of the hull (m)."""
 
+    @property
+    def diameter_m(self) -> float:
+        """Diameter of the hull (m)."""
+
 
 class Turn(NamedTuple):
     """A steady turn with full rudder: speed through the water (m/s) and radius (m)."""
@@ -94,7 +98,8 @@ class TorpedoModel(ContinuousModel):
     @property
     def handling(self) -> Handling:
         """It cannot stop."""
-        return Handling(False, self.params.least_speed_mps, self.params.length_m)
+        p = self.params
+        return Handling(False, p.least_speed_mps, p.length_m, p.diameter_m)
 
     @property
     def top_speed_mps(self) -> float:

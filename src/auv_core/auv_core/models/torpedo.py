@@ -138,6 +138,11 @@ class Params:
         """Length of the hull (m)."""
         return self.hull.length_m
 
+    @property
+    def diameter_m(self) -> float:
+        """Diameter of the hull (m)."""
+        return self.hull.diameter_m
+
 
 def spheroid(hull: Hull) -> Spheroid:
     """Return the spheroid that has the mass and the added mass of a hull."""

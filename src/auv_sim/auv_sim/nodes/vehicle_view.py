@@ -44,7 +44,8 @@ class VehicleView:
     def __init__(self, topics: Topics, config: VehicleConfig, velocity_sd_mps: Vec3) -> None:
         vehicle_id, hull_radius_m = config.vehicle_id, config.model.params.hull_radius_m
         base, truth = convert.base_frame(vehicle_id), convert.truth_frame(vehicle_id)
-        description = robot_description(base, convert.body_frame(vehicle_id), hull_radius_m)
+        model = make_model(config.model)
+        description = robot_description(base, convert.body_frame(vehicle_id), hull_radius_m, model.handling)
         self._odom = topics.add(
             Odometry, "odom", convert.odometry_stencil(convert.odom_frame(vehicle_id), base).filled
         )
@@ -60,7 +61,7 @@ class VehicleView:
         u, v, w = velocity_sd_mps
         self._velocity_variances = (u * u, v * v, w * w, 0.0, 0.0, 0.0)
         self._odom_frame = OdomFrame()
-        actuators = make_model(config.model).actuators
+        actuators = model.actuators
         outputs = actuators_stencil(vehicle_id, actuators).filled
         self._outputs = topics.add(ActuatorStates, "actuators", outputs) if actuators else None
         self._odom_pose = convert.odom_in_map(self._odom_frame)
