@@ -47,7 +47,7 @@ def test_the_kernel_flies_any_number_from_where_it_began(monkeypatch):
 
     monkeypatch.setattr(compiled, "_is_on", False)
     compiled.use_compiler()
-    flight = FleetRun(300)
+    flight = FleetRun(300, ticks=10)
     flight.fly()
     first = flight._fleet.motion.copy()
     flight.fly()

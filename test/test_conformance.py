@@ -42,8 +42,8 @@ from auv_flocking.coordination import CoordinationLaw, LanePlace, Pace
 from auv_flocking.estimators import Motion, NeighbourEstimator
 from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, Member, View
 from auv_flocking.lanes.status import LaneNeighbour, LaneStatus, Mode
-from auv_flocking.neighbours.association import Leftovers
 from auv_flocking.neighbours.estimates import NeighbourEstimate
+from auv_flocking.neighbours.rivals import Leftovers
 from auv_flocking.neighbours.sonar_contact import contact_of, sighting
 from auv_flocking.report import NEVER, Report, ReportError
 from auv_flocking.reports import ReportFormat

@@ -25,9 +25,9 @@ def test_the_law_of_the_readme_flies_as_one_new_file(tmp_path, monkeypatch):
     folder = auv_flocking.separation
     monkeypatch.setattr(folder, "__path__", [*folder.__path__, str(tmp_path)])
     monkeypatch.delitem(sys.modules, "auv_flocking.separation.gentle", raising=False)
-    usual = run_in_process(load_scenario("flock_acoustic", duration_s=40.0))
+    usual = run_in_process(load_scenario("flock_acoustic", duration_s=10.0))
     overrides = ["agent.separation.kind=gentle", "agent.separation.params.strength_mps=0.4"]
-    gentle = run_in_process(load_scenario("flock_acoustic", duration_s=40.0, overrides=overrides))
+    gentle = run_in_process(load_scenario("flock_acoustic", duration_s=10.0, overrides=overrides))
     assert isinstance(sys.modules.pop("auv_flocking.separation.gentle"), types.ModuleType)
     assert (usual.position_ned_m[-1] != gentle.position_ned_m[-1]).any()
 

@@ -8,7 +8,7 @@ import synthetic_bag as synthetic
 
 from auv_bag import recorder as bag_recorder
 from auv_bag.bag import Bag
-from auv_bag.recorder import FIRST_HELD_TICKS, HELD_TICKS, LEAST_HELD_TICKS, BagRecorder
+from auv_bag.recorder import FIRST_HELD_TICKS, LEAST_HELD_TICKS, BagRecorder
 from auv_bag.topics import CLOCK_TOPIC, STATUS_TOPIC, topics_of_graph
 from auv_bag.writer import BagWriter
 
@@ -203,11 +203,15 @@ def test_bytes_that_are_no_message_do_not_enter_the_bag(desk):
     assert desk.recorder.left_out == {CLOCK_TOPIC: 3, "/auv_1/path": 3}
 
 
-def test_the_order_of_arrival_leaves_no_trace_in_a_lockstep_bag(tmp_path):
+def test_the_order_of_arrival_leaves_no_trace_in_a_lockstep_bag(tmp_path, monkeypatch):
+    first_held_ticks, held_ticks = 100, 20
+    monkeypatch.setattr(bag_recorder, "FIRST_HELD_TICKS", first_held_ticks)
+    monkeypatch.setattr(bag_recorder, "HELD_TICKS", held_ticks)
+
     def record(name, seed):
         desk, rng = Desk(tmp_path / name / "bag", lockstep=True), np.random.default_rng(seed)
         parts: list[list[Any]] = [[] for _ in range(4)]
-        for k in range(2 * FIRST_HELD_TICKS + HELD_TICKS):
+        for k in range(2 * first_held_ticks + 10 * held_ticks):
             t_ns = (k + 10) * 10**8
             for part, call in zip(parts, (desk.clock, desk.centre, desk.path, desk.transform), strict=True):
                 part.append((call, (t_ns, "a") if call == desk.transform else (t_ns,)))
@@ -215,7 +219,7 @@ def test_the_order_of_arrival_leaves_no_trace_in_a_lockstep_bag(tmp_path):
         ahead = [0, 0, 0, 0]
         while any(parts):
             i = int(rng.integers(4))
-            if parts[i] and ahead[i] <= min(ahead) + 50:
+            if parts[i] and ahead[i] <= min(ahead) + held_ticks:
                 call, arguments = parts[i].pop(0)
                 call(*arguments)
                 ahead[i] += 2 if i < 3 else 1

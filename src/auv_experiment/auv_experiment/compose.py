@@ -19,6 +19,7 @@ from auv_flocking.agent import Agent
 from auv_flocking.agent_config import AgentConfig
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.filter import NeighbourConfig
+from auv_sim.acoustics.medium import NO_SONAR
 from auv_sim.navigation import make_navigation
 from auv_sim.streams import Purpose, uniform
 from auv_sim.vehicle import Vehicle, VehicleConfig
@@ -58,6 +59,7 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
             fleet_ids=fleet_ids,
             is_leader=vehicle.id in scenario.leaders,
             fails_at_s=vehicle.fails_at_s,
+            has_sonar=scenario.acoustics.sonar.kind != NO_SONAR.kind,
             obstacles_ned_m=tuple(x for obstacle in obstacles for x in obstacle.position_ned_m),
             obstacle_safety_distances_m=tuple(obstacle.safety_distance_m for obstacle in obstacles),
             reference=vehicle.reference or scenario.reference,

@@ -1,7 +1,12 @@
-"""A flight imports nothing: an import takes longer than a tick, and vehicles rest until it is over."""
+"""
+A flight imports nothing: an import takes longer than a tick, and vehicles rest until it is over. Commands
+import nothing that takes long and that their scenario does not need.
+"""
 
 import subprocess
 import sys
+
+import pytest
 
 FLY_ALL = """
 import sys
@@ -29,3 +34,29 @@ def test_no_scenario_imports_a_module_once_it_flies():
         [sys.executable, "-c", FLY_ALL], capture_output=True, text=True, timeout=200.0, check=True
     )
     assert done.stdout == ""
+
+
+MAKE_AGENTS = """
+import sys
+
+from auv_experiment.compose import agent_configs
+from auv_experiment.scenario.loading import load_scenario
+from auv_flocking.agent import Agent
+
+for name in sys.argv[1:]:
+    for config in agent_configs(load_scenario(name)):
+        Agent(config)
+print("scipy" in sys.modules)
+"""
+
+
+@pytest.mark.parametrize(("scenario", "needs_scipy"), [("flock_acoustic", False), ("flock_sensed", True)])
+def test_only_vehicles_with_a_sonar_load_scipy(scenario, needs_scipy):
+    done = subprocess.run(
+        [sys.executable, "-c", MAKE_AGENTS, scenario],
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+        check=True,
+    )
+    assert done.stdout == f"{needs_scipy}\n"

@@ -75,6 +75,7 @@ class Agent:
             config.fleet_size,
             config.period_s,
             make_tracker(config.obstacle_tracker, tuple(position for position, _ in config.obstacles)),
+            has_sonar=config.has_sonar,
         )
         self._fails_at_s = math.inf if config.fails_at_s is None else config.fails_at_s
         self._sequence = 0

@@ -87,6 +87,9 @@ class AgentConfig(AgentSettings):
         "scenario time from which this computer does nothing (s); null: never", default=None, minimum=0.0
     )
     period_s: float = same(RunSettings, "period_s")
+    has_sonar: bool = param(
+        "whether this vehicle has a sonar; without one it ignores sonar contacts", default=True
+    )
     obstacles_ned_m: tuple[float, ...] = param(
         "positions of known obstacles, three numbers each (m; NED)", default=()
     )

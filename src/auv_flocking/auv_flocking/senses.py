@@ -53,10 +53,12 @@ class Senses:
         fleet_size: int,
         period_s: float,
         obstacles: ObstacleTracker,
+        *,
+        has_sonar: bool = True,
     ) -> None:
         self.inputs = InputJudge(limits, period_s)
         self.packets = PacketJudge(report_format, address, fleet_size, limits)
-        self.table = NeighbourTable(with_rounding(neighbours, report_format))
+        self.table = NeighbourTable(with_rounding(neighbours, report_format), has_sonar=has_sonar)
         self.obstacles = obstacles
 
     def take(

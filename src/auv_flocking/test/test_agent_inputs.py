@@ -188,6 +188,17 @@ def test_a_contact_that_can_be_none_is_left_out_and_counted(contact):
     assert one.holding == ""
 
 
+def test_without_a_sonar_contacts_change_nothing_and_are_counted():
+    blind, seeing = agent(has_sonar=False), agent()
+    contacts = (SonarContact(3.0, 0.0, 0.0), SonarContact(3.0, 0.1, 0.0))
+    commands = []
+    for one, seen in ((blind, contacts), (seeing, ())):
+        one.step(0.0, nav(0), inbox(0, packet(0.0)))
+        commands.append([one.step(0.1 * k, nav(k), inbox(k, contacts=seen))[0] for k in range(1, 5)])
+    assert commands[0] == commands[1]
+    assert blind.contacts_refused == 8
+
+
 NAVS = st.builds(
     VehicleState,
     tick=st.one_of(st.integers(-5, 40), st.integers(-(2**63), 2**63 - 1)),

@@ -9,8 +9,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from auv_core.messages import VehicleState
-from auv_flocking.neighbours.association import NO_RIVALS
 from auv_flocking.neighbours.navigation_offset import OwnFix
+from auv_flocking.neighbours.rivals import NO_RIVALS
 from auv_flocking.neighbours.sonar_contact import contact_of
 from auv_flocking.neighbours.table import NeighbourConfig, NeighbourTable
 from auv_flocking.report import Report

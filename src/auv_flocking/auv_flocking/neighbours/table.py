@@ -10,7 +10,8 @@ to which neighbour), `track` (one neighbour through time). docs/explanation/esti
 from __future__ import annotations
 
 import bisect
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +19,6 @@ from numpy.typing import NDArray
 from auv_core.compiled import fastest
 from auv_core.geometry import body_to_ned
 from auv_core.messages import SonarContact, VehicleState
-from auv_flocking.neighbours.association import (
-    NO_RIVALS,
-    Leftovers,
-    Rivals,
-    associate,
-    chi_square_gate,
-    leftovers,
-)
 from auv_flocking.neighbours.estimates import (
     AGE,
     COVARIANCE,
@@ -38,6 +31,7 @@ from auv_flocking.neighbours.estimates import (
 )
 from auv_flocking.neighbours.filter import NeighbourConfig, NeighbourFilter
 from auv_flocking.neighbours.navigation_offset import OwnFix, Stated
+from auv_flocking.neighbours.rivals import NO_RIVALS, Leftovers, Rivals, leftovers
 from auv_flocking.neighbours.sonar_contact import is_contact, sighting
 from auv_flocking.neighbours.track import HISTORY_S, HeardReport, Track
 from auv_flocking.report import Report
@@ -47,6 +41,7 @@ __all__ = [
     "NeighbourTable",
 ]
 
+_Pairing = Callable[..., list[tuple[int, int]]]
 _Said = tuple[list[int], list[tuple[float, ...]], NDArray[np.int64]]
 
 _FIX_RATIO = 0.95
@@ -94,16 +89,24 @@ def _jump(before_s: float, before: VehicleState, t_s: float, nav: VehicleState) 
     )
 
 
+def _pairing(gate_prob: float) -> _Pairing:
+    """Return `associate` with the gate of a probability; vehicles without a sonar never load it."""
+    from auv_flocking.neighbours.association import associate, chi_square_gate
+
+    return partial(associate, gate=chi_square_gate(gate_prob))
+
+
 class NeighbourTable:
     """
     The neighbours of one vehicle. Its only inputs are those of the vehicle itself, so that the estimates of
     a recorded run can be computed again without the simulator.
 
     `outdated`: packets that were repetitions or too old to be used; `contacts_used`, `contacts_unknown`:
-    sonar contacts with and without an associated neighbour; `contacts_refused`: implausible ones.
+    sonar contacts with and without an associated neighbour; `contacts_refused`: implausible ones, and all of
+    a vehicle without a sonar.
     """
 
-    def __init__(self, config: NeighbourConfig) -> None:
+    def __init__(self, config: NeighbourConfig, *, has_sonar: bool = True) -> None:
         self._config = config
         self._filter = NeighbourFilter(config)
         self._own = _OwnNavigation()
@@ -115,7 +118,7 @@ class NeighbourTable:
         self._said: _Said = ([], [], np.empty(0, dtype=np.int64))
         self._stale: set[Track] = set()
         self._carried_to = fastest(carried_to)
-        self._gate = chi_square_gate(config.gate_prob)
+        self._pairing = _pairing(config.gate_prob) if has_sonar else None
         self.outdated = 0
         self.contacts_used = 0
         self.contacts_unknown = 0
@@ -167,7 +170,8 @@ class NeighbourTable:
         `rivals` are other objects that contacts may belong to; what belongs to no neighbour is returned.
         """
         self.follow(t_s, nav)
-        possible = [contact for contact in contacts if is_contact(contact)]
+        pairing = self._pairing
+        possible = [] if pairing is None else [contact for contact in contacts if is_contact(contact)]
         self.contacts_refused += len(contacts) - len(possible)
         config = self._config
         sightings = [
@@ -179,13 +183,16 @@ class NeighbourTable:
             known.rows[:, POSITION:VELOCITY],
             known.rows[:, COVARIANCE:AGE].reshape(-1, 6, 6)[:, :3, :3],
         )
-        pairs = associate(
-            np.array([seen.point for seen in sightings]),
-            np.array([seen.covariance for seen in sightings]),
-            np.concatenate((points, rivals.points)),
-            np.concatenate((covariances, rivals.covariances)),
-            self._gate,
-            rivals.bound,
+        pairs = (
+            []
+            if pairing is None
+            else pairing(
+                np.array([seen.point for seen in sightings]),
+                np.array([seen.covariance for seen in sightings]),
+                np.concatenate((points, rivals.points)),
+                np.concatenate((covariances, rivals.covariances)),
+                bound=rivals.bound,
+            )
         )
         for contact, owner in pairs:
             if owner < len(known):

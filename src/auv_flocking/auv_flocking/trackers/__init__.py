@@ -13,8 +13,8 @@ from typing import NamedTuple, Protocol
 from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3
 from auv_core.params import Section
-from auv_flocking.neighbours.association import Leftovers, Rivals
 from auv_flocking.neighbours.navigation_offset import OwnFix
+from auv_flocking.neighbours.rivals import Leftovers, Rivals
 
 
 class SensedObstacle(NamedTuple):

@@ -35,10 +35,11 @@ from numpy.typing import NDArray
 
 from auv_core.geometry import Vec3
 from auv_core.params import param
-from auv_flocking.neighbours.association import Leftovers, Rivals, chi_square_gate, distances
+from auv_flocking.neighbours.association import chi_square_gate, distances
 from auv_flocking.neighbours.kalman import predicted, updated
 from auv_flocking.neighbours.motion import process_noise, transition_matrix
 from auv_flocking.neighbours.navigation_offset import OwnFix
+from auv_flocking.neighbours.rivals import Leftovers, Rivals
 from auv_flocking.neighbours.sonar_contact import Sighting
 from auv_flocking.trackers import ObstacleTracker, Sensed, SensedObstacle
 

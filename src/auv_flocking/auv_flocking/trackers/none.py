@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from auv_core.geometry import Vec3
-from auv_flocking.neighbours.association import NO_RIVALS, Leftovers, Rivals
 from auv_flocking.neighbours.navigation_offset import OwnFix
+from auv_flocking.neighbours.rivals import NO_RIVALS, Leftovers, Rivals
 from auv_flocking.trackers import ObstacleTracker, Sensed
 
 
