@@ -152,6 +152,14 @@ def test_starts_drawn_so_near_that_hulls_touch_are_refused():
     assert "touches vehicles[" in _refusal(overrides=overrides)
 
 
+def test_layers_in_which_hulls_touch_are_refused():
+    vehicles = ", ".join(f"{{id: auv_{k}, model: {{preset: odin}}}}" for k in range(1, 17))
+    fleet = [f"vehicles=[{vehicles}]", "random_starts.radius_m=20.0"]
+    with pytest.raises(ConfigError, match=r"16 layers within 7.5 m are not allowed; .* more than 9.3 m"):
+        load_scenario("flock_modem", overrides=fleet)
+    load_scenario("flock_modem", overrides=[*fleet, "agent.flocking.params.layer_span_m=9.4"])
+
+
 def test_a_current_with_kinematic_vehicles_is_refused():
     message = _refusal("ch5_one_leader", overrides=["environment.current_ned_mps=[0.1, 0, 0]"])
     assert message.startswith("scenario.environment.current_ned_mps: a current is not allowed")

@@ -385,6 +385,14 @@ def test_a_vehicle_that_has_not_heard_all_goes_straight_to_its_layer_and_then_wi
     np.testing.assert_allclose(in_it[1:], 0.0, atol=1e-12)
 
 
+def test_before_all_have_settled_a_vehicle_that_has_not_heard_all_stays_where_it_reached_its_layer():
+    view = _view((0.0, 0.0, 7.75), [], centre=(3.0, 0.0, 7.75))
+    law = _layered(settling_s=80.0)
+    np.testing.assert_allclose(law.velocity(view), 0.0, atol=1e-12)
+    law.hear((), 79.0)
+    assert law.velocity(view)[0] > 0.01
+
+
 def test_a_vehicle_that_has_heard_all_gathers_on_the_way_to_its_layer():
     heard = [_estimate((20.0, 3.0 * k, 10.0), address=k, age_s=2.0) for k in (2, 3, 4)]
     law = _layered(estimates=heard)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from auv_flocking.flocking import Member
-from auv_flocking.flocking._layers import NO_LAYER, aside, layering, levelled
+from auv_flocking.flocking._layers import NO_LAYER, aside, crossing_margin_m, layering, levelled
 from auv_flocking.flocking.communication_aware import Params
 
 PARAMS = Params(layer_depth_m=10.0, layer_m=1.5)
@@ -16,8 +16,8 @@ HIGHEST_M, LOWEST_M = 7.75, 12.25
 KEEP_M = 1.5
 
 
-def _of(address, depth_m, *, knows_all=True):
-    return layering(PARAMS, Member(False, address, 4), depth_m, knows_all=knows_all)
+def _of(address, depth_m, *, knows_all=True, is_settled=True):
+    return layering(PARAMS, Member(False, address, 4), depth_m, knows_all=knows_all, is_settled=is_settled)
 
 
 def _aside(own, other, address, age_s, *, own_address=1):
@@ -25,14 +25,31 @@ def _aside(own, other, address, age_s, *, own_address=1):
 
 
 def test_without_layers_there_is_none():
-    assert layering(Params(), Member(False, 1, 4), 10.0, knows_all=True) is NO_LAYER
+    layer = layering(Params(), Member(False, 1, 4), 10.0, knows_all=True, is_settled=True)
+    assert layer is NO_LAYER
 
 
 @pytest.mark.parametrize(
-    ("depth_m", "knows_all", "leaves"), [(7.8, False, 1), (9.0, False, 0), (9.0, True, 1)]
+    ("depth_m", "knows_all", "is_settled", "leaves"),
+    [
+        (7.8, False, True, 1),
+        (7.8, False, False, 0),
+        (9.0, False, True, 0),
+        (9.0, True, True, 1),
+        (9.0, True, False, 1),
+    ],
 )
-def test_a_vehicle_leaves_its_place_in_its_layer_or_if_it_knows_all(depth_m, knows_all, leaves):
-    assert _of(1, depth_m, knows_all=knows_all).may_leave == leaves
+def test_a_vehicle_leaves_its_place_if_it_knows_all_or_all_are_in_their_layers(
+    depth_m, knows_all, is_settled, leaves
+):
+    assert _of(1, depth_m, knows_all=knows_all, is_settled=is_settled).may_leave == leaves
+
+
+@given(sigma_m=st.floats(0.0, 50.0), age_s=st.floats(0.0, 1e4), older_s=st.floats(0.0, 100.0))
+def test_a_vehicle_crosses_farther_from_older_news_up_to_a_limit(sigma_m, age_s, older_s):
+    margin_m = crossing_margin_m(sigma_m, age_s)
+    assert 0.0 <= margin_m <= crossing_margin_m(sigma_m, age_s + older_s) <= 2.5
+    assert crossing_margin_m(0.5, 10.0) == pytest.approx(1.5)
 
 
 def test_a_vehicle_steps_aside_for_one_that_is_ahead_in_its_way():

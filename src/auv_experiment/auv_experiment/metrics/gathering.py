@@ -22,6 +22,7 @@ from auv_experiment.metrics.windows import (
     after,
 )
 from auv_experiment.recording import BoolArray, FloatArray, Recording
+from auv_flocking.flocking import LayeredParams
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -89,7 +90,7 @@ def formed_within_m(scenario: Scenario) -> float | None:
         return float(params.extent_m(len(scenario.vehicles)) + 0.5 * params.spacing_m)
     spacing_m = getattr(params, "spacing_m", None)
     level_m = FORMED_SPACINGS * (params.formation_spacing_m if spacing_m is None else spacing_m)
-    height_m = params.height_m(len(scenario.vehicles)) if hasattr(params, "height_m") else 0.0
+    height_m = params.height_m(len(scenario.vehicles)) if isinstance(params, LayeredParams) else 0.0
     return math.hypot(level_m, height_m)
 
 

@@ -15,7 +15,7 @@ from auv_experiment.scenario.file import ID, ID_WORDS, MOST_VEHICLES
 from auv_experiment.scenario.reach import check_reach
 from auv_flocking.agent_config import check_parts, report_format
 from auv_flocking.consensus import ContinuousFilter, consensus_params, make_consensus
-from auv_flocking.flocking import Member, flocking_params, make_flocking
+from auv_flocking.flocking import LayeredParams, Member, flocking_params, make_flocking
 from auv_flocking.separation import LearningLaw, make_separation
 from auv_sim.acoustics.medium import AcousticMedium
 from auv_sim.navigation import make_navigation
@@ -46,6 +46,7 @@ def check_scenario(scenario: Scenario) -> None:
         _check_starts,
         _check_continuous,
         _check_medium,
+        _check_layers,
     ):
         check(scenario)
     check_reach(scenario)
@@ -247,3 +248,19 @@ def _check_medium(scenario: Scenario) -> None:
         AcousticMedium(scenario.medium_config).check_payload(payload_bytes)
     except ValueError as error:
         raise ValueError(f"acoustics.{error}") from None
+
+
+def _check_layers(scenario: Scenario) -> None:
+    """Check that hulls in neighbouring layers of depth cannot touch."""
+    others = len(scenario.vehicles) - 1
+    if scenario.agent.flocking is None or others == 0:
+        return
+    params = scenario.agent.flocking.params
+    height_m = params.height_m(others + 1) if isinstance(params, LayeredParams) else 0.0
+    least_m = 2.0 * scenario.hull_radius_m * others
+    if 0.0 < height_m <= least_m:
+        raise ValueError(
+            f"agent.flocking.params: {others + 1} layers within {height_m:.6g} m are not allowed; "
+            f"allowed: a layer_m and a layer_span_m that give more than {least_m:.6g} m, since the "
+            f"hulls have a radius of {scenario.hull_radius_m:g} m"
+        )

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from auv_control.references import PathPoint
 from auv_core.contracts import class_of, fulfilled
@@ -84,6 +84,14 @@ class FlockingParams(Protocol):
     @property
     def uses_flock_velocity(self) -> bool:
         """Whether `velocity` uses the flock's velocity or estimates, which needs packets."""
+
+
+@runtime_checkable
+class LayeredParams(Protocol):
+    """Parameters of a law that gives each vehicle a layer of depth."""
+
+    def height_m(self, fleet_size: int) -> float:
+        """Return the distance of the highest and the lowest layer of a fleet (m); 0 without layers."""
 
 
 class FlockingLaw(Protocol):

@@ -18,7 +18,7 @@ from auv_core.geometry import Vec3, limited
 from auv_flocking.central import Numbers, along, no_strength
 from auv_flocking.flocking._avoidance import barrier_margin_m, obstacle_bound, obstacle_spacing_m
 from auv_flocking.flocking._half_spaces import into_half_spaces
-from auv_flocking.flocking._layers import Layering, aside, levelled
+from auv_flocking.flocking._layers import Layering, aside, crossing_margin_m, levelled
 from auv_flocking.neighbours.estimates import (
     AGE,
     COVARIANCE,
@@ -267,7 +267,10 @@ def correction(
             other = (float(rows[k, POSITION]), float(rows[k, POSITION + 1]), float(rows[k, POSITION + 2]))
             bound_mps = neighbour_bound(view, gains)
             if is_layered:
-                keep_m = gains.barrier_distance_m + barrier_margin_m(view.sigma_m, gains)
+                margin_m = barrier_margin_m(view.sigma_m, gains)
+                if layer.is_in == 0.0:
+                    margin_m = crossing_margin_m(view.sigma_m, view.age_s)
+                keep_m = gains.barrier_distance_m + margin_m
                 dx, dy, _ = aside(own, other, int(addresses[k]), view.age_s, keep_m, layer)
                 step_x, step_y = step_x + dx, step_y + dy
                 if layer.is_in > 0.0:

@@ -8,8 +8,9 @@ given different depths for this case. The layers lie around one depth z_m, a veh
     z_dot = limited(k_z (z_i - z), v_z)
 
 A vehicle keeps its layer while it has not heard some other vehicle for `silent_s`; at 0, always. It needs no
-news from the other. Before it has heard all it goes to its layer straight up or down: vehicles that do not
-know each other cross where they are. Before a known one that is in the way it stops, and steps aside first.
+news from the other. Before it has heard all it goes to its layer straight up or down, and stays there until
+all others have had the time to reach theirs: vehicles that do not know each other cross where they are.
+Before a known one that is in the way it stops, and steps aside first.
 """
 
 from __future__ import annotations
@@ -27,6 +28,9 @@ _NEAR_M = 0.3
 _STEEP = 0.5
 _ASIDE_MPS = 0.2
 _NO_DIRECTION_M = 1e-9
+_CROSSING_SIGMAS = 2.0
+_UNFORESEEN_MPS = 0.05
+_CROSSING_MARGIN_LIMIT_M = 2.5
 
 
 class Layering(NamedTuple):
@@ -70,7 +74,9 @@ def layers_height_m(layers: Layers, fleet_size: int) -> float:
     return min(layers.layer_m * (fleet_size - 1), layers.layer_span_m)
 
 
-def layering(layers: Layers, member: Member, depth_m: float, *, knows_all: bool) -> Layering:
+def layering(
+    layers: Layers, member: Member, depth_m: float, *, knows_all: bool, is_settled: bool
+) -> Layering:
     """
     Return how a vehicle takes its layer.
 
@@ -84,6 +90,8 @@ def layering(layers: Layers, member: Member, depth_m: float, *, knows_all: bool)
         Its depth (m).
     knows_all : bool
         Whether it has heard every other vehicle.
+    is_settled : bool
+        Whether all others have had the time to reach their layers.
 
     """
     if layers.layer_depth_m is None:
@@ -93,7 +101,7 @@ def layering(layers: Layers, member: Member, depth_m: float, *, knows_all: bool)
     below_m = highest_m + (member.address - 1) * pitch_m - depth_m
     sinking_mps = clipped(_GAIN_PS * below_m, _SPEED_MPS)
     is_in = abs(below_m) <= _NEAR_M
-    return Layering(sinking_mps, float(is_in), float(is_in or knows_all), highest_m, pitch_m)
+    return Layering(sinking_mps, float(is_in), float(knows_all or (is_in and is_settled)), highest_m, pitch_m)
 
 
 @inner
@@ -131,6 +139,17 @@ def aside(own: Vec3, other: Vec3, address: int, age_s: float, keep_m: float, lay
     if level_m < _NO_DIRECTION_M:
         return _ASIDE_MPS, 0.0, 0.0
     return _ASIDE_MPS * x / level_m, _ASIDE_MPS * y / level_m, 0.0
+
+
+@inner
+def crossing_margin_m(sigma_m: float, age_s: float) -> float:
+    """
+    Return the margin to a neighbour whose depth a vehicle crosses on the way to its own layer (m).
+
+    It is larger than that of the barrier, which grows with the neighbour's deviation only: a neighbour that
+    steps aside itself leaves its prediction, and waiting for news costs a crossing vehicle time only.
+    """
+    return min(_CROSSING_SIGMAS * sigma_m + _UNFORESEEN_MPS * age_s, _CROSSING_MARGIN_LIMIT_M)
 
 
 @inner

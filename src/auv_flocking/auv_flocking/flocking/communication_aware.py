@@ -148,6 +148,11 @@ class Params:
     )
     layer_m: float = param("largest distance of neighbouring layers (m)", default=1.5, above=0.0)
     layer_span_m: float = param("largest distance of all layers (m)", default=6.0, above=0.0)
+    settling_s: float = param(
+        "time from the start until which a vehicle that has not heard all others goes up or down only (s)",
+        default=0.0,
+        minimum=0.0,
+    )
     silent_s: float = param(
         "age of news from which a vehicle takes its layer (s); 0: always", default=0.0, minimum=0.0
     )
@@ -304,7 +309,8 @@ class Flocking(FlockingLaw):
         if not self._is_layered:
             return NO_LAYER
         knows_all = n_known >= self._member.fleet_size - 1
-        return layering(self._params, self._member, depth_m, knows_all=knows_all)
+        is_settled = self._running_s >= self._params.settling_s
+        return layering(self._params, self._member, depth_m, knows_all=knows_all, is_settled=is_settled)
 
     def adapt(self, view: View, dt_s: float) -> None:
         """Update a separation law with a state for one control period of `dt_s`; see `potential`."""

@@ -120,10 +120,18 @@ def study(
 
 
 def fleet(n_vehicles: int) -> tuple[str, ...]:
-    """Return the overrides for another number of vehicles at the same initial density."""
+    """
+    Return the overrides for another number of vehicles at the same initial density, in layers as far apart
+    as those of twelve.
+    """
     vehicles = ", ".join(f"{{id: auv_{k}, model: {{preset: odin}}}}" for k in range(1, n_vehicles + 1))
     radius_m = round(10.0 * (n_vehicles / 4) ** (1 / 3), 1)
-    return (f"vehicles=[{vehicles}]", f"random_starts.radius_m={radius_m}")
+    span_m = round(max(7.5, 0.68 * (n_vehicles - 1)), 1)
+    return (
+        f"vehicles=[{vehicles}]",
+        f"random_starts.radius_m={radius_m}",
+        f"{_LAW}.layer_span_m={span_m}",
+    )
 
 
 OURS = {cell: study(cell) for cell in CELLS}
