@@ -10,6 +10,7 @@ import auv_flocking.separation
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PROGRAMS = sorted(EXAMPLES.glob("*.py"))
 SAYS = {
+    "allocate_thrusters": "odin, thruster 1 lost: X 185.3, Y 185.3, Z 524.0",
     "environment": "13 numbers observed; total reward",
     "fly": "smallest distance: 1.",
     "own_law": "steep: smallest distance",

@@ -8,7 +8,7 @@ at the start of a control period h,
 
 clipped at the limits, so that the force f_a that the allocator chose is there at the end of the period. f is
 not measured; it follows from the demands before. Without this lead a lag of 0.2 s shakes a flock of ODINs,
-whose law and velocity loop have their crossover at 2 rad/s (docs/explanation/vehicles.md).
+whose law and velocity loop have their crossover at 2 rad/s (docs/explanation/thrusters.md).
 """
 
 from __future__ import annotations

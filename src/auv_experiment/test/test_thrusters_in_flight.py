@@ -7,12 +7,14 @@ import pytest
 
 from auv_core.models import thrusters_of
 from auv_core.params import ConfigError
+from auv_experiment.figures.by_law import run_drawers
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.loading import load_scenario
 
 FAULT = "vehicles.1.fault={thruster: 1, t_s: 4.0, known_after_s: 2.0}"
+BARS = ("pair_distance_settled_min_m", "pair_distance_max_after_200s_m", "centroid_path_rms_m")
 BLUEROV2 = "vehicles.2.model={preset: bluerov2_heavy}"
 
 
@@ -92,3 +94,32 @@ def test_a_recording_with_actuators_survives_its_file(flight, tmp_path: Path):
 def test_the_report_s_metrics_are_made_of_such_a_run(flight):
     scenario, recording = flight
     assert compute_metrics(recording, scenario, mode="inprocess", real_time_factor=1.0)["collision"] is False
+
+
+def test_its_report_shows_the_forces_of_the_vehicles_with_thrusters(flight, tmp_path: Path):
+    scenario, recording = flight
+    drawers = run_drawers(recording, scenario)
+    drawing = drawers["thrusters"]()
+    assert drawing is not None
+    assert len(drawing.canvas.axes) == 3
+    assert [len(axes.lines) for axes in drawing.canvas.axes] == [8, 9, 8], "a line at the time of the fault"
+    assert "thrusters" not in run_drawers(recording, load_scenario("flock_acoustic"))
+
+
+@pytest.mark.slow
+def test_a_lost_thruster_costs_the_flock_neither_distance_nor_its_path():
+    """Means over three seeds: smallest and largest distance within 5 %, the path's rms at most 1.3 times."""
+    means = {}
+    for name in ("flock_acoustic", "hover_thrusters"):
+        found = []
+        for seed in (1, 2, 3):
+            scenario = load_scenario(name, seed=seed)
+            run = run_in_process(scenario)
+            metrics = compute_metrics(run, scenario, mode="inprocess", real_time_factor=1.0)
+            assert not metrics["collision"]
+            found.append([metrics[key] for key in BARS])
+        means[name] = np.mean(found, axis=0)
+    smallest, largest, path_rms = means["hover_thrusters"] / means["flock_acoustic"]
+    assert smallest == pytest.approx(1.0, abs=0.05)
+    assert largest == pytest.approx(1.0, abs=0.05)
+    assert path_rms <= 1.3

@@ -11,6 +11,7 @@ from auv_experiment.figures.flock import flock_drawers
 from auv_experiment.figures.own import own_drawers
 from auv_experiment.figures.path import path_drawers
 from auv_experiment.figures.region import region_drawers
+from auv_experiment.figures.thrusters import thruster_drawers
 from auv_experiment.recording import Recording
 
 if TYPE_CHECKING:
@@ -29,5 +30,6 @@ def run_drawers(recording: Recording, scenario: Scenario) -> dict[str, Drawer]:
     else:
         found = path_drawers(recording, scenario)
         found |= flock_drawers(recording, scenario, only=("pair_distances",))
+    found |= thruster_drawers(recording, scenario)
     found |= acoustics_drawers(recording)
     return found | own_drawers(recording, scenario, taken=found)
