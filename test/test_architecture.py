@@ -41,6 +41,7 @@ PLUGIN_FOLDERS = (
     "auv_core/models",
     "auv_flocking/consensus",
     "auv_flocking/coordination",
+    "auv_flocking/fleets",
     "auv_flocking/flocking",
     "auv_flocking/trackers",
     "auv_flocking/estimators",

@@ -22,6 +22,7 @@ from auv_control.controllers import (
     MotionView,
     VelocityController,
     VelocityReference,
+    autopilot,
 )
 from auv_control.courses import CourseLaw, Guided
 from auv_control.guidance.autopilots import Setpoint
@@ -40,6 +41,7 @@ from auv_flocking.codec import Field, Layout
 from auv_flocking.consensus import ConsensusFilter, ContinuousFilter
 from auv_flocking.coordination import CoordinationLaw, LanePlace, Pace
 from auv_flocking.estimators import Motion, NeighbourEstimator
+from auv_flocking.fleets import FleetTask
 from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, Member, View
 from auv_flocking.lanes.status import LaneNeighbour, LaneStatus, Mode
 from auv_flocking.neighbours.estimates import NeighbourEstimate
@@ -197,6 +199,26 @@ def _use_course(module, params, inputs):
         guided = course.step(PERIOD_S * tick, nav)
         assert math.isnan(guided.cross_track_m) == (reach is None)
         outputs.append((tuple(guided.setpoint), guided.along_mps))
+    return outputs
+
+
+def _use_fleet(module, params, inputs):
+    controller = autopilot.Controller(autopilot.Params(), PERIOD_S)
+    task = module.Fleet(params, Member(address=2, fleet_size=3), controller, PERIOD_S)
+    layout, outputs = Layout(task.shared_fields), []
+    level = (math.cos(0.2), 0.0, 0.0, math.sin(0.2))
+    for tick in range(100):
+        nav = VehicleState(tick, inputs.point(50.0), level, inputs.six(0.5))
+        shared = (0.0,) * len(layout.fields)
+        other = NeighbourEstimate(
+            1, inputs.point(), inputs.point(1.0), np.eye(6), 0.2, nav.position, (0.0, 0.0, 0.0),
+            time_s=0.1 * (tick - tick % 10), shared=shared,
+        )  # fmt: skip
+        command = task.step(PERIOD_S * tick, nav, inputs.kept([other]))
+        layout.pack(task.shared())
+        assert type(task.sends(PERIOD_S * tick)) is bool
+        outputs.append((*command, *task.law_state, *task.shared()))
+    assert type(task.safe_command) is type(command)
     return outputs
 
 
@@ -582,6 +604,12 @@ ROLES = {
     "auv_control.references": Role("Reference", (ReferencePath,), (), _follow_reference),
     "auv_control.guidance.paths": Role("Path", (GuidancePath,), (), _follow_guidance_path),
     "auv_control.guidance.crab": Role("Crab", (CrabLaw,), (PERIOD_S,), _use_crab),
+    "auv_flocking.fleets": Role(
+        "Fleet",
+        (FleetTask,),
+        (Member(address=2, fleet_size=3), autopilot.Controller(autopilot.Params(), PERIOD_S), PERIOD_S),
+        _use_fleet,
+    ),
     "auv_flocking.flocking": Role(
         "Flocking", (FlockingLaw,), (SEPARATION, Member(is_leader=True)), _use_flocking
     ),

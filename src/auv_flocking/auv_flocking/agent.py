@@ -24,9 +24,10 @@ from auv_control.thruster_computer import ThrusterComputer
 from auv_core.geometry import Vec3, body_to_ned, heading_from_quaternion
 from auv_core.messages import Command, Inbox, Packet, VehicleState, VelocityCommand, Wrench, command_numbers
 from auv_core.state_checks import is_command
-from auv_flocking.agent_config import AgentConfig
+from auv_flocking.agent_config import AgentConfig, report_format
 from auv_flocking.consensus import ConsensusFilter, make_consensus
 from auv_flocking.course_task import CourseTask
+from auv_flocking.fleets import FleetTask, make_fleet
 from auv_flocking.flock_task import FlockTask
 from auv_flocking.flocking import FlockVelocity, Member, make_flocking
 from auv_flocking.heard import class_of_all, mask_of
@@ -35,7 +36,6 @@ from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbours.estimates import Estimates
 from auv_flocking.packet_judge import Refusal
 from auv_flocking.report import Report, ReportError, why_not_carried
-from auv_flocking.reports import make_format
 from auv_flocking.senses import Senses
 from auv_flocking.separation import make_separation
 from auv_flocking.trackers import Sensed, make_tracker
@@ -57,7 +57,7 @@ class Agent:
         self._config = config
         self._path = None if config.reference is None else make_reference(config.reference)
         consensus = None if config.consensus is None else make_consensus(config.consensus, config.fleet_size)
-        self._format = make_format(config.report, () if consensus is None else consensus.shared_fields)
+        self._format = report_format(config, config.fleet_size)
         controller = make_controller(config.controller, config.period_s)
         self._thrusters = (
             ThrusterComputer(config.allocation, config.thrusters, config.fault, config.period_s)
@@ -66,6 +66,7 @@ class Agent:
         )
         self.command = controller.command if self._thrusters is None else "thrusters"
         self.task = self._make_task(controller, consensus)
+        self._fleet = self.task if isinstance(self.task, FleetTask) else None
         self.flocks = isinstance(self.task, FlockTask)
         self._senses = Senses(
             config.neighbours,
@@ -87,9 +88,12 @@ class Agent:
 
     def _make_task(
         self, controller: Controller, consensus: ConsensusFilter | None
-    ) -> FlockTask | MotionTask | CourseTask:
+    ) -> FlockTask | MotionTask | CourseTask | FleetTask:
         config = self._config
+        member = Member(config.is_leader, config.address, config.fleet_size)
         if isinstance(controller, CourseController):
+            if config.fleet is not None:
+                return make_fleet(config.fleet, member, controller, config.period_s)
             if config.course is None:
                 raise RuntimeError("autopilots without a course: AgentConfig should have refused it")
             return CourseTask(make_course(config.course, config.period_s), controller)
@@ -98,7 +102,6 @@ class Agent:
         if config.flocking is None or config.separation is None or consensus is None:
             raise RuntimeError("a flock without its laws: AgentConfig should have refused it")
         separation = make_separation(config.separation)
-        member = Member(config.is_leader, config.address, config.fleet_size)
         law = make_flocking(config.flocking, separation, member)
         return FlockTask(
             law, consensus, controller, config.obstacles, config.period_s, is_leader=config.is_leader
@@ -196,7 +199,8 @@ class Agent:
         if usable is None or self.holding:
             return self._safe_command(), []
         command = self._act_safely(t_s, usable)
-        return command, self._packets(inbox.tick, t_s, usable) if inbox.transmit_ready else []
+        sends = inbox.transmit_ready and (self._fleet is None or self._fleet.sends(t_s))
+        return command, self._packets(inbox.tick, t_s, usable) if sends else []
 
     def _uncarried(self, position: Vec3) -> str:
         words = why_not_carried(position, self._format.carries.position)
@@ -219,9 +223,11 @@ class Agent:
         path = self.path_point(t_s)
         if isinstance(self.task, CourseTask):
             return self.task.step(t_s, nav)
+        if self._fleet is not None:
+            return self._fleet.step(t_s, nav, self.neighbours)
         if isinstance(self.task, MotionTask):
             return self.task.step(t_s, nav, path, self.neighbours, self.sensed, is_waiting=is_waiting)
-        if path is None:
+        if path is None or not isinstance(self.task, FlockTask):
             raise RuntimeError("a flock without a path: AgentConfig should have refused it")
         return self.task.step(t_s, nav, path, self.neighbours, self.sensed, is_waiting=is_waiting)
 
@@ -234,6 +240,8 @@ class Agent:
     def _safe_command(self) -> Command:
         if isinstance(self.task, CourseTask):
             return self.task.safe_command
+        if self._fleet is not None:
+            return self._fleet.safe_command
         if self._thrusters is not None:
             return self._thrusters.rest()
         if self.command == "velocity":

@@ -10,6 +10,7 @@ from auv_core.params import Section, param, same
 from auv_core.run_settings import RunSettings
 from auv_core.thrusters import ThrusterFault, Thrusters
 from auv_flocking.consensus import make_consensus
+from auv_flocking.fleets import fields_of
 from auv_flocking.flock_task import Obstacles
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.table import NeighbourConfig
@@ -20,6 +21,7 @@ REFERENCES = "auv_control.references"
 CONTROLLERS = "auv_control.controllers"
 COURSES = "auv_control.courses"
 ALLOCATION = "auv_control.allocation"
+FLEETS = "auv_flocking.fleets"
 FLOCKING = "auv_flocking.flocking"
 SEPARATION = "auv_flocking.separation"
 CONSENSUS = "auv_flocking.consensus"
@@ -44,6 +46,11 @@ class AgentSettings:
         "what gives heading, depth and speed, for a controller that follows a course",
         default=None,
         plugins=COURSES,
+    )
+    fleet: Section | None = param(
+        "what vehicles that cannot stop do together, instead of a course of its own for each",
+        default=None,
+        plugins=FLEETS,
     )
     allocation: Section = param(
         "how the forces of thrusters are chosen for a wrench, for vehicles with thrusters",
@@ -140,8 +147,10 @@ def check_parts(agent: AgentSettings, reference: Section | None, *, where: str =
     """
     kind = agent.controller.kind
     follows = controller_class(kind).follows
+    _check_fleet(agent, where)
+    parts = _PARTS.get(follows, ()) if agent.fleet is None else ()
     for name in ("flocking", "separation", "consensus", "course"):
-        section, is_needed = getattr(agent, name), name in _PARTS.get(follows, ())
+        section, is_needed = getattr(agent, name), name in parts
         if is_needed and section is None:
             needs = (
                 "follows a course" if follows == "course" else "follows a velocity that a flocking law gives"
@@ -166,7 +175,24 @@ def check_parts(agent: AgentSettings, reference: Section | None, *, where: str =
         )
 
 
-def report_format(report: Section, consensus: Section | None, fleet_size: int) -> ReportFormat:
-    """Return the format of the reports: that of a section, with what the consensus filter adds."""
+def _check_fleet(agent: AgentSettings, where: str) -> None:
+    """Check that a fleet has autopilots, and that no vehicle has a course of its own beside it."""
+    follows = controller_class(agent.controller.kind).follows
+    if agent.fleet is not None and follows != "course":
+        raise ValueError(
+            f"{where}fleet: {agent.fleet.kind!r} is not allowed; allowed: nothing, since the controller "
+            f"{agent.controller.kind} follows a {follows}"
+        )
+    if agent.fleet is not None and agent.course is not None:
+        raise ValueError(
+            f"{where}course: {agent.course.kind!r} is not allowed; allowed: nothing beside a fleet"
+        )
+
+
+def report_format(agent: AgentSettings, fleet_size: int) -> ReportFormat:
+    """Return the format of the reports, with what the consensus filter or the task of a fleet adds."""
+    if agent.fleet is not None:
+        return make_format(agent.report, fields_of(agent.fleet))
+    consensus = agent.consensus
     shared_fields = () if consensus is None else make_consensus(consensus, fleet_size).shared_fields
-    return make_format(report, shared_fields)
+    return make_format(agent.report, shared_fields)

@@ -17,9 +17,8 @@ from auv_control.guidance.paths import make_path
 from auv_core.geometry import body_to_ned, heading_from_quaternion
 from auv_core.messages import VehicleState
 from auv_core.models import make_model
+from auv_flocking.fleets.lanes import Fleet, Params
 from auv_flocking.flocking import Member
-from auv_flocking.lane_settings import LaneSettings
-from auv_flocking.lane_task import LaneTask
 from auv_flocking.lanes.status import FIELDS, STRAIGHT_ON, LaneNeighbour, LaneStatus, Mode
 from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.report import Report
@@ -50,7 +49,7 @@ class Setting:
     silent_s: tuple[float, float] = (math.inf, math.inf)
     weak: tuple[int, ...] = ()
     weak_rpm: float = 806.0
-    params: LaneSettings = field(default_factory=LaneSettings)
+    params: Params = field(default_factory=Params)
 
 
 class Starts(NamedTuple):
@@ -206,7 +205,7 @@ def fleet_of(setting, starts):
         zip(starts.places, starts.headings_rad, strict=True)
     ):
         address = index + 1
-        task = LaneTask(params, Member(False, address, setting.count), autopilots(), PERIOD_S, plan)
+        task = Fleet(params, Member(False, address, setting.count), autopilots(), PERIOD_S, plan)
         depth_m = SHALLOW_M if setting.start_at_one_depth else task.layer_m
         state = model.initial_state((north_m, east_m, depth_m), heading_rad, START_MPS)
         fleet.append(

@@ -59,7 +59,7 @@ def _re_estimate(bag: Bag) -> int:
     scenario = load_scenario(str(scenario_file))
     vehicle_ids = [vehicle.id for vehicle in scenario.vehicles]
     settings = scenario.agent
-    report = report_format(settings.report, settings.consensus, len(vehicle_ids))
+    report = report_format(settings, len(vehicle_ids))
     use_compiler(print)
     known = tuple(each.position_ned_m for each in scenario.environment.obstacles if each.known)
     result = re_estimate(

@@ -243,7 +243,7 @@ def _not_continuous(why: str) -> ValueError:
 
 def _check_medium(scenario: Scenario) -> None:
     agent = scenario.agent
-    payload_bytes = report_format(agent.report, agent.consensus, len(scenario.vehicles)).payload_bytes
+    payload_bytes = report_format(agent, len(scenario.vehicles)).payload_bytes
     try:
         AcousticMedium(scenario.medium_config).check_payload(payload_bytes)
     except ValueError as error:

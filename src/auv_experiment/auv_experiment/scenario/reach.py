@@ -308,4 +308,4 @@ def _bounds(scenario: Scenario) -> Bounds:
 
 def _report_format(scenario: Scenario) -> ReportFormat:
     agent = scenario.agent
-    return report_format(agent.report, agent.consensus, len(scenario.vehicles))
+    return report_format(agent, len(scenario.vehicles))

@@ -10,9 +10,8 @@ from lane_fleet import Setting, autopilots, coordination_error_m, distances_m, f
 from auv_core import compiled
 from auv_core.params import ConfigError, Section, load
 from auv_flocking.coordination import age_matched, tanh
+from auv_flocking.fleets.lanes import Fleet, Params
 from auv_flocking.flocking import Member
-from auv_flocking.lane_settings import LaneSettings
-from auv_flocking.lane_task import LaneTask
 from auv_flocking.lanes.status import Mode
 
 SHORT = Setting(seed=1001, count=3, duration_s=330.0)
@@ -68,14 +67,14 @@ def test_one_vehicle_alone_forms_and_never_leaves():
 
 def test_layers_that_meet_a_slot_are_refused():
     with pytest.raises(ValueError, match=r"depth_m: 5.0 is not allowed"):
-        LaneTask(LaneSettings(depth_m=5.0), Member(False, 1, 3), autopilots(), 0.2)
+        Fleet(Params(depth_m=5.0), Member(False, 1, 3), autopilots(), 0.2)
 
 
 def test_unknown_laws_are_refused_in_one_line():
     with pytest.raises(
         ConfigError, match=r"lane.coordination.kind: 'pid' is not allowed; allowed: age_matched"
     ):
-        load(LaneSettings, {"coordination": {"kind": "pid"}}, "lane")
+        load(Params, {"coordination": {"kind": "pid"}}, "lane")
 
 
 FIVE = Setting(duration_s=900.0)
@@ -138,13 +137,13 @@ def test_a_weak_vehicle_is_waited_for():
 def test_the_other_laws_are_worse_on_a_bad_channel():
     bad = replace(FIVE, seed=1000, slot_s=8.0, loss_prob=0.6, duration_s=1200.0)
     laws = (
-        LaneSettings().coordination,
+        Params().coordination,
         Section("tanh", tanh.Params()),
         Section("age_matched", age_matched.Params()),
     )
     errors_m = []
     for law in laws:
-        flown = fly(replace(bad, params=LaneSettings(coordination=law)))
+        flown = fly(replace(bad, params=Params(coordination=law)))
         errors_m.append(np.quantile(coordination_error_m(flown)[alive_after(flown, 700.0)], 0.95))
     assert errors_m[0] < 0.5
     assert errors_m[0] < errors_m[1] < errors_m[2]

@@ -19,7 +19,7 @@ _REFERENCE_CONSENSUS = Section("reference_consensus", reference_consensus.Params
 
 
 @dataclass(frozen=True)
-class LaneSettings:
+class Params:
     """The path, the formation on it, and the parts of the task."""
 
     path: Section = param("path of the fleet", default=_RACETRACK, plugins="auv_control.guidance.paths")

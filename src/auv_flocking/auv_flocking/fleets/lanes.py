@@ -8,36 +8,38 @@ speed through the water, which is not measured: it follows from the propeller.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
-from auv_control.controllers import CourseController
+from auv_control.controllers import CourseController, VelocityReference
 from auv_control.courses import Guided
 from auv_control.guidance.autopilots import Setpoint
 from auv_control.guidance.crab import make_crab
 from auv_control.guidance.line_of_sight import Sight, over_ground
 from auv_control.guidance.path_guide import PathGuide
 from auv_control.guidance.paths import circle, make_path
-from auv_core.geometry import clipped
+from auv_core.geometry import Vec3, clipped
 from auv_core.integrate import State
 from auv_core.messages import FinCommand, VehicleState
 from auv_flocking.coordination import LanePlace, Pace, make_coordination
-from auv_flocking.flocking import Member
-from auv_flocking.lane_settings import LaneSettings
+from auv_flocking.fleets import FleetTask
+from auv_flocking.fleets._lane_settings import Params as Params
+from auv_flocking.flocking import NOTHING_HEARD, Member
 from auv_flocking.lanes.broadcast import Sent, after_slot
 from auv_flocking.lanes.keeping_up import KeepingUp, kept_up
 from auv_flocking.lanes.modes import IN_LANE, ModeInputs, ModeState, are_ready, is_heard, next_mode
-from auv_flocking.lanes.status import STRAIGHT_ON, LaneNeighbour, LaneStatus, Mode, apart_m, neighbour
+from auv_flocking.lanes.status import FIELDS, STRAIGHT_ON, LaneNeighbour, LaneStatus, Mode, apart_m, neighbour
 from auv_flocking.lanes.turn_away import Intent, TurnAway
 from auv_flocking.neighbours.estimates import Neighbours
 
 
-class LaneTask:
+class Fleet(FleetTask):
     """
     The task of one vehicle.
 
     Parameters
     ----------
-    params : LaneSettings
+    params : Params
         Of the fleet, the same for all vehicles.
     member : Member
         The vehicle's address and the size of the fleet.
@@ -48,18 +50,23 @@ class LaneTask:
     plan : sequence of LaneNeighbour
         Where the vehicles of the mission start, for turning away before their first packets.
 
-    After a step: `sight` (what guidance found), `mode`, `gamma_m` (path parameter minus the slot's offset,
-    m), `correction_mps` (of the coordination law) and `status` (what a packet says). `layer_m` is the depth
-    of the own layer (m).
+    After a step: `law_state` (heading (rad), turn rate (rad/s), depth (m) and speed (m/s) that it asks for,
+    cross-track error (m), mode, gamma and reference r (m), correction (m/s), course of turning away, then the
+    state of the autopilots), `sight` (what guidance found), `mode`, `gamma_m` (path parameter minus the
+    slot's offset, m), `correction_mps` (of the coordination law) and `status` (what a packet says). `layer_m`
+    is the depth of the own layer (m).
 
     """
 
+    shared_fields = FIELDS
+    flock_velocity = NOTHING_HEARD
+    centre_rate: Vec3 = (0.0, 0.0, 0.0)
     sight: Sight
     status: LaneStatus
 
     def __init__(
         self,
-        params: LaneSettings,
+        params: Params,
         member: Member,
         controller: CourseController,
         period_s: float,
@@ -70,6 +77,10 @@ class LaneTask:
         self._slot = slots[member.address - 1]
         self.layer_m = params.layer_depths(member.fleet_size)[member.address - 1]
         self._controller = controller
+        self.safe_command = controller.safe_command
+        self.law_state: tuple[float, ...] = ()
+        self.centre: Vec3 = (0.0, 0.0, 0.0)
+        self.reference = VelocityReference((0.0, 0.0, 0.0), 0.0)
         self._path = make_path(params.path)
         self._loiter = circle.Path(
             circle.Params(params.loiter_north_m, params.loiter_east_m, params.loiter_radius_m)
@@ -119,7 +130,27 @@ class LaneTask:
         self._guide.change_to(self._loiter if self.mode.mode is Mode.LOITER else self._path)
         setpoint = Setpoint(found.heading_rad, found.turn_rate_radps, self.status.depth_target_m, speed_mps)
         along_mps = found.along_mps if self.mode.mode in IN_LANE else speed_mps
-        return self._controller.step(nav, Guided(setpoint, along_mps, found.cross_track_m))
+        command = self._controller.step(nav, Guided(setpoint, along_mps, found.cross_track_m))
+        self._note(nav, setpoint)
+        return command
+
+    def _note(self, nav: VehicleState, setpoint: Setpoint) -> None:
+        """Keep what a recording shows of this step."""
+        c, s = math.cos(setpoint.heading_rad), math.sin(setpoint.heading_rad)
+        velocity = (setpoint.speed_mps * c, setpoint.speed_mps * s, 0.0)
+        self.reference = VelocityReference(velocity, setpoint.heading_rad)
+        self.centre = nav.position
+        status = self.status
+        self.law_state = (
+            *setpoint,
+            self.sight.cross_track_m,
+            float(status.mode),
+            status.gamma_m,
+            status.reference_m,
+            self.correction_mps,
+            float(status.turn_away_course),
+            *self._controller.state,
+        )
 
     @property
     def round_m(self) -> float:

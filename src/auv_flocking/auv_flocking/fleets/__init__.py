@@ -1,0 +1,61 @@
+"""
+Fleets of vehicles that cannot stop: what each does for the group, above the autopilots.
+
+To add one, write one file with ``Params`` and ``Fleet(params, member, controller, period_s)``, a `FleetTask`.
+The file's name is its ``kind``.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+from auv_control.controllers import CourseController, VelocityReference
+from auv_core.contracts import class_of, fulfilled
+from auv_core.geometry import Vec3
+from auv_core.messages import FinCommand, VehicleState
+from auv_core.params import Section
+from auv_flocking.codec import Field
+from auv_flocking.flocking import FlockVelocity, Member
+from auv_flocking.neighbours.estimates import Neighbours
+
+
+@runtime_checkable
+class FleetTask(Protocol):
+    """
+    The task of one vehicle, stepped once per control period; it keeps its own state.
+
+    `shared_fields` are the fields that it adds to every report, `safe_command` what it gives without a usable
+    navigation. After a step: `law_state` (its numbers for a recording), `reference` (velocity and heading
+    that it asks for), `centre`, `centre_rate` and `flock_velocity`, which a fleet without a flocking centre
+    leaves at its position, zero and unknown.
+    """
+
+    shared_fields: tuple[Field, ...]
+    safe_command: FinCommand
+    law_state: tuple[float, ...]
+    reference: VelocityReference
+    centre: Vec3
+    centre_rate: Vec3
+    flock_velocity: FlockVelocity
+
+    def step(self, t_s: float, nav: VehicleState, neighbours: Neighbours) -> FinCommand:
+        """Return the command of one control period."""
+
+    def shared(self) -> tuple[float, ...]:
+        """Return the numbers that this task adds to a packet after a step."""
+
+    def sends(self, t_s: float) -> bool:
+        """Return whether the vehicle uses an own slot of the channel at `t_s` (s), after a step."""
+
+
+def make_fleet(section: Section, member: Member, controller: CourseController, period_s: float) -> FleetTask:
+    """Return the task of a section for one vehicle, for a control period (s)."""
+    made = class_of(__name__, section.kind, "Fleet")(section.params, member, controller, period_s)
+    task: FleetTask = fulfilled(made, FleetTask)
+    return task
+
+
+def fields_of(section: Section) -> tuple[Field, ...]:
+    """Return the fields that the task of a section adds to every report."""
+    fields: tuple[Field, ...] = class_of(__name__, section.kind, "Fleet").shared_fields
+    return fields
