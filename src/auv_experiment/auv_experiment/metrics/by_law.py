@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from auv_experiment.metrics.consensus_bound import flock_metrics
 from auv_experiment.metrics.course import course_metrics
+from auv_experiment.metrics.fleet import fleet_metrics
 from auv_experiment.metrics.formation import formation_metrics
 from auv_experiment.metrics.lyapunov import lyapunov_metrics
 from auv_experiment.metrics.path import path_metrics, position_error_ned_m
@@ -30,6 +31,8 @@ def law_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
         return {}
     if scenario.follows == "velocity":
         return flock_metrics(recording, scenario)
+    if scenario.agent.fleet is not None:
+        return fleet_metrics(recording, scenario)
     if scenario.follows == "course":
         return course_metrics(recording, scenario)
     if scenario.follows == "region":

@@ -39,9 +39,18 @@ OF_LAWS = {
     "depth_settling_0p2m_s": Meaning("s", "time after which the depth stays within 0.2 m of the course", 1),
     "depth_overshoot_m": Meaning("m", "largest depth error beyond the course after the largest error", 3),
     "cross_track_rms_m": Meaning(
-        "m", "distance beside the path of the course, rms after 150 s; the worst vehicle"
+        "m", "distance beside the path or lane, rms after 150 s or formation; the worst vehicle"
     ),
-    "cross_track_max_m": Meaning("m", "largest distance beside the path of the course after 150 s"),
+    "cross_track_max_m": Meaning("m", "largest distance beside the path or lane after 150 s or formation"),
+    # fleets
+    "fleet_formed_at_s": Meaning("s", "first time at which all vehicles are in formation", 1),
+    "coordination_error_p95_m": Meaning(
+        "m", "largest difference of two path parameters, 95th percentile from the time of formation on"
+    ),
+    "packets_per_minute": Meaning(
+        "1/min", "packets of the whole fleet per minute, from the time of formation on", 2
+    ),
+    "turn_away_ratio": Meaning("", "share of the way to the lanes on which vehicles turn away from others"),
     # paths
     "position_rms_m": Meaning("m", "distance to the path, rms over the run; the worst vehicle", 4),
     "position_rms_after_30s_m": Meaning("m", "distance to the path, rms from 30 s on; the worst vehicle", 4),

@@ -18,6 +18,7 @@ from auv_control.courses import make_course
 from auv_control.references import ReferencePath
 from auv_core.geometry import Box, Vec3, distance
 from auv_core.models import make_model
+from auv_experiment.scenario.task_checks import check_tasks
 from auv_flocking.agent_config import report_format
 from auv_flocking.flocking import flocking_params
 from auv_flocking.reports import Bounds, ReportFormat
@@ -46,7 +47,7 @@ def check_reach(scenario: Scenario) -> None:
     """
     for check in (
         _check_speeds,
-        _check_course,
+        _check_tasks,
         _check_surface,
         _check_bottom,
         _check_report_positions,
@@ -91,17 +92,8 @@ def _check_speeds(scenario: Scenario) -> None:
             )
 
 
-def _check_course(scenario: Scenario) -> None:
-    """Check that vehicles hold the speed of their course in the current, and can turn as its path turns."""
-    section = scenario.agent.course
-    if section is None:
-        return
-    course, water_mps = make_course(section, scenario.period_s), water_speed_mps(scenario)
-    for index, vehicle in enumerate(scenario.vehicles):
-        try:
-            course.check(make_model(vehicle.model), water_mps)
-        except ValueError as error:
-            raise ValueError(f"agent.course.params.{error}, for vehicles[{index}]") from None
+def _check_tasks(scenario: Scenario) -> None:
+    check_tasks(scenario, water_speed_mps(scenario))
 
 
 def _check_surface(scenario: Scenario) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Protocol, runtime_checkable
 
 from auv_control.controllers import CourseController, VelocityReference
+from auv_control.guidance.feasibility import Turning
 from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3
 from auv_core.messages import FinCommand, VehicleState
@@ -40,6 +41,9 @@ class FleetTask(Protocol):
 
     def step(self, t_s: float, nav: VehicleState, neighbours: Neighbours) -> FinCommand:
         """Return the command of one control period."""
+
+    def check(self, vehicle: Turning, current_mps: float) -> None:
+        """Raise ValueError unless the vehicle can do its part in a current of any direction (m/s)."""
 
     def shared(self) -> tuple[float, ...]:
         """Return the numbers that this task adds to a packet after a step."""

@@ -15,6 +15,7 @@ from auv_control.controllers import CourseController, VelocityReference
 from auv_control.courses import Guided
 from auv_control.guidance.autopilots import Setpoint
 from auv_control.guidance.crab import make_crab
+from auv_control.guidance.feasibility import Turning, check_lane
 from auv_control.guidance.line_of_sight import Sight, over_ground
 from auv_control.guidance.path_guide import PathGuide
 from auv_control.guidance.paths import circle, make_path
@@ -30,7 +31,10 @@ from auv_flocking.lanes.keeping_up import KeepingUp, kept_up
 from auv_flocking.lanes.modes import IN_LANE, ModeInputs, ModeState, are_ready, is_heard, next_mode
 from auv_flocking.lanes.status import FIELDS, STRAIGHT_ON, LaneNeighbour, LaneStatus, Mode, apart_m, neighbour
 from auv_flocking.lanes.turn_away import Intent, TurnAway
-from auv_flocking.neighbours.estimates import Neighbours
+from auv_flocking.neighbours.estimates import TIME, Estimates, Neighbours
+
+MODE, GAMMA, REFERENCE, CORRECTION, TURN_AWAY_COURSE = 5, 6, 7, 8, 9
+"""Columns of `law_state` after those of a course."""
 
 
 class Fleet(FleetTask):
@@ -157,6 +161,10 @@ class Fleet(FleetTask):
         """Length of a round of the path (m; 0: it is open)."""
         return self._pace.round_m
 
+    def check(self, vehicle: Turning, current_mps: float) -> None:
+        """Raise ValueError unless the vehicle can fly its lane in a current of any direction (m/s)."""
+        check_lane(vehicle, self._path.track, self._slot[1], self._params.speed_mps, current_mps)
+
     def shared(self) -> tuple[float, ...]:
         """Return the numbers that this task adds to a packet after a step."""
         return self.status.numbers()
@@ -177,11 +185,13 @@ class Fleet(FleetTask):
 
     def _hear(self, own: LanePlace, neighbours: Neighbours) -> list[LaneNeighbour]:
         """Return the neighbours with a new packet, in the order of addresses."""
-        fresh = []
-        for each in neighbours:
-            known = self._others.get(each.address)
-            if each.shared and (known is None or each.time_s > known.time_s):
-                fresh.append(neighbour(each, own.t_s, own.gamma_m, self._reference_m(own)))
+        estimates, fresh = Estimates.of(neighbours), []
+        times_s = estimates.column(TIME)
+        for index, (address, time_s) in enumerate(zip(estimates.addresses, times_s, strict=True)):
+            known = self._others.get(address)
+            if estimates.shared[index] and (known is None or time_s > known.time_s):
+                estimate = estimates[index]
+                fresh.append(neighbour(estimate, own.t_s, own.gamma_m, self._reference_m(own)))
         if fresh:
             heard = {**self._others, **{other.address: other for other in fresh}}
             self._others = dict(sorted(heard.items()))
