@@ -72,7 +72,7 @@ def check_lane(vehicle: Turning, track: Track, lane_m: float, speed_mps: float, 
                 f"lane: {lane_m:g} m inside a curve of {1.0 / abs(curvature_pm):g} m is not allowed; "
                 "allowed: less than the radius"
             )
-        where = f"in the lane at {lane_m:g} m"
+        where = f"in the lane at {lane_m + 0.0:g} m"  # without a sign for minus zero
         if not least_mps <= lane_mps <= largest_mps:
             raise ValueError(
                 f"lane: {lane_mps:.3g} m/s {where} is not allowed; allowed: {least_mps:.3g} to "
