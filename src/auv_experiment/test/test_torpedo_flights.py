@@ -80,6 +80,18 @@ def test_a_racetrack_in_a_current(crab):
         assert metrics["cross_track_rms_m"] > 1.0, "plain line of sight is carried off its path"
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("current_ned_mps", [(0.3, 0.0), (0.0, 0.3), (-0.3, 0.0), (0.0, -0.3)])
+def test_a_survey_in_a_current(current_ned_mps):
+    """The bars are those of the specification."""
+    north_mps, east_mps = current_ned_mps
+    override = f"environment.current_ned_mps=[{north_mps}, {east_mps}, 0]"
+    scenario = load_scenario("torpedo_lawnmower", overrides=[override])
+    metrics = compute_metrics(run_in_process(scenario), scenario, mode="inprocess", real_time_factor=1.0)
+    assert metrics["cross_track_rms_m"] < 1.3 * 0.20 + 0.05
+    assert metrics["cross_track_max_m"] < 1.3 * 0.60 + 0.05
+
+
 @pytest.mark.parametrize(
     ("name", "overrides", "words"),
     [
