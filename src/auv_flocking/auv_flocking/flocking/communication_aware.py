@@ -17,21 +17,18 @@ sonar sees the neighbour; A: mean of the packets' A_j over the neighbours.
 1. A feedback of gain g on information of age A has a phase lag of g A (rad) at its crossover frequency. phi
    bounds this lag, so the loop is as well damped at 20 s as at 1 s. The ages are measured, packet by packet,
    and never configured: slot length, loss rate and collisions need not be known. The way to the centre from
-   outside of R has a budget of its own: a vehicle's own position is never old, and the centre of all
-   stays where it is while they gather.
+   outside of R has a budget of its own: the centre of all stays where it is while they gather.
 2. A neighbour with an uncertain position is kept at a larger distance. The uncertainty is its filter's
    covariance, which includes both navigations, and the distance that its velocity in the flock could have
    covered since the last packet. The part q_j due to navigation, the smaller of (n_j . P_j n_j)^1/2 and the
-   deviation that the neighbour states, counts more: it lasts for minutes, while the rest changes with every
-   packet.
+   deviation that the neighbour states, counts more: it lasts for minutes, the rest until the next packet.
 3. For a neighbour that the sonar sees, the age is that of the contact, so it is repelled with a high gain.
    Gains use average ages: with the current age the force would jump with every packet.
 4. w moves the flock; all other terms are a correction in the frame that moves with w. A leader brings the
    centre to the path (thesis: "the average centre of the group will follow the desired trajectory"). Vehicles
    pass w on with the leader's time stamp, so that the newest one is used, and vehicles that do not hear the
-   leader still follow.
-   w is passed on with its rate of turn, so that one that is a minute old still points along the path. A
-   leader steers no faster than others can follow: the flock spreads by the change of w times the age.
+   leader still follow. It has its rate of turn with it, so that one that is a minute old still points along
+   the path. A leader steers slowly: the flock spreads by the change of w times the age.
 5. The barrier bounds the approach to every neighbour (`auv_flocking.flocking._half_spaces`). Each vehicle
    takes half, so that two that obey it do not come closer than D plus margin, whatever attracts them. The
    neighbour may not know of this vehicle: so it yields to one that comes nearer by more than its half.
@@ -149,9 +146,7 @@ class Params:
     layer_m: float = param("largest distance of neighbouring layers (m)", default=1.5, above=0.0)
     layer_span_m: float = param("largest distance of all layers (m)", default=6.0, above=0.0)
     settling_s: float = param(
-        "time from the start until which a vehicle that has not heard all others goes up or down only (s)",
-        default=0.0,
-        minimum=0.0,
+        "time during which one that has not heard all moves vertically (s)", default=0.0, minimum=0.0
     )
     silent_s: float = param(
         "age of news from which a vehicle takes its layer (s); 0: always", default=0.0, minimum=0.0
