@@ -90,9 +90,7 @@ class AgentConfig(AgentSettings):
         "names of the vehicles in the order of their addresses, for messages", default=()
     )
     is_leader: bool = param("whether this vehicle knows the path", default=False)
-    fails_at_s: float | None = param(
-        "scenario time from which this computer does nothing (s); null: never", default=None, minimum=0.0
-    )
+    fails_at_s: float | None = same(RunSettings, "fails_at_s")
     period_s: float = same(RunSettings, "period_s")
     has_sonar: bool = param(
         "whether this vehicle has a sonar; without one it ignores sonar contacts", default=True

@@ -12,7 +12,6 @@ from auv_core.models import HULL, Actuator, VehicleModel, make_model
 from auv_core.params import Section, param, same
 from auv_core.run_settings import RunSettings
 from auv_core.thrusters import ThrusterFault
-from auv_flocking.agent_config import AgentConfig
 from auv_sim.currents import make_current, steady
 from auv_sim.navigation import exact, make_navigation
 
@@ -48,7 +47,7 @@ class VehicleConfig:
     seed: int = same(RunSettings, "seed")
     navigation: Section = param("errors of the vehicle's own navigation", default=EXACT, plugins=NAVIGATION)
     fault: ThrusterFault = param("fault of a thruster", default=ThrusterFault())
-    fails_at_s: float | None = same(AgentConfig, "fails_at_s")
+    fails_at_s: float | None = same(RunSettings, "fails_at_s")
     command_max_age_s: float = param(
         "age of a command above which the actuators stop (s); at least two control periods",
         default=0.5,

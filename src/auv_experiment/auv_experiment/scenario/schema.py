@@ -23,7 +23,7 @@ from auv_core.run_settings import RunSettings
 from auv_core.thrusters import ThrusterFault
 from auv_experiment.scenario.checks import check_scenario
 from auv_experiment.scenario.file import ID, ID_WORDS
-from auv_flocking.agent_config import REFERENCES, AgentConfig, AgentSettings
+from auv_flocking.agent_config import REFERENCES, AgentSettings
 from auv_sim.acoustics.medium import MediumConfig, WaterSections
 from auv_sim.obstacle_field import MAX_M, ObstacleConfig
 from auv_sim.vehicle import VehicleConfig, substeps
@@ -70,7 +70,7 @@ class VehicleEntry:
     )
     heading_rad: float = same(VehicleConfig, "heading_rad")
     speed_mps: float = same(VehicleConfig, "speed_mps")
-    fails_at_s: float | None = same(AgentConfig, "fails_at_s")
+    fails_at_s: float | None = same(RunSettings, "fails_at_s")
     fault: ThrusterFault = same(VehicleConfig, "fault")
     reference: Section | None = param(
         "path of this vehicle; if missing, the path of the scenario", default=None, plugins=REFERENCES
