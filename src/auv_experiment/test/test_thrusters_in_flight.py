@@ -15,6 +15,7 @@ from auv_experiment.recording import Recording
 from auv_experiment.scenario.loading import load_scenario
 
 FAULT = "vehicles.1.fault={thruster: 1, t_s: 4.0, known_after_s: 2.0}"
+SMALL = "agent.controller={preset: velocity_pi_bluerov2_heavy}"
 BARS = ("pair_distance_settled_min_m", "pair_distance_max_after_200s_m", "centroid_path_rms_m")
 BLUEROV2 = "vehicles.2.model={preset: bluerov2_heavy}"
 
@@ -104,6 +105,18 @@ def test_its_report_shows_the_forces_of_the_vehicles_with_thrusters(flight, tmp_
     assert figure.path.stem == "thrusters"
     assert figure.path.stat().st_size > 10_000
     assert "thrusters" not in run_drawers(recording, load_scenario("flock_acoustic"))
+
+
+def test_four_small_vehicles_gather_on_their_thrusters_without_shaking():
+    overrides = [f"vehicles.{i}.model={{preset: bluerov2_heavy}}" for i in range(4)]
+    overrides += ["vehicles.1.fault={thruster: 1, t_s: 20.0}", SMALL, "agent.hold_s=0.0"]
+    scenario = load_scenario("hover_thrusters", overrides=overrides, duration_s=40.0)
+    recording = run_in_process(scenario)
+    metrics = compute_metrics(recording, scenario, mode="inprocess", real_time_factor=1.0)
+    assert not metrics["collision"]
+    asked = recording.actuator_command[300:]
+    assert np.abs(asked).max() < 30.0
+    assert np.sqrt((np.diff(asked, axis=0) ** 2).mean()) < 2.0, "N from tick to tick"
 
 
 @pytest.mark.slow

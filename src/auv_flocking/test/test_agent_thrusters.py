@@ -9,8 +9,9 @@ import pytest
 import yaml
 
 import auv_core.models
+from auv_control.allocation import qp
 from auv_core.messages import Inbox, ThrusterCommand, VehicleState, Wrench
-from auv_core.params import dump, load
+from auv_core.params import Section, dump, load
 from auv_core.thrusters import Thrusters
 from auv_flocking.agent import Agent
 from auv_flocking.agent_config import AgentConfig
@@ -103,4 +104,5 @@ def test_a_law_without_a_finite_command_gets_the_safe_one():
 
 
 def test_the_default_allocator_is_the_quadratic_program():
-    assert {field.name: field.default for field in dataclasses.fields(AgentConfig)}["allocation"].kind == "qp"
+    (field,) = [field for field in dataclasses.fields(AgentConfig) if field.name == "allocation"]
+    assert field.default == Section("qp", qp.Params())
