@@ -112,14 +112,13 @@ class TorpedoModel(ContinuousModel):
 
     def steady_speed_mps(self, propeller_rpm: float) -> float:
         """Return the speed ahead, level and through the water, at a speed of the propeller (m/s)."""
-        return _root(lambda u: self._ahead_mps2(u, propeller_rpm), 0.0, _FASTEST_MPS)
+        return _steady_speed_mps(type(self), self.params, propeller_rpm)
 
     def steady_rpm(self, speed_mps: float) -> float:
         """Return the speed of the propeller that holds a speed through the water, or its limit (rpm)."""
-        most_rpm = self.params.servos.propeller_max_rpm
-        return _root(lambda n: -self._ahead_mps2(speed_mps, n), 0.0, most_rpm) if speed_mps > 0.0 else 0.0
+        return _steady_rpm(type(self), self.params, speed_mps) if speed_mps > 0.0 else 0.0
 
-    def _ahead_mps2(self, speed_mps: float, propeller_rpm: float) -> float:
+    def ahead_mps2(self, speed_mps: float, propeller_rpm: float) -> float:
         """Return the acceleration ahead of the level hull (m/s^2)."""
         state = self._running(_ORIGIN, 0.0, speed_mps, propeller_rpm)
         return self.derivative(state, (0.0, 0.0, propeller_rpm), _STILL)[7]
@@ -180,6 +179,20 @@ class TorpedoModel(ContinuousModel):
     def normalised(self, state: State) -> State:
         """Return the state with an attitude quaternion of length 1."""
         return normalised(state)
+
+
+@cache
+def _steady_speed_mps(model: Callable[[Any], TorpedoModel], params: Any, propeller_rpm: float) -> float:
+    """Return `TorpedoModel.steady_speed_mps`; it is found once per process."""
+    hull = model(params)
+    return _root(lambda speed_mps: hull.ahead_mps2(speed_mps, propeller_rpm), 0.0, _FASTEST_MPS)
+
+
+@cache
+def _steady_rpm(model: Callable[[Any], TorpedoModel], params: Any, speed_mps: float) -> float:
+    """Return `TorpedoModel.steady_rpm`; it is found once per process."""
+    hull = model(params)
+    return _root(lambda rpm: -hull.ahead_mps2(speed_mps, rpm), 0.0, params.servos.propeller_max_rpm)
 
 
 @cache
