@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from auv_experiment.inprocess.sampled import run_in_process
-from auv_experiment.metrics.formation import errors, formation_metrics
+from auv_experiment.metrics.formations.errors import errors, formation_metrics
 from auv_experiment.scenario.loading import load_scenario
 
 ORIGIN = (0.0, 0.0, 0.0)

@@ -11,7 +11,7 @@ import pytest
 from formation_flights import FLAT, GROUPED, alone, fly, law
 
 from auv_core.params import ConfigError
-from auv_experiment.metrics.formation import rate_errors
+from auv_experiment.metrics.formations.errors import rate_errors
 from auv_experiment.metrics.lyapunov import lyapunov_metrics
 from auv_experiment.scenario.loading import load_scenario
 from auv_sim.vehicle import DivergedError

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_core.params import ConfigError
-from auv_experiment.metrics.formation_slots import formation_slot_metrics, plan_of
-from auv_experiment.metrics.formation_stability import (
+from auv_experiment.metrics.formations.slots import formation_slot_metrics, plan_of
+from auv_experiment.metrics.formations.stability import (
     LEADER,
     decay_rate_ps,
     formation_error_m,

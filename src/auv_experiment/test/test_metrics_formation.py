@@ -5,7 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from auv_experiment.metrics.formation import errors, formation_metrics, rate_errors, signed_distances_m
+from auv_experiment.metrics.formations.errors import (
+    errors,
+    formation_metrics,
+    rate_errors,
+    signed_distances_m,
+)
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.loading import load_scenario
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from auv_experiment.metrics.consensus_bound import flock_metrics
 from auv_experiment.metrics.course import course_metrics
 from auv_experiment.metrics.fleet import fleet_metrics
-from auv_experiment.metrics.formation import formation_metrics
+from auv_experiment.metrics.formations.errors import formation_metrics
 from auv_experiment.metrics.lyapunov import lyapunov_metrics
 from auv_experiment.metrics.path import path_metrics, position_error_ned_m
 from auv_experiment.metrics.region import region_metrics

@@ -21,7 +21,7 @@ from auv_experiment.metrics.acoustics import acoustics_metrics
 from auv_experiment.metrics.by_law import law_metrics
 from auv_experiment.metrics.distances import centroid_path_error_m, consensus_error_m, obstacle_distances_m
 from auv_experiment.metrics.finite import largest, plain, rms, smallest
-from auv_experiment.metrics.formation_slots import formation_slot_metrics
+from auv_experiment.metrics.formations.slots import formation_slot_metrics
 from auv_experiment.metrics.gathering import gathering_metrics
 from auv_experiment.metrics.links import packet_metrics
 from auv_experiment.metrics.neighbours import neighbour_metrics, tail_metrics

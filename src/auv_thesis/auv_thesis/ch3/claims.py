@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from auv_experiment.metrics.formation import rate_errors
+from auv_experiment.metrics.formations.errors import rate_errors
 from auv_thesis.ch3.runs import (
     CIRCLE,
     CIRCLE_CORRECTED,

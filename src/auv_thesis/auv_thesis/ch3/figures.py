@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 from auv_experiment.figures.plotting import plot_thinned, vehicle_style
-from auv_experiment.metrics.formation import errors, rate_errors, signed_distances_m
+from auv_experiment.metrics.formations.errors import errors, rate_errors, signed_distances_m
 from auv_experiment.metrics.path import path_points_ned
 from auv_experiment.recording import FloatArray
 from auv_thesis.ch3.runs import CIRCLE, SPIRAL

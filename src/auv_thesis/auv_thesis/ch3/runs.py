@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from auv_experiment.metrics.formation import errors
+from auv_experiment.metrics.formations.errors import errors
 from auv_thesis.items import Run, RunSpec
 
 CIRCLE, SPIRAL = RunSpec("ch3_circle"), RunSpec("ch3_spiral")

@@ -18,7 +18,7 @@ import numpy as np
 from auv_control.formations.references import Weights, reference_weights
 from auv_control.formations.shapes import predecessors, shape_slots
 from auv_experiment.metrics.finite import norm
-from auv_experiment.metrics.formation_stability import (
+from auv_experiment.metrics.formations.stability import (
     decay_rate_ps,
     gains_along_string,
     root_of_integral,

@@ -16,7 +16,7 @@ from auv_control.formations.assignment import assigned_slots, least_separation_m
 from auv_control.formations.references import Weights, reference_weights
 from auv_control.formations.shapes import predecessors, shape_slots
 from auv_experiment.metrics.finite import norm
-from auv_experiment.metrics.formation_stability import least_distance_m, settled_after_s
+from auv_experiment.metrics.formations.stability import least_distance_m, settled_after_s
 from auv_thesis.formation.cases import SPACING_M, SPEED_MPS, TYPES
 from auv_thesis.formation.law import Floats
 from auv_thesis.formation.team import Flight, Force, Path, Plan, Setting, circle, fly, no_force, straight

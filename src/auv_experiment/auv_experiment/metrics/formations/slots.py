@@ -15,7 +15,7 @@ import numpy as np
 from auv_control.formations.frame import course_of, world_offset
 from auv_control.formations.shapes import predecessors
 from auv_experiment.metrics.finite import norm, rms
-from auv_experiment.metrics.formation_stability import LEADER, gains_along_string, settled_after_s, sup
+from auv_experiment.metrics.formations.stability import LEADER, gains_along_string, settled_after_s, sup
 from auv_experiment.recording import FloatArray, Recording
 from auv_flocking.flocking import Member
 from auv_flocking.flocking._formation import NO_SHAPE, FormationParams, roster_of
