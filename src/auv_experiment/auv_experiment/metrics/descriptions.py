@@ -277,6 +277,7 @@ MEANINGS = {
         "", "safe commands since no report carries the position"
     ),
     "safe_commands_no_finite_command_from_the_law": Meaning("", "safe commands since the law gave no number"),
+    "safe_commands_failed_computer": Meaning("", "ticks after the failure of a vehicle's computer"),
     "safe_commands_stale_command": Meaning("", "ticks in which a vehicle rested without a fresh command"),
     # the run
     "collision": Meaning("", "two hulls touched"),
