@@ -31,7 +31,7 @@ def recorded(tmp_path):
 
 def test_its_reports_are_decoded(recorded):
     scenario = load_scenario(str(recorded / "scenario.yaml"))
-    form = report_format(scenario.agent.report, scenario.agent.consensus, len(scenario.vehicles))
+    form = report_format(scenario.agent, len(scenario.vehicles))
     bag = Bag(recorded)
     reports = [
         form.decode(reception.packet.payload.tobytes(), 0.1 * inbox.tick)
@@ -52,7 +52,7 @@ def test_its_estimates_are_made_again_from_its_packets(recorded, capsys):
         Bag(recorded),
         [vehicle.id for vehicle in scenario.vehicles],
         agent.neighbours,
-        report_format(agent.report, agent.consensus, len(scenario.vehicles)),
+        report_format(agent, len(scenario.vehicles)),
         scenario.period_s,
         agent.inputs,
     )

@@ -23,6 +23,7 @@ from auv_control.formations.targets import Guide, desired_motion, guide_of_path
 from auv_control.references import PathPoint
 from auv_control.references.circle import Params as CircleParams
 from auv_control.references.circle import Reference as Circle
+from auv_core.geometry import added
 
 MODERATE = settings(max_examples=60, deadline=None)
 D_M = 10.0
@@ -180,12 +181,7 @@ def test_a_formation_in_place_is_where_every_reference_type_wants_it(
     weights = reference_weights(share, predecessors(slots, place % count))
     path = PathPoint(position, (0.4, 0.3, 0.1), (-0.3 * rate, 0.4 * rate, 0.0))
     offsets = [world_offset(Offset(slot), course_of(path)) for slot in slots]
-    moving = [
-        Offset(
-            *(tuple(a + b for a, b in zip(x, w, strict=True)) for x, w in zip(path[:3], offset, strict=True))
-        )
-        for offset in offsets
-    ]
+    moving = [Offset(*(added(x, w) for x, w in zip(path[:3], offset, strict=True))) for offset in offsets]
     for slot in range(count):
         guides = [guide_of_path(weights.path[slot], path)]
         guides += [Guide(weights.others[slot, j], moving[j], offsets[j]) for j in range(count)]

@@ -83,10 +83,16 @@ def recording_of(scenario, positions):
     return recording
 
 
+def formation_of(scenario):
+    """Return the parameters of the formation law."""
+    assert scenario.agent.flocking is not None
+    return scenario.agent.flocking.params
+
+
 def test_a_fleet_on_its_plan_has_no_error_and_a_lost_vehicle_does_not_count():
     scenario = load_scenario("formation_repair", duration_s=250.0, overrides=("period_s=1.0",))
     recording = recording_of(scenario, 0.0)
-    params = scenario.agent.flocking.params
+    params = formation_of(scenario)
     plan = plan_of(recording, scenario, params)
     assert plan.changed_at_s == 140.0
     assert set(np.flatnonzero(np.isnan(plan.offsets[-1, :, 0])).tolist()) == {0, 3}
@@ -101,7 +107,7 @@ def test_a_fleet_on_its_plan_has_no_error_and_a_lost_vehicle_does_not_count():
 
 def test_a_string_has_a_gain_and_another_law_has_none_of_these():
     scenario = load_scenario("formation_string", duration_s=40.0, overrides=("period_s=1.0",))
-    plan = plan_of(recording_of(scenario, 0.0), scenario, scenario.agent.flocking.params)
+    plan = plan_of(recording_of(scenario, 0.0), scenario, formation_of(scenario))
     positions = plan.offsets.copy()
     for vehicle in range(1, 8):
         positions[20, vehicle:, 0] += 0.1 * 1.2**vehicle

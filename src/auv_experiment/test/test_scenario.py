@@ -108,7 +108,10 @@ REFUSED_VALUES = [
     ('title="two\\nlines"', ".title: 'two\\nlines' is not allowed; allowed: one line of text"),
     (
         "agent.flocking.kind=swarm",
-        ".agent.flocking.kind: 'swarm' is not allowed; allowed: bearing, communication_aware, displacement, potential",
+        (
+            ".agent.flocking.kind: 'swarm' is not allowed; "
+            "allowed: bearing, communication_aware, displacement, potential"
+        ),
     ),
     ("agent.controller.kind=velocity_direct", ".agent.controller.kind: 'velocity_direct' is not allowed"),
     (

@@ -10,7 +10,9 @@ from auv_control.references import PathPoint
 from auv_flocking.flocking import NOTHING_HEARD, Member, View
 from auv_flocking.flocking.bearing import Flocking, Params, meeting_point
 from auv_flocking.neighbours.estimates import Estimates, NeighbourEstimate
+from auv_flocking.separation import mathematical
 
+SEPARATION = mathematical.Separation(mathematical.Params())
 MODERATE = settings(max_examples=40, deadline=None)
 D_M, FLEET = 4.0, 6
 PATH = PathPoint((100.0, 50.0, 20.0), (0.3, 0.0, 0.0))
@@ -24,7 +26,7 @@ def estimate(address, place):
 
 
 def commanded(address, own, places, shape):
-    law = Flocking(Params(shape=shape), None, Member(address == 1, address, FLEET))
+    law = Flocking(Params(shape=shape), SEPARATION, Member(address == 1, address, FLEET))
     rows = Estimates.of([estimate(a, p) for a, p in places.items() if a != address])
     law.hear(rows, 1.0)
     belief = law.flock_velocity(0.0, PATH, own, NOTHING_HEARD, rows)
@@ -79,4 +81,4 @@ def test_bearings_on_one_line_meet_nowhere():
 @pytest.mark.parametrize("shape", ["column", "line"])
 def test_shapes_on_one_line_are_refused(shape):
     with pytest.raises(ValueError, match=f"shape: '{shape}' is not allowed; allowed: shapes whose slots"):
-        Flocking(Params(shape=shape), None, Member(False, 2, FLEET))
+        Flocking(Params(shape=shape), SEPARATION, Member(False, 2, FLEET))

@@ -47,6 +47,7 @@ def test_it_steers_by_its_course():
     before, _ = agent.step(9.9, nav_at(99), inbox(99))
     after, _ = agent.step(10.0, nav_at(100), inbox(100))
     assert before == pytest.approx((0.0, 0.0, 895.5), abs=1e-9)
+    assert isinstance(after, FinCommand)
     assert after.rudder_rad == pytest.approx(math.radians(15.0))
     assert agent.law_state[HEADING] == pytest.approx(math.radians(30.0))
     assert (agent.law_state[DEPTH], agent.law_state[SPEED], agent.law_state[CROSS_TRACK]) == (20.0, 1.5, 0.0)
@@ -57,6 +58,7 @@ def test_it_notes_how_far_it_is_beside_its_path():
     agent = Agent(config(course={"kind": "line_of_sight"}))
     command, _ = agent.step(0.0, nav_at(0, (50.0, 4.0, 30.0)), inbox(0))
     assert agent.law_state[CROSS_TRACK] == pytest.approx(4.0)
+    assert isinstance(command, FinCommand)
     assert command.rudder_rad < 0.0, "to port, towards the path"
 
 

@@ -14,15 +14,17 @@ from auv_flocking.flocking import NOTHING_HEARD, FlockVelocity, Member, View
 from auv_flocking.flocking.displacement import Flocking, Params
 from auv_flocking.heard import bit_of
 from auv_flocking.neighbours.estimates import Estimates, NeighbourEstimate
+from auv_flocking.separation import mathematical
 
 MODERATE = settings(max_examples=30, deadline=None)
 D_M, FLEET = 4.0, 6
 PATH = PathPoint((100.0, 50.0, 20.0), (0.3, 0.0, 0.0))
 EXACT = np.eye(6) * 1e-6
+SEPARATION = mathematical.Separation(mathematical.Params())
 
 
 def law_of(address, **changes):
-    return Flocking(Params(**changes), None, Member(address == 1, address, FLEET))
+    return Flocking(Params(**changes), SEPARATION, Member(address == 1, address, FLEET))
 
 
 def place_of(slot):

@@ -1,6 +1,7 @@
 """Live vehicles agree on all slots soon after a loss: packets in turn, 30 % of them lost, no hulls."""
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,8 +51,8 @@ def last_disagreement_s(seed):
     rng = np.random.default_rng(seed)
     slots_of = partial(shape_slots, "wedge", spacing_m=4.0)
     rosters = {a: Roster(Member(False, a, FLEET), {"leader": 1.0}, slots_of, TIMEOUT_S, 60.0) for a in LIVE}
-    said = {a: {} for a in range(1, FLEET + 1)}
-    heard_s = {a: {} for a in range(1, FLEET + 1)}
+    said: dict[int, dict[int, Any]] = {a: {} for a in range(1, FLEET + 1)}
+    heard_s: dict[int, dict[int, float]] = {a: {} for a in range(1, FLEET + 1)}
     wrong_s = 0.0
     for step in range(round(END_S / SLOT_S)):
         t_s = step * SLOT_S

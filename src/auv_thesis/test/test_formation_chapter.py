@@ -17,8 +17,8 @@ from auv_core.messages import VehicleState
 from auv_core.models import four_dof
 from auv_thesis.formation import cases, stability
 from auv_thesis.formation.law import Law, acceleration, wrench
-from auv_thesis.formation.manoeuvre_cases import straight_separation_m, switch_numbers
-from auv_thesis.formation.manoeuvres import _EXPECTED_SEPARATION_M, SWITCHES
+from auv_thesis.formation.manoeuvre_cases import SWITCHES, straight_separation_m, switch_numbers
+from auv_thesis.formation.manoeuvres import _EXPECTED_SEPARATION_M
 from auv_thesis.formation.team import Plan, Setting, fly, straight, world_offsets
 from auv_thesis.items import AGREES
 
@@ -38,7 +38,7 @@ def test_the_law_is_the_corrected_one_of_chapter_3(eta, nu, place, rate, change,
     view = MotionView(0.0, nav, path)
     tau, rates = controller.evaluate(controller.initial_state(view), view)
     law = Law(initial_ratio=ratio, adapts=True)
-    wanted = tuple(np.array([row]) for row in (place, rate, change))
+    wanted = np.array([place]), np.array([rate]), np.array([change])
     forces, direction = wrench(law, np.array([eta]), np.array([nu]), wanted, law.estimates[None])
     assert forces[0] == pytest.approx([tau[0], tau[1], tau[2], tau[5]], rel=1e-9, abs=1e-6)
     assert -law.adaptation * direction[0] == pytest.approx(rates, rel=1e-9, abs=1e-6)

@@ -17,7 +17,9 @@ def test_fins_are_commanded_by_three_numbers_or_by_their_record():
     state = by_numbers.states["auv_1"]
     assert state == by_record.states["auv_1"]
     assert state.nu[5] > 0.05, "it turns to starboard"
-    assert by_numbers.commands["auv_1"].rudder_rad == pytest.approx(0.0, abs=math.radians(15.0))
+    command = by_numbers.commands["auv_1"]
+    assert isinstance(command, FinCommand)
+    assert command.rudder_rad == pytest.approx(0.0, abs=math.radians(15.0))
 
 
 @pytest.mark.parametrize("given", [[0.0] * 6, [0.1, 0.2], [0.1, math.nan, 900.0], "full ahead"])
