@@ -240,3 +240,13 @@ def test_coarse_reports_are_believed_no_more_than_their_rounding_allows():
     assert variances[0] == pytest.approx(0.006**2)
     assert pytest.approx(0.02**2 / 12.0, rel=0.1) == 0.006**2
     assert variances[1] == pytest.approx(1.0 / 12.0)
+
+
+def test_a_computer_that_fails_gives_the_safe_command_and_is_silent():
+    agent = Agent(_config(fails_at_s=0.5))
+    for tick in range(12):
+        command, packets = _step(agent, tick, ready=True)
+        has_failed = tick * PERIOD_S >= 0.5
+        assert len(packets) == (not has_failed)
+        assert (agent.holding == "failed computer") == has_failed
+        assert (command == VelocityCommand((0.0, 0.0, 0.0), 0.0)) == has_failed
