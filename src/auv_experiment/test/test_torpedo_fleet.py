@@ -6,8 +6,8 @@ import pytest
 from auv_core import compiled
 from auv_core.params import ConfigError
 from auv_experiment.inprocess.sampled import run_in_process
+from auv_experiment.metrics.courses.fleet import coordination_error_m
 from auv_experiment.metrics.distances import pair_distances_m
-from auv_experiment.metrics.fleet import coordination_error_m
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.scenario.loading import load_scenario
 

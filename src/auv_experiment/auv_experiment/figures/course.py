@@ -24,7 +24,7 @@ from auv_experiment.figures.plotting import (
     span_time,
     vehicle_style,
 )
-from auv_experiment.metrics.course import heading_error_rad
+from auv_experiment.metrics.courses.course import heading_error_rad
 from auv_experiment.metrics.path import heading_rad
 from auv_experiment.recording import FloatArray, Recording
 from auv_flocking.course_task import CROSS_TRACK, DEPTH, SPEED

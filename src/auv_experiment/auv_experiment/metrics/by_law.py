@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from auv_experiment.metrics.consensus_bound import flock_metrics
-from auv_experiment.metrics.course import course_metrics
-from auv_experiment.metrics.fleet import fleet_metrics
+from auv_experiment.metrics.courses.course import course_metrics
+from auv_experiment.metrics.courses.fleet import fleet_metrics
 from auv_experiment.metrics.formations.errors import formation_metrics
 from auv_experiment.metrics.lyapunov import lyapunov_metrics
 from auv_experiment.metrics.path import path_metrics, position_error_ned_m

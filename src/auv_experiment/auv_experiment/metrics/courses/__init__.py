@@ -1,0 +1,1 @@
+"""Metrics of vehicles that follow a course, alone and as a fleet."""
