@@ -15,10 +15,38 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from auv_control.allocation import Forces, make_allocator
+from auv_core.compiled import entry, fastest
 from auv_core.messages import ThrusterCommand, Vec6
 from auv_core.params import Section
 from auv_core.thrusters import ThrusterFault, Thrusters
+
+Floats = NDArray[np.float64]
+
+
+@entry("void(float64[:, ::1], float64[:, ::1], float64)", allocates=False)
+def put_demands(rows: Floats, limits: Floats, kept: float) -> None:
+    """
+    Replace goals by the demands that lead to them, and the forces by those at the end of the period.
+
+    Parameters
+    ----------
+    rows : (2, n) array
+        Goals and forces at the start of the period (N); overwritten by demands and forces at its end.
+    limits : (2, n) array
+        Lowest and highest demands (N).
+    kept : float
+        e, the part of a force's distance to its demand that is left after the period.
+
+    """
+    for i in range(rows.shape[1]):
+        force = rows[1, i]
+        demand = min(max((rows[0, i] - kept * force) / (1.0 - kept), limits[0, i]), limits[1, i])
+        rows[0, i] = demand
+        rows[1, i] = demand + kept * (force - demand)
 
 
 class ThrusterComputer:
@@ -45,35 +73,26 @@ class ThrusterComputer:
         self._intact = make_allocator(allocation, thrusters)
         lost = (fault.thruster,) if fault.thruster else ()
         self._damaged = make_allocator(allocation, thrusters, lost)
-        self._limits = list(zip(thrusters.lowest_n.tolist(), thrusters.highest_n.tolist(), strict=True))
+        self._limits = np.array([thrusters.lowest_n, thrusters.highest_n])
+        self._damaged_limits = self._limits.copy()
+        self._damaged_limits[:, [number - 1 for number in lost]] = 0.0
         lag_s = thrusters.lag_s if thrusters.assumed_lag_s is None else thrusters.assumed_lag_s
         self._kept = math.exp(-period_s / lag_s) if lag_s > 0.0 else 0.0
-        self._forces_n: Forces = (0.0,) * thrusters.count
+        self._rows = np.zeros((2, thrusters.count))
+        self._put = fastest(put_demands)
 
     def command(self, t_s: float, tau: Vec6) -> ThrusterCommand:
         """Return the demands for a wrench (N, N m; body), with the faults known at the time `t_s` (s)."""
-        if not self._fault.is_known(t_s):
-            return self._asked(self._led(self._intact.forces_n(tau)))
-        demands = list(self._led(self._damaged.forces_n(tau)))
-        demands[self._fault.thruster - 1] = 0.0
-        return self._asked(tuple(demands))
+        if self._fault.is_known(t_s):
+            return self._asked(self._damaged.forces_n(tau), self._damaged_limits)
+        return self._asked(self._intact.forces_n(tau), self._limits)
 
     def rest(self) -> ThrusterCommand:
         """Return demands of no force."""
-        return self._asked((0.0,) * len(self._forces_n))
+        return self._asked((0.0,) * self._rows.shape[1], np.zeros_like(self._limits))
 
-    def _led(self, goals_n: Forces) -> Forces:
-        """Return the demands (N) after which the forces are at these goals (N) at the end of the period."""
-        kept = self._kept
-        return tuple(
-            min(max((goal - kept * force) / (1.0 - kept), lowest), highest)
-            for goal, force, (lowest, highest) in zip(goals_n, self._forces_n, self._limits, strict=True)
-        )
-
-    def _asked(self, demands_n: Forces) -> ThrusterCommand:
-        """Return the command with these demands (N), and remember the forces that they lead to."""
-        kept = self._kept
-        self._forces_n = tuple(
-            demand + kept * (force - demand) for demand, force in zip(demands_n, self._forces_n, strict=True)
-        )
-        return ThrusterCommand(demands_n)
+    def _asked(self, goals_n: Forces, limits: Floats) -> ThrusterCommand:
+        """Return the demands after which the forces are at these goals (N) at the end of the period."""
+        self._rows[0] = goals_n
+        self._put(self._rows, limits, self._kept)
+        return ThrusterCommand(tuple(self._rows[0].tolist()))

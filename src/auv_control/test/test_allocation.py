@@ -12,6 +12,7 @@ from scipy.optimize import lsq_linear
 import auv_core.models
 from auv_control.allocation import make_allocator, qp
 from auv_control.allocation._linear import put_clipped_forces, put_scaled_forces
+from auv_control.thruster_computer import put_demands
 from auv_core.compiled import _compiled
 from auv_core.params import load, load_section
 from auv_core.plugins import list_plugins
@@ -152,3 +153,13 @@ def test_compiled_allocators_give_the_same_to_the_last_bit(thrusters):
         compiled._put = _compiled(function)
         for tau in map(tuple, wrenches.tolist()):
             assert plain.forces_n(tau) == compiled.forces_n(tau)
+
+
+def test_compiled_demands_are_the_same_to_the_last_bit():
+    rng, compiled = np.random.default_rng(8), _compiled(put_demands)
+    for _ in range(50):
+        rows, limits = rng.uniform(-40.0, 40.0, (2, 8)), np.array([[-25.0] * 8, [30.0] * 8])
+        ours = rows.copy()
+        put_demands(ours, limits, 0.6065306597)
+        compiled(rows, limits, 0.6065306597)
+        np.testing.assert_array_equal(ours, rows)
