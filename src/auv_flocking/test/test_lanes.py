@@ -12,6 +12,7 @@ from auv_core.params import ConfigError, Section, load
 from auv_flocking.coordination import age_matched, tanh
 from auv_flocking.fleets.lanes import Fleet, Params
 from auv_flocking.flocking import Member
+from auv_flocking.lanes import modes
 from auv_flocking.lanes.status import Mode
 
 SHORT = Setting(seed=1001, count=3, duration_s=330.0)
@@ -119,7 +120,8 @@ def test_a_lost_vehicle_rises_astern_of_the_others(shape, spacing_m):
 
 @pytest.mark.slow
 def test_five_minutes_of_silence_do_not_drive_a_formation_apart():
-    flown = fly(replace(FIVE, seed=3002, silent_s=(600.0, 900.0)))
+    patient = Params(modes=modes.Params(lost_s=600.0))
+    flown = fly(replace(FIVE, seed=3002, silent_s=(600.0, 900.0), params=patient))
     assert (flown.modes[-1] == Mode.FORM).all()
     assert distances_m(flown).min() > 5.0
     assert np.quantile(coordination_error_m(flown)[alive_after(flown, 800.0)], 0.95) <= 0.6
