@@ -170,6 +170,13 @@ def test_a_command_that_is_not_finite_is_refused(bad):
             command_from_bytes(data, kind, size)
 
 
+def test_a_command_for_another_number_of_thrusters_is_refused():
+    from auv_ros.wire.commands import command_bytes, command_from_bytes
+
+    with pytest.raises(ValueError, match="6 forces; expected 8, one for each thruster"):
+        command_from_bytes(command_bytes("a", "thrusters", 1.0, *[0.0] * 6), "thrusters", 8)
+
+
 @given(data=st.binary(max_size=100))
 def test_bytes_that_are_no_message_are_refused_and_nothing_else_happens(data):
     from auv_ros.wire import conversions as convert
