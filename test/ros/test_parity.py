@@ -42,6 +42,7 @@ QUICK = (
     "formation_repair",
     "medium_access",
     "passage",
+    "torpedo_fleet",
     "torpedo_lawnmower",
     "torpedo_path",
     "torpedo_steps",
