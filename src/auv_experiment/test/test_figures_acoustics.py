@@ -146,6 +146,7 @@ def test_equal_runs_give_equal_files(tmp_path: Path) -> None:
 def test_the_figures_of_every_run_end_with_those_of_its_network(monkeypatch: Any, follows: str) -> None:
     for name in ("flock_drawers", "region_drawers", "path_drawers"):
         monkeypatch.setattr(f"auv_experiment.figures.by_law.{name}", lambda *_, **__: {"of the law": None})
+    monkeypatch.setattr("auv_experiment.figures.by_law.thruster_drawers", lambda *_: {})
     monkeypatch.setattr("auv_experiment.figures.by_law.acoustics_drawers", lambda _: {"of the network": None})
     scenario: Any = SimpleNamespace(follows=follows)
     figures = list(run_drawers(talking_fleet(2, 4), scenario))
