@@ -22,7 +22,7 @@ from auv_experiment.metrics.windows import LATE_AFTER_S
 from auv_thesis.acoustics.safety_runs import FAR_M, HULLS_TOUCH_M, fleet
 from auv_thesis.items import Run, RunSpec
 
-FIRST_SEED = 50_001
+FIRST_SEED = 60_001
 N_SEEDS = 100
 FIRST_LOOK_SEEDS = 2
 NEAR_M = 1.0
