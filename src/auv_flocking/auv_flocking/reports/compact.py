@@ -20,17 +20,16 @@ from dataclasses import dataclass
 
 from auv_core.geometry import Box, Vec3
 from auv_core.params import param
-from auv_flocking.codec import Field, Layout, Levels, RatioField, Reserved, steps_around_zero
-from auv_flocking.heard import BITS, CODES
+from auv_flocking.codec import Field, Layout, Levels, steps_around_zero
 from auv_flocking.report import Report, ReportError
 from auv_flocking.reports import VERSIONS, Bounds, ReportFormat, version_in, whole_numbers
 from auv_flocking.reports._compact_v3 import Reader
+from auv_flocking.reports._sender import STATE_FIELDS, check_sender
 from auv_flocking.reports._tags import AGE, OLDEST_S, age_of_stamp_s, tag_field, times_s
 
 _VERSION = VERSIONS["compact"].written
 _TIME_LEVELS = 2**16
 _TURN_STEP_RADPS = 0.001
-_HEADING_STEP_RAD = math.pi / 64.0
 _UNUSED = (0.0, 0.0)
 
 
@@ -70,14 +69,7 @@ def base_fields(params: Params) -> tuple[Levels, ...]:
         *_velocity_fields("flock_velocity", 2.0 * step_mps, 2**9),
         AGE,
         steps_around_zero("flock_turn_rate_radps", _TURN_STEP_RADPS, 2**7),
-        Field("heading_rad", -math.pi, math.pi, _HEADING_STEP_RAD, wraps=True),
-        RatioField("position_sd_m", 2.0**-8, steps_per_octave=16, bits=8),
-        Field("is_bounded", 0, 1, 1),
-        Field("is_holding", 0, 1, 1),
-        Field("heard_code", 0, CODES - 1, 1),
-        Field("heard_mask", 0, 2**BITS - 1, 1),
-        Reserved("operator_command", 16),
-        Reserved("operator_acknowledgement", 4),
+        *STATE_FIELDS,
     )
 
 
@@ -153,13 +145,7 @@ class Format(ReportFormat):
             For NaN, None, an invalid address, and a wrong number of shared numbers.
 
         """
-        if len(report.shared) != len(self._layout.fields) - self._n_base:
-            raise ReportError(
-                f"{len(report.shared)} shared numbers; this format has "
-                f"{len(self._layout.fields) - self._n_base}"
-            )
-        if not 0 < report.address < 256:
-            raise ReportError(f"address {report.address} cannot be sent")
+        check_sender(report, len(self._layout.fields) - self._n_base)
         if not math.isfinite(report.time_s):
             raise ReportError(f"time {report.time_s} cannot be sent")
         north, east, down = map(Field.rounded, self._position, report.position)

@@ -21,11 +21,11 @@ from auv_flocking.heard import CODES
 from auv_flocking.report import NEVER, Report, ReportError
 from auv_flocking.reports import VERSIONS, Bounds, ReportFormat, version_in, whole_numbers
 from auv_flocking.reports._exact_v2 import Reader
+from auv_flocking.reports._sender import check_sender
 
 _VERSION = VERSIONS["exact"].written
 _FIRST_BYTE = _VERSION << 4
 _LARGEST = 1e9
-_ADDRESSES = 256
 _VECTORS = ("position_{}_m", "velocity_{}_mps", "centre_{}_m", "flock_velocity_{}_mps")
 _LAYOUT = (
     ("version", "B"),
@@ -101,10 +101,7 @@ class Format(ReportFormat):
             For NaN, None, an invalid address, and a wrong number of shared numbers.
 
         """
-        if len(report.shared) != self._n_shared:
-            raise ReportError(f"{len(report.shared)} shared numbers; this format has {self._n_shared}")
-        if not 0 < report.address < _ADDRESSES:
-            raise ReportError(f"address {report.address} cannot be sent")
+        check_sender(report, self._n_shared)
         time_s = self._bounded(report.time_s)
         stamp_s = report.flock_stamp_s
         if stamp_s != NEVER:

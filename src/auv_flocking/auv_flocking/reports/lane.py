@@ -12,15 +12,14 @@ from dataclasses import dataclass
 
 from auv_core.geometry import Box, Vec3
 from auv_core.params import param
-from auv_flocking.codec import Field, Layout, Levels, RatioField, Reserved, steps_around_zero
-from auv_flocking.heard import BITS, CODES
+from auv_flocking.codec import Field, Layout, Levels, Reserved, steps_around_zero
 from auv_flocking.report import NEVER, Report, ReportError
 from auv_flocking.reports import VERSIONS, Bounds, ReportFormat, version_in, whole_numbers
+from auv_flocking.reports._sender import STATE_FIELDS, check_sender
 from auv_flocking.reports._tags import tag_field, tagged_s
 
 _VERSION = VERSIONS["lane"].written
 _TIME_LEVELS = 2**20
-_HEADING_STEP_RAD = math.pi / 64.0
 _AT_REST: Vec3 = (0.0, 0.0, 0.0)
 _UNUSED = (0.0, 0.0, 0.0)
 
@@ -53,14 +52,7 @@ def base_fields(params: Params) -> tuple[Levels, ...]:
         steps_around_zero("velocity_north_mps", step_mps, 2**10),
         steps_around_zero("velocity_east_mps", step_mps, 2**10),
         steps_around_zero("velocity_down_mps", step_mps, 2**10),
-        Field("heading_rad", -math.pi, math.pi, _HEADING_STEP_RAD, wraps=True),
-        RatioField("position_sd_m", 2.0**-8, steps_per_octave=16, bits=8),
-        Field("is_bounded", 0, 1, 1),
-        Field("is_holding", 0, 1, 1),
-        Field("heard_code", 0, CODES - 1, 1),
-        Field("heard_mask", 0, 2**BITS - 1, 1),
-        Reserved("operator_command", 16),
-        Reserved("operator_acknowledgement", 4),
+        *STATE_FIELDS,
         Reserved("reserve", 12),
     )
 
@@ -112,11 +104,7 @@ class Format(ReportFormat):
             For NaN, also in what is not sent, an invalid address, and a wrong number of shared numbers.
 
         """
-        expected = len(self._layout.fields) - self._n_base
-        if len(report.shared) != expected:
-            raise ReportError(f"{len(report.shared)} shared numbers; this format has {expected}")
-        if not 0 < report.address < 256:
-            raise ReportError(f"address {report.address} cannot be sent")
+        check_sender(report, len(self._layout.fields) - self._n_base)
         if not math.isfinite(report.time_s):
             raise ReportError(f"time {report.time_s} cannot be sent")
         if math.isnan(sum(report.centre) + report.flock_stamp_s + report.flock_turn_rate_radps):
