@@ -129,7 +129,10 @@ class _Inputs:
 def _fly_model(module, params, inputs):
     model = module.Model(params)
     assert model.command in COMMANDS
-    assert params.hull_radius_m > 0.0
+    handling = model.handling
+    assert 0.0 < handling.hull_diameter_m <= handling.hull_length_m == 2.0 * handling.hull_radius_m
+    assert handling.can_stop == (handling.least_speed_mps == 0.0)
+    assert handling.can_stop or model.turn_radius_m(handling.least_speed_mps) > 0.0
     state = model.initial_state(inputs.point(), 0.7)
     outputs: list[Any] = []
     for size in (0.1, 10.0, 1e4):
@@ -688,7 +691,7 @@ def test_the_class_of_the_role_and_everything_public_are_documented(folder, kind
 
 DEFAULTS = {
     "auv_control.controllers": {"constrained"},
-    "auv_core.models": {"actuators", "adrift", "resting_command", "turn_radius_m"},
+    "auv_core.models": {"actuators", "adrift", "longest_step_s", "resting_command", "turn_radius_m"},
     "auv_control.guidance.paths": {"engage", "follow", "point"},
 }
 """Members, by folder, that a protocol itself defines for the plugins that need no other."""

@@ -7,6 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from auv_core.models import Handling, hovering
+
 pytestmark = pytest.mark.ros
 
 numbers = st.floats(allow_nan=False, allow_infinity=False)
@@ -366,6 +368,27 @@ def test_a_sphere_filled_in_is_the_sphere_built():
     for centre in ((1.0, -2.0, 3.0), (0.0, 0.0, 0.0)):
         built = serialize_message(MarkerArray(markers=[sphere("auv_1", 3, 2.5, centre, 1.5, HULL)]))
         assert read(stencil.filled(2.5, *centre), MarkerArray) == read(built, MarkerArray)
+
+
+@pytest.mark.parametrize("handling", [hovering(0.31), Handling(False, 0.8, 1.6, 0.19)])
+def test_a_hull_filled_in_is_the_hull_built(handling):
+    from rclpy.serialization import serialize_message
+    from visualization_msgs.msg import MarkerArray
+
+    from auv_ros.wire.markers import HULL, hull_marker, hull_stencil
+
+    stencil, centre, (w, x, y, z) = (
+        hull_stencil("auv_1", handling, HULL),
+        (1.0, -2.0, 3.0),
+        (0.5, 0.5, -0.5, 0.5),
+    )
+    built = MarkerArray(markers=[hull_marker("auv_1", 2.5, (centre, (w, x, y, z)), handling, HULL)])
+    assert read(stencil.filled(2.5, *centre, x, y, z, w), MarkerArray) == read(
+        serialize_message(built), MarkerArray
+    )
+    (marker,) = built.markers
+    assert (marker.scale.x, marker.scale.y) == (handling.hull_length_m, handling.hull_diameter_m)
+    assert (marker.pose.orientation.w, marker.pose.orientation.y) == (w, y)
 
 
 def assert_serialises_to(data, message):

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from auv_bringup.tools import run as cli
 from auv_control.references import circle, spiral
 from auv_core.geometry import Box
+from auv_core.models import hovering
 from auv_core.params import ConfigError
 from auv_experiment.metrics.safety import surface_metrics, surface_warning
 from auv_experiment.recording import Recording
@@ -246,7 +247,7 @@ def test_hulls_in_the_air_are_counted_and_said(tmp_path, capsys):
 def test_hulls_in_the_water_give_no_warning():
     recording = Recording.empty(["a", "b"], np.array([0.0, 0.1]))
     recording.position_ned_m[:] = (0.0, 0.0, -0.3)  # a hull of this radius still touches the water
-    hull: Any = SimpleNamespace(hull_radius_m=0.3)
+    hull: Any = SimpleNamespace(handlings=2 * (hovering(0.3),))
     metrics = surface_metrics(recording, hull)
     assert metrics == {"hull_in_air_ratio": 0.0, "hull_in_air_height_m": None}
     assert surface_warning(metrics) == ""

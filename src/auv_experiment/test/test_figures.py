@@ -17,6 +17,7 @@ from matplotlib import rc_context
 
 from auv_control.references import circle
 from auv_core.cli.one_line_parser import OneLineParser
+from auv_core.models import hovering
 from auv_experiment.figures import Figure
 from auv_experiment.figures.files import save_figures
 from auv_experiment.figures.flock import flock_drawers
@@ -45,12 +46,13 @@ ALL = [
 STATE_ONLY = ["plan", "space", "pair_distances", "path_error"]
 
 
-def make_scenario(name: str = "circling", *, with_obstacles: bool = True) -> Any:
+def make_scenario(name: str = "circling", *, with_obstacles: bool = True, n: int = 4) -> Any:
     obstacle = Obstacle(position_ned_m=(8.0, 5.0, 10.0), safety_distance_m=2.0)
     return SimpleNamespace(
         name=name,
         leaders=("auv_1",),
         hull_radius_m=0.3,
+        handlings=n * (hovering(0.3),),
         follows="velocity",
         reference_of=lambda: circle.Reference(circle.Params()),
         environment=SimpleNamespace(obstacles=(obstacle,) if with_obstacles else ()),
@@ -123,7 +125,7 @@ def test_a_recording_of_nothing_gives_no_figure(tmp_path: Path) -> None:
 
 
 def test_one_vehicle_alone(tmp_path: Path) -> None:
-    figures = draw_figures(circling_flock(n=1), make_scenario(), tmp_path)
+    figures = draw_figures(circling_flock(n=1), make_scenario(n=1), tmp_path)
     assert "pair_distances" not in names(figures)
     assert "plan" in names(figures)
 
@@ -145,7 +147,7 @@ def test_a_lost_vehicle_and_missing_states_draw_without_complaint(tmp_path: Path
 
 
 def test_twelve_vehicles_are_too_many_for_single_lines(tmp_path: Path) -> None:
-    figures = draw_figures(circling_flock(60.0, n=12), make_scenario(), tmp_path)
+    figures = draw_figures(circling_flock(60.0, n=12), make_scenario(n=12), tmp_path)
     assert names(figures) == ALL
 
 

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from auv_core.models import hovering
 from auv_experiment.metrics.distances import centroid_ned_m, pair_distances_m, vehicle_pairs
 from auv_experiment.metrics.gathering import formed_within_m
 from auv_experiment.metrics.links import link_counts
@@ -74,6 +75,7 @@ def at_rest(
 
 def metrics_of(recording: Recording, scenario: Any = None) -> dict[str, Any]:
     scenario = scenario or make_scenario()
+    scenario.handlings = recording.n_vehicles * (hovering(scenario.hull_radius_m),)
     scenario.hull_radii_m = recording.n_vehicles * (scenario.hull_radius_m,)
     return compute_metrics(recording, scenario, mode="inprocess", real_time_factor=50.0)
 
@@ -322,6 +324,7 @@ def test_nobody_listens_on_a_lost_vehicle() -> None:
 
 def test_numbers_that_are_not_finite_become_none() -> None:
     scenario = make_scenario()
+    scenario.handlings = 4 * (hovering(0.3),)
     scenario.hull_radii_m = (0.3, 0.3, 0.3, 0.3)
     metrics = compute_metrics(
         at_rest(SQUARE, duration_s=5.0), scenario, mode="lockstep", real_time_factor=math.inf

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from auv_core.models import hovering
 from auv_experiment.figures import Figure, SavedFigures
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.recording import Recording
@@ -65,6 +66,7 @@ def make_scenario(**changes: Any) -> Any:
         "sampling": "sampled",
         "hull_radius_m": 0.3,
         "hull_radii_m": (0.3, 0.3, 0.3, 0.3),
+        "handlings": 4 * (hovering(0.3),),
         "vehicles": tuple(kind(id=f"auv_{i}") for i in range(1, 5)),
         "leaders": ("auv_1",),
         "reference": kind(kind="circle"),
@@ -74,6 +76,8 @@ def make_scenario(**changes: Any) -> Any:
             separation=None,
             consensus=None,
             controller=kind(kind="velocity_pi"),
+            fleet=None,
+            course=None,
         ),
         "reference_of": lambda: kind(at=lambda t_s: kind(position=(0.0, 0.0, 10.0))),
         "acoustics": kind(

@@ -12,7 +12,7 @@ _HULL_RGBA = "0.25 0.55 0.95 0.6"
 _BOW_RGBA = "0.9 0.25 0.2 1.0"
 
 
-def robot_description(base_frame: str, body_frame: str, hull_radius_m: float, handling: Handling) -> str:
+def robot_description(base_frame: str, body_frame: str, handling: Handling) -> str:
     """
     Return the URDF of a hull with a rod at its bow: a sphere, or a cylinder if it is longer than wide.
 
@@ -20,16 +20,15 @@ def robot_description(base_frame: str, body_frame: str, hull_radius_m: float, ha
     ----------
     base_frame, body_frame : str
         Frame ids of the body: forward, left, up, and forward, right, down. They name the two links.
-    hull_radius_m : float
-        Radius of the sphere around the hull (m), which collides.
     handling : Handling
-        Of the vehicle; it has the length and the diameter of the hull.
+        Of the vehicle: it has the size of the hull, and the radius of the sphere around it, which collides.
 
     """
+    hull_radius_m = handling.hull_radius_m
     robot = Element("robot", name=base_frame.split("/")[0])
     link = SubElement(robot, "link", name=base_frame)
     _add_visual(link, "hull", _HULL_RGBA)
-    _add_hull(link[-1], hull_radius_m, handling)
+    _add_hull(link[-1], handling)
     _add_visual(link, "bow", _BOW_RGBA)
     SubElement(link[-1], "origin", xyz=f"{hull_radius_m!r} 0 0", rpy=f"0 {math.pi / 2!r} 0")
     rod = SubElement(link[-1], "geometry")
@@ -48,10 +47,10 @@ def _add_visual(link: Element, name: str, rgba: str) -> None:
     SubElement(SubElement(visual, "material", name=name), "color", rgba=rgba)
 
 
-def _add_hull(visual: Element, radius_m: float, handling: Handling) -> None:
+def _add_hull(visual: Element, handling: Handling) -> None:
     """Add the shape of a hull: a sphere, or a cylinder along the forward axis."""
     if handling.hull_length_m <= handling.hull_diameter_m:
-        _add_sphere(visual, radius_m)
+        _add_sphere(visual, handling.hull_radius_m)
         return
     SubElement(visual, "origin", xyz="0 0 0", rpy=f"0 {math.pi / 2!r} 0")
     length, radius = repr(handling.hull_length_m), repr(0.5 * handling.hull_diameter_m)

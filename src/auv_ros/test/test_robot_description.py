@@ -16,15 +16,16 @@ PRESETS = sorted((Path(auv_core.models.__file__).parent / "presets").glob("*.yam
 
 @pytest.fixture(params=PRESETS, ids=lambda path: path.stem)
 def hull(request):
-    """Return the radius of a preset's hull, how it handles, and its description."""
+    """Return how a preset handles, and its description."""
     section = load_section(yaml.safe_load(request.param.read_text()), "model", "auv_core.models")
-    radius_m, handling = section.params.hull_radius_m, make_model(section).handling
-    text = robot_description("auv_1/base_link", "auv_1/base_link_frd", radius_m, handling)
-    return radius_m, handling, ElementTree.fromstring(text)
+    handling = make_model(section).handling
+    text = robot_description("auv_1/base_link", "auv_1/base_link_frd", handling)
+    return handling, ElementTree.fromstring(text)
 
 
 def test_its_shape_is_the_hull(hull):
-    radius_m, handling, robot = hull
+    handling, robot = hull
+    radius_m = handling.hull_radius_m
     link = robot.find("link")
     assert link.get("name") == "auv_1/base_link"
     spheres = [float(sphere.get("radius")) for sphere in link.iter("sphere")]
@@ -38,7 +39,7 @@ def test_its_shape_is_the_hull(hull):
 
 
 def test_it_is_a_valid_robot(hull):
-    _, _, robot = hull
+    _, robot = hull
     assert robot.tag == "robot"
     assert robot.get("name")
     links = [link.get("name") for link in robot.findall("link")]

@@ -274,7 +274,7 @@ def _show_results(
     options: argparse.Namespace,
 ) -> dict[str, Any]:
     """Write metrics, figures and report; print the metrics and the path of the report; return the metrics."""
-    from auv_experiment.metrics.safety import surface_warning
+    from auv_experiment.metrics.safety import warnings
     from auv_experiment.metrics.wording import metrics_table
 
     metrics = results.write_results(
@@ -287,8 +287,7 @@ def _show_results(
         on_step=lambda step: print(f"{step} ...", file=sys.stderr, flush=True),
         tell=_warn,
     )
-    warning = surface_warning(metrics)
-    if warning:
+    for warning in warnings(metrics):
         print(f"warning: {warning}", file=sys.stderr, flush=True)
     print(f"\n{metrics_table(metrics)}\n\nreport: {folder / results.REPORT_FILE}", flush=True)
     return metrics

@@ -3,9 +3,11 @@ Vehicle models: the equations of motion. One file per structure; the parameters 
 
 To add a model with new equations, write one file here with
 
-1. ``Params``: a frozen dataclass made of `auv_core.params.param` fields, with at least ``hull_radius_m``;
+1. ``Params``: a frozen dataclass made of `auv_core.params.param` fields;
 2. ``Model(params)``, a `VehicleModel`; a model whose rates are known at every instant is a `ContinuousModel`,
-   which continuous-time runs integrate themselves.
+   which continuous-time runs integrate themselves. Its ``handling`` says what laws, checks and figures must
+   know of the vehicle: whether it can stop, its least speed, its hull. A model that takes ``fins`` or
+   ``thrusters`` has one `Actuator` with a state for each number of that command.
 
 The file's name is its ``kind``. ``Params`` has ``frame`` if nu can be in another frame than the body's (see
 `four_dof`). To add a vehicle with new numbers, write one file ``presets/<name>.yaml`` with ``kind`` and
@@ -15,17 +17,19 @@ changed.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import Numbers, Vec6
-from auv_core.params import Section
+from auv_core.params import ConfigError, Section
 from auv_core.thrusters import Thrusters
 
 HULL = 13
 """Numbers of a state that belong to the hull; the outputs of actuators follow them."""
+_DRIVEN = ("fins", "thrusters")
 
 
 class Handling(NamedTuple):
@@ -35,12 +39,19 @@ class Handling(NamedTuple):
     can_stop : whether it can hold a place.
     least_speed_mps : least speed through the water at which it obeys its command (m/s).
     hull_length_m, hull_diameter_m : length and diameter of the hull (m); equal for a sphere.
+    near_m : distance from another hull's centre below which a report warns (m); 0 if only contact matters.
     """
 
     can_stop: bool
     least_speed_mps: float
     hull_length_m: float
     hull_diameter_m: float
+    near_m: float = 0.0
+
+    @property
+    def hull_radius_m(self) -> float:
+        """Radius of the sphere around the hull (m); two hulls touch at the sum of theirs."""
+        return 0.5 * max(self.hull_length_m, self.hull_diameter_m)
 
 
 class Actuator(NamedTuple):
@@ -71,6 +82,11 @@ class VehicleModel(Protocol):
     @property
     def top_speed_mps(self) -> float:
         """Speed that the actuators hold against the drag (m/s); inf without a limit."""
+
+    @property
+    def longest_step_s(self) -> float:
+        """Longest step with which `step` integrates this vehicle soundly (s); inf: any."""
+        return math.inf
 
     def speed_held_mps(self, max_force_n: float) -> float:
         """Return the same for a controller with this limit along each axis (N)."""
@@ -127,6 +143,12 @@ def make_model(section: Section) -> VehicleModel:
     made = class_of(__name__, section.kind, "Model")(section.params)
     contract = ContinuousModel if getattr(made, "command", None) == "wrench" else VehicleModel
     model: VehicleModel = fulfilled(made, contract)
+    numbers = len(model.resting_command())
+    if model.command in _DRIVEN and len(model.actuators) != numbers:
+        raise ConfigError(
+            f"{type(model).__module__}: {len(model.actuators)} actuators are not allowed; "
+            f"allowed: one for each of the {numbers} numbers of the {model.command} command"
+        )
     return model
 
 

@@ -23,6 +23,7 @@ _HALVINGS = 60
 _TURNS = 4
 _TURN_S = 25.0
 _STEP_S = 0.1
+_STEPS_PER_LAG = 2.0
 
 
 class TorpedoParams(Hashable, Protocol):
@@ -43,6 +44,10 @@ class TorpedoParams(Hashable, Protocol):
     @property
     def diameter_m(self) -> float:
         """Diameter of the hull (m)."""
+
+    @property
+    def near_m(self) -> float:
+        """Distance from another hull's centre below which a report warns (m)."""
 
 
 class Turn(NamedTuple):
@@ -99,12 +104,18 @@ class TorpedoModel(ContinuousModel):
     def handling(self) -> Handling:
         """It cannot stop."""
         p = self.params
-        return Handling(False, p.least_speed_mps, p.length_m, p.diameter_m)
+        return Handling(False, p.least_speed_mps, p.length_m, p.diameter_m, p.near_m)
 
     @property
     def top_speed_mps(self) -> float:
         """Speed ahead through the water at the highest speed of the propeller (m/s)."""
         return self.steady_speed_mps(self.params.servos.propeller_max_rpm)
+
+    @property
+    def longest_step_s(self) -> float:
+        """Twice the shorter lag of the actuators (s): RK4 is stable up to 2.8 times."""
+        servos = self.params.servos
+        return _STEPS_PER_LAG * min(servos.fin_lag_s, servos.propeller_lag_s)
 
     def speed_held_mps(self, max_force_n: float) -> float:
         """Return the top speed: a controller of a torpedo limits no force."""

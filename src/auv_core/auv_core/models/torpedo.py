@@ -131,7 +131,9 @@ class Params:
     least_speed_mps: float = param(
         "least speed through the water at which the stern planes hold the pitch (m/s)", above=0.0
     )
-    hull_radius_m: float = param("radius of the sphere around the hull (m)", above=0.0)
+    near_m: float = param(
+        "distance from another hull's centre below which a report warns (m)", default=5.0, minimum=0.0
+    )
 
     @property
     def length_m(self) -> float:

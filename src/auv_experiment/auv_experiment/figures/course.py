@@ -14,12 +14,14 @@ from auv_control.courses import line_of_sight
 from auv_control.guidance.paths import make_path
 from auv_core.models import make_model
 from auv_experiment.figures import Drawer, Drawing
+from auv_experiment.figures.hulls import plot_headings, plot_hulls
 from auv_experiment.figures.plotting import (
     legend_below,
     mark,
     new_canvas,
     plot_plan_line,
     plot_thinned,
+    round_ticks,
     set_height,
     span_time,
     vehicle_style,
@@ -28,6 +30,7 @@ from auv_experiment.metrics.courses.course import heading_error_rad
 from auv_experiment.metrics.path import heading_rad
 from auv_experiment.recording import FloatArray, Recording
 from auv_flocking.course_task import CROSS_TRACK, DEPTH, SPEED
+from auv_flocking.fleets import lanes
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -58,13 +61,21 @@ def _draw_plan(canvas: Canvas, recording: Recording, scenario: Scenario) -> tupl
         plot_plan_line(axes, recording.position_ned_m[:, i], zorder=4, **vehicle_style(i))
         mark(axes, recording.position_ned_m[0, i], i, is_filled=False)
         mark(axes, recording.position_ned_m[-1, i], i, is_filled=True)
+    instants = round_ticks(recording.t_s)
+    for tick in instants:
+        plot_hulls(axes, recording, scenario, tick)
+        plot_headings(axes, recording, tick)
     axes.margins(0.06)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("east (m)")
     axes.set_ylabel("north (m)")
     legend_below(canvas, _handles(recording, "" if path is None else "path"))
-    over = "" if path is None else ", over the path of the course (wide and grey)"
-    return "Tracks", f"Tracks seen from above, north up{over}. Hollow marks are starts, full marks ends."
+    over = "" if path is None else ", over the path (wide and grey)"
+    times = ", ".join(f"{recording.t_s[tick]:.0f}" for tick in instants)
+    return "Tracks", (
+        f"Tracks seen from above, north up{over}. Hollow marks are starts, full marks ends; arrowheads are "
+        f"headings, on hulls to scale, at {times} s."
+    )
 
 
 def _draw_course(canvas: Canvas, recording: Recording, _: Scenario) -> tuple[str, str]:
@@ -92,12 +103,13 @@ def _draw_course(canvas: Canvas, recording: Recording, _: Scenario) -> tuple[str
 
 def _draw_actuators(canvas: Canvas, recording: Recording, scenario: Scenario) -> tuple[str, str]:
     t_s = recording.t_s
-    actuators = make_model(scenario.vehicles[0].model).actuators
+    fleet = [make_model(vehicle.model).actuators for vehicle in scenario.vehicles]
+    actuators = max(fleet, key=len)
     set_height(canvas, 1.1 + 1.6 * len(actuators))
     grid: Any = canvas.subplots(len(actuators), 1, sharex=True, squeeze=False)[:, 0]
     for column, (axes, actuator) in enumerate(zip(grid, actuators, strict=True)):
         is_angle = actuator.unit == "rad"
-        for i in range(recording.n_vehicles):
+        for i in (i for i, own in enumerate(fleet) if own == actuators):
             outputs = recording.actuator_output[:, i, column]
             plot_thinned(axes, t_s, np.degrees(outputs) if is_angle else outputs, **vehicle_style(i))
         axes.set_ylabel(f"{actuator.name.replace('_', ' ')} ({'deg' if is_angle else actuator.unit})")
@@ -108,9 +120,10 @@ def _draw_actuators(canvas: Canvas, recording: Recording, scenario: Scenario) ->
 
 
 def _path_ned_m(scenario: Scenario) -> FloatArray | None:
-    """Return points of the path of the course (m; NED), None without one."""
-    params = scenario.agent.course.params if scenario.agent.course else None
-    if not isinstance(params, line_of_sight.Params):
+    """Return points of the path of the course or the fleet (m; NED), None without one."""
+    section = scenario.agent.course or scenario.agent.fleet
+    params = section.params if section else None
+    if not isinstance(params, line_of_sight.Params | lanes.Params):
         return None
     track = make_path(params.path).track
     points = [track.at(track.length_m * k / _PATH_POINTS) for k in range(_PATH_POINTS + 1)]

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle
 
 from auv_experiment.figures import Drawing
 from auv_experiment.figures.flock_run import FlockRun, path_handle, vehicle_handles
+from auv_experiment.figures.hulls import plot_hulls
 from auv_experiment.figures.plotting import (
     MAX_COLUMNS,
     colour,
@@ -22,7 +22,7 @@ from auv_experiment.figures.plotting import (
     plot_obstacle,
     plot_plan_line,
     plot_sphere,
-    round_step,
+    round_ticks,
     space_axes,
     vehicle_style,
 )
@@ -45,7 +45,7 @@ def _draw_plan(run: FlockRun) -> Drawing | None:
         mark(axes, track[0], i, is_filled=False)
         mark(axes, track[-1], i, is_filled=True)
     _plot_obstacles(axes, run)
-    instants = _instants(run.t_s)
+    instants = round_ticks(run.t_s)
     for k in instants:
         _plot_hulls(axes, run, k)
     axes.margins(0.06)
@@ -56,8 +56,8 @@ def _draw_plan(run: FlockRun) -> Drawing | None:
     times = ", ".join(f"{run.t_s[k]:.0f}" for k in instants)
     caption = (
         "Tracks seen from above, north up. The wide grey line is the path that the flock should follow, the "
-        "dashed grey line the mean of the vehicles. Hollow marks are starts, full marks are ends; the discs "
-        f"are the hulls to scale with their heading, at {times} s."
+        "dashed grey line the mean of the vehicles. Hollow marks are starts, full marks are ends; between "
+        f"them are the hulls to scale with their heading, at {times} s."
     )
     if run.scenario.environment.obstacles:
         caption += (
@@ -120,13 +120,7 @@ def _only_lost(run: FlockRun, i: int) -> FloatArray:
 def _plot_hulls(axes: Any, run: FlockRun, k: int) -> None:
     """Draw the hulls at tick k to scale, each with its heading, and the time beside them."""
     radius_m = run.scenario.hull_radius_m
-    positions = run.recording.position_ned_m[k]
-    for i, (north, east, _) in enumerate(positions):
-        axes.add_patch(Circle((east, north), radius_m, facecolor=colour(i), edgecolor="white", zorder=5))
-        w, x, y, z = run.recording.attitude_quat_wxyz[k, i]
-        ahead = np.array([2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z)])  # body x axis: east, north
-        tip = np.array([east, north]) + 2.0 * radius_m * ahead
-        axes.plot([east, tip[0]], [north, tip[1]], color=colour(i), linewidth=1.0, zorder=5)
+    plot_hulls(axes, run.recording, run.scenario, k)
     middle = run.centroid_ned_m[k, [1, 0]]
     inward = np.nanmean(run.path_ned_m[:, [1, 0]], axis=0) - middle
     label_at = middle + inward / max(float(np.hypot(*inward)), 1e-9) * (2.4 + 2.0 * radius_m)
@@ -134,14 +128,6 @@ def _plot_hulls(axes: Any, run: FlockRun, k: int) -> None:
         axes.text(
             *label_at, f"{run.t_s[k]:.0f} s", ha="center", va="center", fontsize=8, zorder=7, clip_on=True
         )
-
-
-def _instants(t_s: FloatArray) -> list[int]:
-    """Return the ticks of about six round times after the start."""
-    step_s = round_step(float(t_s[-1]) / 6.0)
-    times_s = np.arange(step_s, t_s[-1] + 1e-9, step_s)
-    ticks: list[int] = np.unique(np.clip(np.searchsorted(t_s, times_s - 1e-9), 0, len(t_s) - 1)).tolist()
-    return ticks
 
 
 def _plan_legend(run: FlockRun) -> list[Line2D]:

@@ -194,6 +194,14 @@ def equal_box(axes: Any) -> None:
     axes.set_box_aspect(np.maximum(np.ptp(limits, axis=1), 1e-6), zoom=1.06)
 
 
+def round_ticks(t_s: FloatArray) -> list[int]:
+    """Return the ticks of about six round times after the start."""
+    step_s = round_step(float(t_s[-1]) / 6.0)
+    times_s = np.arange(step_s, t_s[-1] + 1e-9, step_s)
+    ticks: list[int] = np.unique(np.clip(np.searchsorted(t_s, times_s - 1e-9), 0, len(t_s) - 1)).tolist()
+    return ticks
+
+
 def round_step(value: float) -> float:
     """Return the largest of 1, 2 and 5 times a power of ten that is not above the value."""
     if value <= 0.0:

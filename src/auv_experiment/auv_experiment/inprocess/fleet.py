@@ -97,7 +97,7 @@ class Fleet:
             params = vehicles[0].model.params
             model = six_dof.Model(params)
             hulls = [
-                (*model.initial_state(start, vehicle.heading_rad), 0.0, 0.0, 0.0)
+                (*model.initial_state(start, vehicle.heading_rad, vehicle.speed_mps), 0.0, 0.0, 0.0)
                 for start, vehicle in zip(positions, vehicles, strict=True)
             ]
             self.motion = to_lanes(hulls)

@@ -8,15 +8,13 @@ from auv_control.controllers import ContinuousVelocityController, VelocityRefere
 from auv_core.geometry import Vec3, heading_from_quaternion
 from auv_core.integrate import State
 from auv_core.messages import Vec6
-from auv_core.models import ContinuousModel, make_continuous_model
+from auv_core.models import HULL, ContinuousModel, make_continuous_model
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario
 from auv_flocking.agent import Agent
 from auv_flocking.flock_rates import KNOWS_PATH, guides
 from auv_flocking.flock_task import FlockTask
 from auv_sim.vehicle import check_finite
-
-_PLANT = 13
 
 
 class _Point:
@@ -46,24 +44,24 @@ class _Point:
 
 
 class _Hull:
-    """A vehicle with a velocity controller; the state is the 13 numbers of the plant and the integral."""
+    """A vehicle with a velocity controller; the state is that of the plant and the integral."""
 
     def __init__(
         self,
         model: ContinuousModel,
         controller: ContinuousVelocityController,
-        start: Vec3,
-        heading_rad: float,
+        plant: State,
     ) -> None:
         self._model = model
         self._controller = controller
-        self.start: State = (*model.initial_state(start, heading_rad), 0.0, 0.0, 0.0)
+        self._plant = len(plant)
+        self.start: State = (*plant, 0.0, 0.0, 0.0)
 
     def rate(self, state: State, reference: VelocityReference, current: Vec3) -> State:
         """Return the rates of plant and integral."""
         tau, growth = self._control(state, reference)
         given = self._model.limited_command(tau)
-        return (*self._model.derivative(state[:_PLANT], given, current), *growth)
+        return (*self._model.derivative(state[: self._plant], given, current), *growth)
 
     def heading_rad(self, state: State) -> float:
         """Return its heading (rad)."""
@@ -72,20 +70,20 @@ class _Hull:
 
     def settled(self, state: State) -> State:
         """Return `state` with a quaternion of length 1."""
-        return (*self._model.normalised(state[:_PLANT]), *state[_PLANT:])
+        return (*self._model.normalised(state[: self._plant]), *state[self._plant :])
 
     def record(
         self, recording: Recording, at: tuple[int, int], state: State, reference: VelocityReference
     ) -> None:
         """Write attitude, velocity and wrench."""
         recording.attitude_quat_wxyz[at] = state[3:7]
-        recording.velocity_body[at] = state[7:_PLANT]
+        recording.velocity_body[at] = state[7:HULL]
         if at[0] < recording.n_ticks:
             recording.command[at], _ = self._control(state, reference)
 
     def _control(self, state: State, reference: VelocityReference) -> tuple[Vec6, Vec3]:
         qw, qx, qy, qz = state[3:7]
-        (u, v, w), (p, q, r), (x, y, z) = state[7:10], state[10:_PLANT], state[_PLANT:]
+        (u, v, w), (p, q, r), (x, y, z) = state[7:10], state[10:HULL], state[self._plant :]
         return self._controller.evaluate((qw, qx, qy, qz), (u, v, w, p, q, r), (x, y, z), reference)
 
 
@@ -170,5 +168,7 @@ def _vehicles(scenario: Scenario) -> list[_Point | _Hull]:
         controller = make_controller(scenario.agent.controller, scenario.period_s)
         if not isinstance(controller, ContinuousVelocityController):
             raise TypeError("a controller without a continuous form")
-        vehicles.append(_Hull(make_continuous_model(vehicle.model), controller, start, vehicle.heading_rad))
+        model = make_continuous_model(vehicle.model)
+        plant = model.initial_state(start, vehicle.heading_rad, vehicle.speed_mps)
+        vehicles.append(_Hull(model, controller, plant))
     return vehicles

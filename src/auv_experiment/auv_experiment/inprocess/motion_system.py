@@ -10,14 +10,12 @@ from auv_control.controllers import MotionView
 from auv_core.geometry import Vec3
 from auv_core.integrate import State
 from auv_core.messages import VehicleState
-from auv_core.models import make_continuous_model
+from auv_core.models import HULL, make_continuous_model
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.schema import Scenario
 from auv_flocking.agent import Agent
 from auv_flocking.motion_task import MotionTask
 from auv_sim.vehicle import check_finite
-
-_PLANT = 13
 
 
 class _Member:
@@ -32,7 +30,7 @@ class _Member:
         self.task: MotionTask = agent.task
         self.model = make_continuous_model(vehicle.model)
         self.plant_start: State = self.model.initial_state(
-            vehicle.position_ned_m or (0.0, 0.0, 0.0), vehicle.heading_rad
+            vehicle.position_ned_m or (0.0, 0.0, 0.0), vehicle.heading_rad, vehicle.speed_mps
         )
         self.law_start: State = ()
         self.plant = slice(0, 0)
@@ -41,7 +39,7 @@ class _Member:
 
 class MotionSystem:
     """
-    The state has, vehicle by vehicle, the 13 floats of the plant and the state of the law.
+    The state has, vehicle by vehicle, the state of the plant, actuators included, and that of the law.
 
     Every vehicle knows the true positions of the others.
     """
@@ -54,7 +52,7 @@ class MotionSystem:
         for index, member in enumerate(self._members):
             view = self._view(index, 0.0, member.plant_start, positions)
             member.law_start = member.task.law.initial_state(view)
-            middle = len(start) + _PLANT
+            middle = len(start) + len(member.plant_start)
             member.plant = slice(len(start), middle)
             member.memory = slice(middle, middle + len(member.law_start))
             start += (*member.plant_start, *member.law_start)
@@ -93,7 +91,7 @@ class MotionSystem:
             check_finite(plant, member.name, t_s)
             recording.position_ned_m[tick, index] = plant[:3]
             recording.attitude_quat_wxyz[tick, index] = plant[3:7]
-            recording.velocity_body[tick, index] = plant[7:]
+            recording.velocity_body[tick, index] = plant[7:HULL]
             if tick == recording.n_ticks:
                 continue
             view = self._view(index, t_s, plant, positions)
@@ -109,7 +107,7 @@ class MotionSystem:
         member = self._members[index]
         x, y, z = plant[:3]
         qw, qx, qy, qz = plant[3:7]
-        (u, v, w), (p, q, r) = plant[7:10], plant[10:]
+        (u, v, w), (p, q, r) = plant[7:10], plant[10:HULL]
         nav = VehicleState(0, (x, y, z), (qw, qx, qy, qz), (u, v, w, p, q, r))
         others = (*positions[:index], *positions[index + 1 :])
         return member.task.view(t_s, nav, member.agent.path_point(t_s), others)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from auv_experiment.metrics.consensus_bound import flock_metrics
 from auv_experiment.metrics.courses.course import course_metrics
+from auv_experiment.metrics.courses.effort import fin_effort_metrics
 from auv_experiment.metrics.courses.fleet import fleet_metrics
 from auv_experiment.metrics.formations.errors import formation_metrics
 from auv_experiment.metrics.lyapunov import lyapunov_metrics
@@ -24,11 +25,15 @@ def law_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     `Scenario.readings` gives one metric each, ``<axis>_err_<time>_m``: path minus position of the first
     vehicle along one NED axis at one instant (m), at the record nearest to it.
 
-    See `path_metrics`, `formation_metrics`, `region_metrics`, `course_metrics` and `flock_metrics` for their
-    definitions.
+    See `path_metrics`, `formation_metrics`, `region_metrics`, `course_metrics`, `fin_effort_metrics` and
+    `flock_metrics` for their definitions.
     """
     if recording.n_ticks == 0:
         return {}
+    return _family_metrics(recording, scenario) | fin_effort_metrics(recording, scenario)
+
+
+def _family_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     if scenario.follows == "velocity":
         return flock_metrics(recording, scenario)
     if scenario.agent.fleet is not None:

@@ -42,6 +42,8 @@ OF_LAWS = {
         "m", "distance beside the path or lane, rms after 150 s or formation; the worst vehicle"
     ),
     "cross_track_max_m": Meaning("m", "largest distance beside the path or lane after 150 s or formation"),
+    "fin_effort_rad2s": Meaning("rad² s", "integral of the squared angles of the fins, all vehicles", 3),
+    "propeller_turns": Meaning("", "turns of all propellers", 1),
     # fleets
     "fleet_formed_at_s": Meaning("s", "first time at which all vehicles are in formation", 1),
     "coordination_error_p95_m": Meaning(
@@ -191,6 +193,8 @@ MEANINGS = {
         "m", "largest error of a vehicle's estimate of the flocking centre after 100 s", 4
     ),
     "obstacle_clearance_min_m": Meaning("m", "smallest distance of a hull centre to an obstacle's centre"),
+    "near_pairs": Meaning("", "pairs of vehicles that came nearer than near_m of their models"),
+    "near_pair_distance_min_m": Meaning("m", "smallest distance of the hull centres of these pairs"),
     "hull_in_air_ratio": _share("share of time, over all vehicles, with the whole hull above the surface"),
     "hull_in_air_height_m": Meaning("m", "largest height of a hull's lowest point above the surface", 2),
     **OF_LAWS,

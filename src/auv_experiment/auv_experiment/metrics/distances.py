@@ -35,6 +35,14 @@ def touch_distances_m(scenario: Scenario) -> FloatArray:
     return touch_m
 
 
+def warning_distances_m(scenario: Scenario) -> FloatArray:
+    """Return the (P,) distances between hull centres below which a report warns (m); 0: never."""
+    near_m = np.array([handling.near_m for handling in scenario.handlings])
+    first, second = np.triu_indices(len(near_m), 1)
+    allowed_m: FloatArray = np.maximum(near_m[first], near_m[second])
+    return allowed_m
+
+
 def flock_pair_distances_m(recording: Recording) -> FloatArray:
     """Return the (K + 1, P) distances between hull centres (m), NaN after the loss of either vehicle."""
     return np.where(pair_is_gone(recording), np.nan, pair_distances_m(recording))

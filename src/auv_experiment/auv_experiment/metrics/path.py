@@ -128,9 +128,10 @@ def heading_rad(recording: Recording) -> FloatArray:
 
 def control_effort_n2s(recording: Recording, scenario: Scenario) -> float | None:
     """Return the sum of X^2 + Y^2 + Z^2 times the period over all vehicles (N^2 s); None without wrenches."""
-    if scenario.kinematic:
+    forces_n = recording.command[..., :3]
+    if scenario.kinematic or not np.isfinite(forces_n).any():
         return None
-    return float(np.nansum(recording.command[..., :3] ** 2) * scenario.period_s)
+    return float(np.nansum(forces_n**2) * scenario.period_s)
 
 
 def _obstacle_metrics(recording: Recording, scenario: Scenario) -> dict[str, list[float]]:

@@ -27,7 +27,7 @@ from auv_experiment.metrics.links import packet_metrics
 from auv_experiment.metrics.neighbours import neighbour_metrics, tail_metrics
 from auv_experiment.metrics.network import network_metrics
 from auv_experiment.metrics.own import own_metrics
-from auv_experiment.metrics.safety import safe_command_metrics, surface_metrics
+from auv_experiment.metrics.safety import near_metrics, safe_command_metrics, surface_metrics
 from auv_experiment.metrics.windows import SETTLED_AFTER_S, TIME_TOLERANCE_S, after
 from auv_experiment.recording import Recording
 
@@ -76,6 +76,7 @@ def compute_metrics(
         "centroid_path_formed_rms_m": rms(path_error_m[t_s >= formed_at_s - TIME_TOLERANCE_S]),
         "consensus_error_max_m": largest(consensus_error_m(recording)[after(t_s[:-1], SETTLED_AFTER_S)]),
         "obstacle_clearance_min_m": smallest(obstacle_distances_m(recording, scenario)),
+        **near_metrics(recording, scenario),
         **surface_metrics(recording, scenario),
         **neighbour_metrics(recording),
         **packet_metrics(recording),

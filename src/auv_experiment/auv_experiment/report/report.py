@@ -79,7 +79,7 @@ def _flown(scenario: Scenario, metrics: dict[str, Any]) -> str:
     n = len(scenario.vehicles)
     who = "all leaders" if len(scenario.leaders) == n else f"leaders: {', '.join(scenario.leaders) or 'none'}"
     if scenario.agent.flocking is None:
-        who = f"each by itself with the law {scenario.agent.controller.kind}"
+        who = _task(scenario)
     path = "" if scenario.reference is None else f", their path a {scenario.reference.kind}"
     flown_s = metrics.get("duration_s", scenario.duration_s)
     first = f"{n} vehicle{'s' if n != 1 else ''} ({who}) flew {flown_s:g} s{path}{_water(scenario)}."
@@ -93,6 +93,15 @@ def _flown(scenario: Scenario, metrics: dict[str, Any]) -> str:
         f"{medium.preset or 'given'} medium (access {medium.mac.kind}, losses {medium.outage.kind})."
         f"{_known(scenario)}"
     )
+
+
+def _task(scenario: Scenario) -> str:
+    """Return what vehicles that are no flock do."""
+    agent = scenario.agent
+    if agent.fleet is not None:
+        return f"a fleet of the kind {agent.fleet.kind}"
+    course = "" if agent.course is None else f" on a course of the kind {agent.course.kind}"
+    return f"each by itself{course} with the law {agent.controller.kind}"
 
 
 def _strangers(provenance: dict[str, Any]) -> str:

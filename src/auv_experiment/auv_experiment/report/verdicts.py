@@ -5,8 +5,10 @@ from __future__ import annotations
 import html
 from typing import TYPE_CHECKING, Any
 
+from auv_experiment.metrics.distances import touch_distances_m
 from auv_experiment.metrics.gathering import formed_within_m
-from auv_experiment.metrics.safety import surface_warning
+from auv_experiment.metrics.safety import near_warning, surface_warning
+from auv_experiment.recording import FloatArray
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -17,17 +19,21 @@ _CONSISTENT_SHARE = (0.90, 0.985)
 def verdicts(scenario: Scenario, metrics: dict[str, Any]) -> list[str]:
     """Return the answers, each with its number."""
     get = metrics.get
-    contact_m = 2.0 * scenario.hull_radius_m
     answers = []
     nearest_m = get("pair_distance_min_m")
     if nearest_m is not None:
-        detail = f"Smallest distance of two hull centres {nearest_m:.2f} m; hulls touch at {contact_m:g} m."
+        touch = " to ".join(f"{touch_m:g}" for touch_m in sorted({*_range(touch_distances_m(scenario))}))
+        detail = f"Smallest distance of two hull centres {nearest_m:.2f} m; hulls touch at {touch} m."
         if get("collision"):
             detail += f" First contact at {get('collision_at_s'):.1f} s."
         answers.append(_answer("Did hulls touch?", bool(get("collision")), detail, good=False))
+    if get("near_pairs") is not None:
+        answers.append(_near_answer(metrics))
     within_m = formed_within_m(scenario)
     if nearest_m is not None and within_m is not None:
         answers.append(_formed_answer(metrics, within_m))
+    if "fleet_formed_at_s" in metrics:
+        answers.append(_fleet_answer(get("fleet_formed_at_s")))
     if surface_warning(metrics):
         answers.append(_answer("Did hulls leave the water?", True, surface_warning(metrics), good=False))
     farthest_m = get("pair_distance_formed_max_m")
@@ -56,6 +62,24 @@ def _answer(question: str, holds: bool, detail: str, *, good: bool = True) -> st
     kind = "good" if holds is good else "bad"
     word = "Yes." if holds else "No."
     return f'<li class="{kind}">{html.escape(question)} <b>{word}</b> {html.escape(detail)}</li>'
+
+
+def _range(touch_m: FloatArray) -> tuple[float, float]:
+    return float(touch_m.min()), float(touch_m.max())
+
+
+def _near_answer(metrics: dict[str, Any]) -> str:
+    line = near_warning(metrics)
+    return _answer(
+        "Did vehicles keep their distance?", not line, f"{line[:1].upper()}{line[1:]}." if line else ""
+    )
+
+
+def _fleet_answer(formed_at_s: float | None) -> str:
+    detail = "At no time were all vehicles in their slots."
+    if formed_at_s is not None:
+        detail = f"All vehicles were in their slots at {formed_at_s:.1f} s."
+    return _answer("Did the fleet form?", formed_at_s is not None, detail)
 
 
 def _formed_answer(metrics: dict[str, Any], within_m: float) -> str:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from auv_control.controllers import controller_class
 from auv_control.references import ReferencePath, make_reference
 from auv_core.geometry import Vec3
-from auv_core.models import make_model
+from auv_core.models import Handling, make_model
 from auv_core.params import Section, extended, param, same, shown
 from auv_core.run_settings import RunSettings
 from auv_core.thrusters import ThrusterFault
@@ -180,14 +180,19 @@ class Scenario:
         return np.arange(self.ticks + 1, dtype=np.float64) * self.period_s
 
     @property
+    def handlings(self) -> tuple[Handling, ...]:
+        """How each vehicle handles."""
+        return tuple(make_model(vehicle.model).handling for vehicle in self.vehicles)
+
+    @property
     def hull_radius_m(self) -> float:
         """Largest hull radius of the fleet (m)."""
         return max(self.hull_radii_m)
 
     @property
     def hull_radii_m(self) -> tuple[float, ...]:
-        """Hull radius of each vehicle (m)."""
-        return tuple(vehicle.model.params.hull_radius_m for vehicle in self.vehicles)
+        """Radius of the sphere around the hull of each vehicle (m)."""
+        return tuple(handling.hull_radius_m for handling in self.handlings)
 
     @property
     def kinematic(self) -> bool:

@@ -10,9 +10,10 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from auv_core.cdr import COUNT
-from auv_core.geometry import Vec3
+from auv_core.geometry import Quat, Vec3
+from auv_core.models import Handling
 from auv_core.stamp import STAMP_BYTES, stamp_bytes
-from auv_ros.wire.conversions import WORLD_FRAME, header, point
+from auv_ros.wire.conversions import WORLD_FRAME, header, point, quaternion
 from auv_ros.wire.stencil import Stencil
 
 MARKER_TICKS = 5
@@ -46,6 +47,24 @@ def sphere_stencil(namespace: str, number: int, diameter_m: float, colour: Colou
     message = MarkerArray(markers=[sphere(namespace, number, 0.0, _NOWHERE, diameter_m, colour)])
     centre_at = bytes(serialize_message(message)).index(struct.pack("<3d", *_NOWHERE))
     return Stencil(message, "3d", stamp_at=_STAMP_AT, numbers_at=centre_at)
+
+
+def hull_marker(
+    namespace: str, t_s: float, pose: tuple[Vec3, Quat], handling: Handling, colour: Colour
+) -> Marker:
+    """Return a hull at a pose (m, NED; body FRD to NED): an ellipsoid along the body's forward axis."""
+    marker = sphere(namespace, 0, t_s, pose[0], handling.hull_diameter_m, colour)
+    marker.scale.x = handling.hull_length_m
+    marker.pose.orientation = quaternion(pose[1])
+    return marker
+
+
+def hull_stencil(namespace: str, handling: Handling, colour: Colour) -> Stencil:
+    """Return a MarkerArray of one hull; fill it with its centre (m; NED) and attitude (NED; w last)."""
+    nowhere = (_NOWHERE, (1.0, 0.0, 0.0, 0.0))
+    message = MarkerArray(markers=[hull_marker(namespace, 0.0, nowhere, handling, colour)])
+    pose_at = bytes(serialize_message(message)).index(struct.pack("<3d", *_NOWHERE))
+    return Stencil(message, "7d", stamp_at=_STAMP_AT, numbers_at=pose_at)
 
 
 def removed(namespace: str, number: int, t_s: float) -> Marker:

@@ -7,11 +7,12 @@ from collections.abc import Mapping, Sequence
 from visualization_msgs.msg import Marker
 
 from auv_core.messages import VehicleState
+from auv_core.models import make_model
 from auv_msgs.msg import VehicleState as VehicleStateMsg
 from auv_ros.run_config import TickClock
 from auv_ros.topic import Topics
 from auv_ros.wire import conversions as convert
-from auv_ros.wire.markers import LOST_HULL, sphere
+from auv_ros.wire.markers import LOST_HULL, hull_marker
 from auv_sim.vehicle import Vehicle, VehicleConfig
 
 
@@ -58,6 +59,7 @@ class Adrift:
         markers = []
         for index in sorted(self._lost):
             hull = self._hulls[index]
-            diameter_m = 2.0 * hull.model.params.hull_radius_m
-            markers.append(sphere(hull.vehicle_id, 0, t_s, states[index].position, diameter_m, LOST_HULL))
+            handling, state = make_model(hull.model).handling, states[index]
+            pose = (state.position, state.attitude)
+            markers.append(hull_marker(hull.vehicle_id, t_s, pose, handling, LOST_HULL))
         return markers

@@ -16,7 +16,7 @@ from auv_ros.robot_description import robot_description
 from auv_ros.topic import Topics
 from auv_ros.wire import conversions as convert
 from auv_ros.wire.commands import actuators_stencil
-from auv_ros.wire.markers import HULL, MARKER_TICKS, sphere_stencil
+from auv_ros.wire.markers import HULL, MARKER_TICKS, hull_stencil
 from auv_sim.vehicle import Vehicle, VehicleConfig
 
 _EXACT = (0.0,) * 6
@@ -42,10 +42,10 @@ class VehicleView:
     """
 
     def __init__(self, topics: Topics, config: VehicleConfig, velocity_sd_mps: Vec3) -> None:
-        vehicle_id, hull_radius_m = config.vehicle_id, config.model.params.hull_radius_m
+        vehicle_id = config.vehicle_id
         base, truth = convert.base_frame(vehicle_id), convert.truth_frame(vehicle_id)
         model = make_model(config.model)
-        description = robot_description(base, convert.body_frame(vehicle_id), hull_radius_m, model.handling)
+        description = robot_description(base, convert.body_frame(vehicle_id), model.handling)
         self._odom = topics.add(
             Odometry, "odom", convert.odometry_stencil(convert.odom_frame(vehicle_id), base).filled
         )
@@ -53,7 +53,7 @@ class VehicleView:
             Odometry, "ground_truth/odom", convert.odometry_stencil(convert.MAP_FRAME, truth).filled
         )
         self._tf = topics.add(TFMessage, "/tf", convert.motion_transforms(vehicle_id).filled)
-        hull = sphere_stencil(vehicle_id, 0, 2.0 * hull_radius_m, HULL)
+        hull = hull_stencil(vehicle_id, model.handling, HULL)
         self._marker = topics.add(MarkerArray, "/markers", hull.filled)
         static = TFMessage(transforms=[convert.base_to_frd(vehicle_id)])
         topics.add(TFMessage, "/tf_static", qos=LATCHED).publish(static)
@@ -91,4 +91,5 @@ class VehicleView:
         if state.tick % MARKER_TICKS == 0:
             true_velocity = convert.flu_velocity(state.nu)
             self._truth.publish(t_s, *true_pose, *_EXACT, *true_velocity, *_EXACT)
-            self._marker.publish(t_s, *state.position)
+            w, x, y, z = state.attitude
+            self._marker.publish(t_s, *state.position, x, y, z, w)
