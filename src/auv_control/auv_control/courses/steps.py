@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from auv_control.courses import CourseLaw, Guided
 from auv_control.guidance.autopilots import Setpoint
-from auv_control.guidance.feasibility import Turning
+from auv_control.guidance.feasibility import Turning, allowed_speeds
 from auv_core.geometry import Box
 from auv_core.messages import VehicleState
 from auv_core.params import param
@@ -49,8 +49,8 @@ class Course(CourseLaw):
         high_mps = vehicle.top_speed_mps - current_mps
         if not low_mps <= self._params.speed_mps <= high_mps:
             raise ValueError(
-                f"speed_mps: {self._params.speed_mps!r} is not allowed; allowed: {low_mps:.3g} to "
-                f"{high_mps:.3g} m/s in a current of {current_mps:g} m/s"
+                f"speed_mps: {self._params.speed_mps!r} is not allowed; "
+                f"allowed: {allowed_speeds(vehicle, current_mps)}"
             )
 
     def reach(self, duration_s: float) -> Box | None:

@@ -39,6 +39,26 @@ def least_radius_m(vehicle: Turning, speed_mps: float, current_mps: float) -> fl
     return speed_mps * vehicle.turn_radius_m(water_mps) / (TURN_RESERVE * water_mps)
 
 
+def allowed_speeds(vehicle: Turning, current_mps: float) -> str:
+    """Return in words at which speeds over ground a vehicle can run against and with a current (m/s)."""
+    low_mps = vehicle.handling.least_speed_mps + current_mps
+    high_mps = vehicle.top_speed_mps - current_mps
+    if low_mps > high_mps:
+        most_mps = 0.5 * (vehicle.top_speed_mps - vehicle.handling.least_speed_mps)
+        return f"none in a current of {current_mps:g} m/s, since a current must be below {most_mps:.3g} m/s"
+    return f"{low_mps:.3g} to {high_mps:.3g} m/s over ground in a current of {current_mps:g} m/s"
+
+
+def check_through_water(vehicle: Turning, field: str, speed_mps: float) -> None:
+    """Raise ValueError, for a field, unless a vehicle can run at a speed through the water (m/s)."""
+    least_mps, largest_mps = vehicle.handling.least_speed_mps, vehicle.top_speed_mps
+    if not least_mps <= speed_mps <= largest_mps:
+        raise ValueError(
+            f"{field}: {speed_mps!r} is not allowed; allowed: {least_mps:.3g} to {largest_mps:.3g} m/s "
+            "through the water"
+        )
+
+
 def check_lane(vehicle: Turning, track: Track, lane_m: float, speed_mps: float, current_mps: float) -> None:
     """
     Check that a vehicle can fly a lane.
@@ -75,8 +95,8 @@ def check_lane(vehicle: Turning, track: Track, lane_m: float, speed_mps: float, 
         where = f"in the lane at {lane_m + 0.0:g} m"  # without a sign for minus zero
         if not least_mps <= lane_mps <= largest_mps:
             raise ValueError(
-                f"lane: {lane_mps:.3g} m/s {where} is not allowed; allowed: {least_mps:.3g} to "
-                f"{largest_mps:.3g} m/s over ground in a current of {current_mps:g} m/s"
+                f"lane: {lane_mps:.3g} m/s {where} is not allowed; "
+                f"allowed: {allowed_speeds(vehicle, current_mps)}"
             )
         needed_m = least_radius_m(vehicle, lane_mps, current_mps)
         if abs(curvature_pm) * needed_m > ratio:

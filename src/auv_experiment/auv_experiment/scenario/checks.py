@@ -41,6 +41,7 @@ def check_scenario(scenario: Scenario) -> None:
         _check_agent,
         _check_contracts,
         _check_commands,
+        _check_steps,
         _check_faults,
         _check_frames,
         _check_starts,
@@ -155,6 +156,17 @@ def _check_commands(scenario: Scenario) -> None:
             "kinematic vehicles, "
             "whose velocity command is over ground"
         )
+
+
+def _check_steps(scenario: Scenario) -> None:
+    """Check that the step of integration is short enough for every vehicle."""
+    for index, vehicle in enumerate(scenario.vehicles):
+        longest_s = make_model(vehicle.model).longest_step_s
+        if scenario.dt_s > longest_s:
+            raise ValueError(
+                f"dt_s: {scenario.dt_s!r} is not allowed; allowed: at most {longest_s:g} s "
+                f"for the actuators of vehicles[{index}]"
+            )
 
 
 def _check_faults(scenario: Scenario) -> None:

@@ -47,6 +47,7 @@ def check_reach(scenario: Scenario) -> None:
     """
     for check in (
         _check_speeds,
+        _check_start_speeds,
         _check_tasks,
         _check_surface,
         _check_bottom,
@@ -89,6 +90,31 @@ def _check_speeds(scenario: Scenario) -> None:
             raise ValueError(
                 f"{_path_key(scenario, index)}: runs at {speed_mps:.3g} m/s through the water, "
                 f"which is not allowed; allowed: {held}"
+            )
+        handling = model.handling
+        slowest_mps = math.inf if path is None else _slowest_mps(path, scenario.duration_s, current)
+        if not handling.can_stop and slowest_mps - varies_by_mps < handling.least_speed_mps:
+            raise ValueError(
+                f"{_path_key(scenario, index)}: runs at {max(0.0, slowest_mps - varies_by_mps):.3g} m/s "
+                f"through the water, which is not allowed; allowed: at least {handling.least_speed_mps:.3g} "
+                f"m/s, at which vehicles[{index}] obeys its command"
+            )
+
+
+def _check_start_speeds(scenario: Scenario) -> None:
+    """Check that the actuators hold the speed through the water at which a vehicle starts."""
+    north_mps, east_mps, down_mps = scenario.environment.current_ned_mps
+    for index, vehicle in enumerate(scenario.vehicles):
+        top_mps, speed_mps = make_model(vehicle.model).top_speed_mps, vehicle.speed_mps
+        through_mps = math.hypot(
+            speed_mps * math.cos(vehicle.heading_rad) - north_mps,
+            speed_mps * math.sin(vehicle.heading_rad) - east_mps,
+            down_mps,
+        )
+        if speed_mps > 0.0 and through_mps > top_mps:
+            raise ValueError(
+                f"vehicles[{index}].speed_mps: {speed_mps!r} m/s over ground is {through_mps:.3g} m/s "
+                f"through the water, which is not allowed; allowed: at most {top_mps:.3g} m/s there"
             )
 
 
@@ -276,6 +302,11 @@ def _formation_size_m(scenario: Scenario) -> tuple[float, float]:
 def _fastest_mps(path: ReferencePath, duration_s: float, current: Sequence[float]) -> float:
     """Return the largest speed along a path, relative to the moving water (m/s; NED)."""
     return max(math.dist(velocity, current) for velocity in _velocities(path, duration_s))
+
+
+def _slowest_mps(path: ReferencePath, duration_s: float, current: Sequence[float]) -> float:
+    """Return the smallest speed along a path, relative to the moving water (m/s; NED)."""
+    return min(math.dist(velocity, current) for velocity in _velocities(path, duration_s))
 
 
 def _steepest_mps(path: ReferencePath, duration_s: float) -> float:

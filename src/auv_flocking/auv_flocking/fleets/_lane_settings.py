@@ -53,6 +53,13 @@ class Params:
         "turning away from others on the way to the lane", default=turn_away.Params()
     )
 
+    def __post_init__(self) -> None:
+        if self.least_speed_mps > self.largest_speed_mps:
+            raise ValueError(
+                f"least_speed_mps: {self.least_speed_mps!r} is not allowed; "
+                f"allowed: at most largest_speed_mps, {self.largest_speed_mps!r}"
+            )
+
     def slots(self, fleet_size: int) -> tuple[Vec3, ...]:
         """Return the offsets of all slots (m; along the course, to starboard, down)."""
         return staggered(shape_slots(self.shape, fleet_size, self.spacing_m), self.stagger_m)

@@ -24,6 +24,7 @@ from auv_core.integrate import State
 from auv_core.messages import FinCommand, VehicleState
 from auv_flocking.coordination import LanePlace, Pace, make_coordination
 from auv_flocking.fleets import FleetTask
+from auv_flocking.fleets._lane_checks import check_member
 from auv_flocking.fleets._lane_settings import Params as Params
 from auv_flocking.flocking import NOTHING_HEARD, Member
 from auv_flocking.lanes.broadcast import Sent, after_slot
@@ -163,6 +164,7 @@ class Fleet(FleetTask):
 
     def check(self, vehicle: Turning, current_mps: float) -> None:
         """Raise ValueError unless the vehicle can fly its lane in a current of any direction (m/s)."""
+        check_member(vehicle, self._params, self._member.fleet_size, current_mps)
         check_lane(vehicle, self._path.track, self._slot[1], self._params.speed_mps, current_mps)
 
     def shared(self) -> tuple[float, ...]:
