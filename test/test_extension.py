@@ -62,6 +62,14 @@ def test_a_new_controller_and_a_new_vehicle_fly_by_name(environment, tmp_path):
     assert {path.suffix for path in tmp_path.glob("*/figures/depths.*")} == {".pdf", ".png"}
 
 
+def test_a_new_vehicle_that_cannot_stop_flies_a_course_with_all_figures(environment, tmp_path):
+    metrics = fly(environment, tmp_path, str(PLUGINS / "dart_on_a_racetrack.yaml"))
+    assert metrics["depth_overshoot_m"] < 0.5
+    assert metrics["fin_effort_rad2s"] > 0.0
+    assert metrics["propeller_turns"] == pytest.approx(30.0 * 15.3, rel=0.1)
+    assert {path.stem for path in tmp_path.glob("*/figures/*.png")} >= {"course_plan", "actuators"}
+
+
 def test_a_new_separation_law_and_a_new_vehicle_fly_the_main_job(environment, tmp_path):
     overrides = ["--set", "agent.separation={kind: steady_push, params: {strength_mps: 0.4}}"]
     for index in range(4):

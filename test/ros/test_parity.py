@@ -71,7 +71,7 @@ WATER = (
 )
 
 
-def fly(scenario, out_dir, duration_s, *options):
+def fly(scenario, out_dir, duration_s, *options, limit_s=240):
     """Fly in lock-step with real processes and return the results folder."""
     command = [
         sys.executable,
@@ -84,13 +84,15 @@ def fly(scenario, out_dir, duration_s, *options):
         str(out_dir),
     ]
     command += ["--duration", str(duration_s), "--no-figures", "--set", "answer_timeout_s=30", *options]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=240, env=os.environ, check=False)
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=limit_s, env=os.environ, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     (results_dir,) = out_dir.iterdir()
     return results_dir
 
 
-def assert_equals_in_process(results_dir):
+def assert_equals_in_process(results_dir, tolerance=TOLERANCE):
     scenario = load_scenario(str(results_dir / "scenario.yaml"))
     recorded = read_recording(results_dir / "bag", scenario)
     expected = run_in_process(scenario)
@@ -98,8 +100,8 @@ def assert_equals_in_process(results_dir):
     for field in dataclasses.fields(recorded):
         if field.name != "vehicle_ids":
             ours, theirs = getattr(recorded, field.name), getattr(expected, field.name)
-            tolerance = 0.0 if field.name in EXACT else TOLERANCE
-            np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=tolerance, err_msg=field.name)
+            allowed = 0.0 if field.name in EXACT else tolerance
+            np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=allowed, err_msg=field.name)
     assert half_duplex_violations(acoustic_log(recorded)) == []
     return recorded
 
@@ -226,6 +228,13 @@ def test_thrusters_with_a_fault_beside_a_hull_without_are_the_same_in_lockstep(t
     assert np.isfinite(recorded.actuator_output[:, :3]).all()
     assert not recorded.actuator_command[35:, 1, 0].any()
     assert recorded.actuator_command[1:35, 1, 0].all()
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_the_whole_flight_on_thrusters_is_that_of_one_process_to_the_last_bit(tmp_path):
+    flown = fly("hover_thrusters", tmp_path, 650, "--layout", "single", limit_s=900)
+    assert_equals_in_process(flown, tolerance=0.0)
 
 
 def test_sensed_and_moving_obstacles_are_the_same_in_lockstep(tmp_path):

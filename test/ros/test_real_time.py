@@ -1,14 +1,17 @@
 """Claims about real time: one epoch, bags that replay, and the flight of lock-step except for some delay."""
 
 import json
+import math
 import os
 import subprocess
 import sys
 import threading
 import time
+from collections import Counter
 
 import numpy as np
 import pytest
+import yaml
 
 pytest.importorskip("rclpy")
 
@@ -17,6 +20,7 @@ from rcl_interfaces.srv import SetParameters
 from ros_desk import desk, domain_id
 
 from auv_bag.bag import Bag
+from auv_core.models import make_model
 from auv_experiment.inprocess.sampled import run_in_process
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.recording_from_bag import read_recording
@@ -31,6 +35,7 @@ SHORT = (
     "ch2_pfpd",
     pytest.param("ch4_region_limited", marks=pytest.mark.slow),
 )
+WITH_ACTUATORS = ("torpedo_fleet", "hover_thrusters", "formation_switching")
 FULL_LENGTH = ("compare_path_laws", "ch4_region", "swarm")
 LATE_S, NEAR_M = 0.2, 0.1
 """How far from lock-step on a busy machine: two ticks' delay of a command, and a third of a hull's radius."""
@@ -152,6 +157,89 @@ def test_a_flight_of_full_length_is_that_of_lockstep(name, tmp_path):
     check(fly_undisturbed(name, tmp_path))
 
 
+def command_topics(scenario):
+    """Return the topics of commands and of actuators' outputs of every vehicle that has such actuators."""
+    names = {"fins": "cmd_fins", "thrusters": "cmd_thrusters"}
+    driven = [
+        (vehicle.id, names[kind])
+        for vehicle, kind in zip(scenario.vehicles, scenario.commands, strict=True)
+        if kind in names
+    ]
+    return [f"/{vehicle}/{name}" for vehicle, command in driven for name in (command, "actuators")]
+
+
+def wait_for_all_nodes(run, console):
+    """Wait until a run command has said so on its console."""
+    pause, deadline_s = threading.Event(), time.monotonic() + PATIENCE_S
+    while "all nodes are up" not in console.read_text():
+        assert time.monotonic() < deadline_s, console.read_text()
+        assert run.poll() is None, console.read_text()
+        pause.wait(0.02)
+
+
+def heard(topic, environ):
+    """Return two messages of a topic as `./scripts/topic echo` prints them."""
+    command = [sys.executable, "-m", "auv_bringup.tools.topic", "echo", topic, "-n", "2"]
+    done = subprocess.run(
+        command, env=environ, capture_output=True, text=True, timeout=PATIENCE_S, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return [yaml.safe_load(each) for each in done.stdout.split("---\n")[:2]]
+
+
+def check_actuators(folder, scenario):
+    """Hold commands and outputs of actuators to nearly every tick; the outputs move."""
+    bag = Bag(folder)
+    topics = command_topics(scenario)
+    counts = Counter(message.topic for message in bag.messages(set(topics)))
+    assert all(counts[topic] > KEPT_UP * scenario.ticks for topic in topics), counts
+    recording = read_recording(folder, scenario)
+    for index, vehicle in enumerate(scenario.vehicles if topics else ()):
+        model = make_model(vehicle.model)
+        outputs = recording.actuator_output[:, index, : len(model.actuators)]
+        known = outputs[np.isfinite(outputs).all(axis=1)]
+        assert len(known) > KEPT_UP * len(outputs)
+        assert np.ptp(known, axis=0).max() > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("name", WITH_ACTUATORS)
+def test_a_minute_on_fins_or_thrusters_or_in_formation_is_that_of_lockstep(name, tmp_path):
+    folder = fly_undisturbed(name, tmp_path, 60.0)
+    check(folder)
+    check_actuators(folder, load_scenario(str(folder / "scenario.yaml")))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WITH_ACTUATORS[:2])
+def test_commands_and_outputs_of_actuators_can_be_heard_by_the_topic_command(name, tmp_path):
+    scenario = load_scenario(name)
+    environ = {**os.environ, "ROS_DOMAIN_ID": str(domain_id())}
+    command = [sys.executable, "-m", "auv_bringup.tools.run", name, "--mode", "realtime", "--duration", "40"]
+    console = tmp_path / "console"
+    with console.open("wb") as stream:
+        run = subprocess.Popen(
+            [*command, "--layout", "single", "--no-figures", "--out", str(tmp_path / "results")],
+            env=environ, stdout=stream, stderr=stream,
+        )  # fmt: skip
+    try:
+        wait_for_all_nodes(run, console)
+        command_topic, output_topic = command_topics(scenario)[:2]
+        first, second = heard(command_topic, environ)
+        assert first["header"]["frame_id"] == "auv_1/base_link_frd"
+        assert first["header"]["stamp"] != second["header"]["stamp"]
+        output, _ = heard(output_topic, environ)
+        actuators = make_model(scenario.vehicles[0].model).actuators
+        assert output["names"] == [actuator.name for actuator in actuators]
+        assert output["units"] == [actuator.unit for actuator in actuators]
+        assert all(math.isfinite(number) for number in output["outputs"])
+        assert run.wait(PATIENCE_S) == 0, console.read_text()
+    finally:
+        run.kill()
+        run.wait()
+
+
 def values_to_set():
     """Return a parameter of every kind that ROS itself declares, with a value that would change it."""
     yes = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=True)
@@ -181,11 +269,7 @@ def test_no_parameter_of_a_node_that_flies_can_be_set_and_the_flight_goes_on(tmp
     with console.open("wb") as stream:
         run = subprocess.Popen(command, env=environ, stdout=stream, stderr=stream)
     try:
-        pause, deadline_s = threading.Event(), time.monotonic() + PATIENCE_S
-        while "all nodes are up" not in console.read_text():
-            assert time.monotonic() < deadline_s, console.read_text()
-            assert run.poll() is None, console.read_text()
-            pause.wait(0.02)
+        wait_for_all_nodes(run, console)
         with desk() as at:
             for node in ("/clock_node", "/acoustic_relay_node", "/auv_1/vehicle_node", "/auv_1/agent_node"):
                 client = at.node.create_client(SetParameters, f"{node}/set_parameters")
