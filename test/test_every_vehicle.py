@@ -48,6 +48,7 @@ def plugins(monkeypatch):
     monkeypatch.setattr(auv_core.models, "__path__", [*auv_core.models.__path__, str(PLUGINS / "models")])
 
 
+@cache
 def model_of(name):
     section = VEHICLES[name]
     if "preset" in section:
@@ -136,7 +137,7 @@ def test_a_vehicle_that_is_asked_to_wait_or_to_outrun_itself_is_refused_in_one_l
             scenario_of(name, tmp_path, environment=current)
 
 
-@settings(max_examples=20)
+@settings(max_examples=20, deadline=None)  # the first call flies the turns of a torpedo
 @given(name=st.sampled_from(sorted(VEHICLES)), share=st.floats(0.0, 1.0), heading_rad=st.floats(-3.0, 3.0))
 def test_a_start_speed_holds_for_a_moment_and_a_turn_has_a_radius(name, share, heading_rad):
     model = model_of(name)
@@ -150,6 +151,7 @@ def test_a_start_speed_holds_for_a_moment_and_a_turn_has_a_radius(name, share, h
 
 
 def test_fins_without_a_state_are_refused_in_one_line(monkeypatch):
+    model_of.cache_clear()
     monkeypatch.setattr(find_plugin("auv_core.models", "dart").Model, "actuators", ())
     with pytest.raises(
         ConfigError,

@@ -56,9 +56,13 @@ def test_a_torpedo_on_its_tail_reaches_half_its_length_down() -> None:
     assert height_m(REMUS, -1.0, on_its_tail) == pytest.approx(0.2)
 
 
-@given(st.tuples(ANGLE, ANGLE, ANGLE, ANGLE).filter(lambda q: math.hypot(*q) > 0.1))
-def test_a_hull_reaches_down_between_its_radius_and_that_of_the_sphere_around_it(q: Any) -> None:
-    unit = tuple(x / math.hypot(*q) for x in q)
+@given(angle_rad=ANGLE, axis_rad=ANGLE, tilt_rad=ANGLE)
+def test_a_hull_reaches_down_between_its_radius_and_that_of_the_sphere_around_it(
+    angle_rad: float, axis_rad: float, tilt_rad: float
+) -> None:
+    c, s = math.cos(0.5 * angle_rad), math.sin(0.5 * angle_rad)
+    across = s * math.cos(tilt_rad)
+    unit = (c, across * math.cos(axis_rad), across * math.sin(axis_rad), s * math.sin(tilt_rad))
     assert height_m(hovering(0.31), -0.5, unit) == 0.5 - 0.31
     assert 2.0 - 0.8 - 1e-9 <= height_m(REMUS, -2.0, unit) <= 2.0 - 0.095 + 1e-9
 
