@@ -47,6 +47,12 @@ class VehicleConfig:
     seed: int = same(RunSettings, "seed")
     navigation: Section = param("errors of the vehicle's own navigation", default=EXACT, plugins=NAVIGATION)
     fault: ThrusterFault = param("fault of a thruster", default=ThrusterFault())
+    propeller_limit_rpm: float | None = param(
+        "largest speed that a fault leaves to the propeller, of which the vehicle's computer does not know "
+        "(rpm); null: no fault",
+        default=None,
+        minimum=0.0,
+    )
     fails_at_s: float | None = same(RunSettings, "fails_at_s")
     command_max_age_s: float = param(
         "age of a command above which the actuators stop (s); at least two control periods",
@@ -115,6 +121,7 @@ class Vehicle:
         self._period_s = config.period_s
         self.navigation = make_navigation(config.navigation, config.seed, config.address, config.period_s)
         self._fault = config.fault
+        self._propeller_limit_rpm = config.propeller_limit_rpm
         self.command = self._model.command
         self.nav: VehicleState = self.navigation.measured(self.state)
 
@@ -163,6 +170,9 @@ class Vehicle:
         given = self._model.limited_command(values)
         if self._fault.has_begun(self._tick * self._period_s):
             given = _without(given, self._fault.thruster)
+        if self._propeller_limit_rpm is not None:
+            rudder_rad, stern_plane_rad, propeller_rpm = given
+            given = (rudder_rad, stern_plane_rad, min(propeller_rpm, self._propeller_limit_rpm))
         self._state = self._model.step(
             self._state, given, self._current.at(self._tick), self._dt_s, self._substeps
         )

@@ -42,6 +42,17 @@ def _line(count, spacing_m=50.0):
     return [(spacing_m * i, 0.0, 10.0) for i in range(count)]
 
 
+def test_nothing_that_begins_to_arrive_in_a_silence_is_delivered():
+    silent = AcousticMedium(_ideal(silence={"from_s": 1.0, "until_s": 2.0}))
+    _, receptions = _chatter(silent, 40, lambda tick: _line(4))
+    at_s = [reception.packet.tick * 0.1 for _, _, reception in receptions]
+    assert at_s
+    assert not [t_s for t_s in at_s if 1.0 <= t_s < 2.0]
+    assert {round(10.0 * t_s) for t_s in at_s} >= {9, 20}
+    lost = {link: counters.lost_outage for link, counters in silent.links.items()}
+    assert set(lost.values()) == {10}
+
+
 def _chatter(medium, ticks, positions_at, *, size=40, talkers=None):
     """
     Let all modems transmit whenever they ask; return the sent and the received packets.

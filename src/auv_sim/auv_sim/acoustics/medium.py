@@ -25,6 +25,7 @@ from auv_sim.acoustics.modem import make_modem
 from auv_sim.acoustics.outage import make_outage
 from auv_sim.acoustics.propagation import make_propagation
 from auv_sim.acoustics.receiver import TOUCH_S, Receiver, Signal, Transmission
+from auv_sim.acoustics.silence import NO_SILENCE, Silence
 from auv_sim.acoustics.sonar import make_sonar, none
 from auv_sim.obstacle_field import ObstacleConfig, ObstacleField
 
@@ -46,6 +47,7 @@ class WaterSections:
     modem: Section = param("duration, range and bit errors of packets", plugins=MODEM)
     mac: Section = param("medium access", plugins=MAC)
     outage: Section = param("further random losses", plugins=OUTAGE)
+    silence: Silence = param("interval in which no packet arrives", default=NO_SILENCE)
     sonar: Section = param("how vehicles detect each other by sonar", default=NO_SONAR, plugins=SONAR)
 
 
@@ -95,7 +97,8 @@ class AcousticMedium:
         self._sees = config.sonar.kind != NO_SONAR.kind
         self.obstacles = ObstacleField(obstacles)
         self._receivers = [
-            Receiver(address, self._modem, propagation, outage, config.seed) for address in self._addresses
+            Receiver(address, self._modem, propagation, outage, config.seed, config.silence)
+            for address in self._addresses
         ]
         self._tick = 0
         self._states: Sequence[VehicleState] = ()

@@ -26,6 +26,7 @@ from auv_core.messages import Outcome, Packet
 from auv_sim.acoustics.modem import AcousticModem, LevelModem
 from auv_sim.acoustics.outage import PacketLoss
 from auv_sim.acoustics.propagation import SoundPropagation
+from auv_sim.acoustics.silence import NO_SILENCE, Silence
 from auv_sim.streams import Purpose, uniform
 
 # Signals that touch, or overlap by rounding only, do not count as overlapping (s).
@@ -82,11 +83,13 @@ class Receiver:
         propagation: SoundPropagation,
         outage: PacketLoss,
         seed: int,
+        silence: Silence = NO_SILENCE,
     ) -> None:
         self._address = address
         self._modem = modem
         self._propagation = propagation
         self._outage = outage
+        self._silence = silence
         self._seed = seed
         self._levels = modem if isinstance(modem, LevelModem) else None
         self._signals: list[Signal] = []
@@ -225,7 +228,8 @@ class Receiver:
         event = (packet.source, self._address, packet.sequence)
         if (cause := self._bit_errors(signal, rivals, event)) is not None:
             return cause
-        return Outcome.OUTAGE if self._outage.lost(*event) else Outcome.DELIVERED
+        is_lost = self._silence.covers(signal.start_s) or self._outage.lost(*event)
+        return Outcome.OUTAGE if is_lost else Outcome.DELIVERED
 
     def _bit_errors(
         self, signal: Signal, rivals: Sequence[Signal], event: tuple[int, int, int]

@@ -45,6 +45,13 @@ class SensingAccess(MediumAccess, Protocol):
         """Return the wait (s, above zero) before it listens again; the first attempt is 1."""
 
 
+@runtime_checkable
+class CyclicAccess(MediumAccess, Protocol):
+    """Medium access in which every modem has its turn once per cycle, which lasts `cycle_s` (s)."""
+
+    cycle_s: float
+
+
 def make_mac(section: Section, fleet_size: int, seed: int) -> MediumAccess:
     """Return the medium access of a section."""
     made = class_of(__name__, section.kind, "Mac")(section.params, fleet_size, seed)

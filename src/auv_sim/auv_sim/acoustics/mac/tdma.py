@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from auv_core.params import param
-from auv_sim.acoustics.mac import MediumAccess
+from auv_sim.acoustics.mac import CyclicAccess
 from auv_sim.acoustics.mac._slots import check_slot
 
 
@@ -17,7 +17,7 @@ class Params:
     slot_s: float = param("length of a slot (s), airtime and guard together", default=0.25, above=0.0)
 
 
-class Mac(MediumAccess):
+class Mac(CyclicAccess):
     """
     Modem a of n owns the slots m with m mod n = a - 1; slot m starts at m slot_s.
 
@@ -28,11 +28,11 @@ class Mac(MediumAccess):
     def __init__(self, params: Params, fleet_size: int, seed: int) -> None:
         del seed
         self._slot_s = params.slot_s
-        self._fleet_size = fleet_size
+        self.cycle_s = params.slot_s * fleet_size
 
     def opportunity_s(self, address: int, tick: int, period_s: float) -> float | None:
         """Return the start (s) of the first own slot that begins in the control period, or None."""
-        cycle_s = self._slot_s * self._fleet_size
+        cycle_s = self.cycle_s
         offset_s = self._slot_s * (address - 1)
         #  A nanosecond of tolerance, so that a slot that begins on a tick belongs to that tick despite
         # rounding.
