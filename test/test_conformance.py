@@ -41,7 +41,7 @@ from auv_flocking.codec import Field, Layout
 from auv_flocking.consensus import ConsensusFilter, ContinuousFilter
 from auv_flocking.coordination import CoordinationLaw, LanePlace, Pace
 from auv_flocking.estimators import Motion, NeighbourEstimator
-from auv_flocking.fleets import FleetTask
+from auv_flocking.fleets import FleetTask, Mission
 from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, Member, View
 from auv_flocking.lanes.status import LaneNeighbour, LaneStatus, Mode
 from auv_flocking.neighbours.estimates import NeighbourEstimate
@@ -207,7 +207,7 @@ def _use_course(module, params, inputs):
 
 def _use_fleet(module, params, inputs):
     controller = autopilot.Controller(autopilot.Params(), PERIOD_S)
-    task = module.Fleet(params, Member(address=2, fleet_size=3), controller, PERIOD_S)
+    task = module.Fleet(params, Member(address=2, fleet_size=3), controller, PERIOD_S, Mission(cycle_s=6.0))
     layout, outputs = Layout(task.shared_fields), []
     level = (math.cos(0.2), 0.0, 0.0, math.sin(0.2))
     for tick in range(100):
@@ -610,7 +610,12 @@ ROLES = {
     "auv_flocking.fleets": Role(
         "Fleet",
         (FleetTask,),
-        (Member(address=2, fleet_size=3), autopilot.Controller(autopilot.Params(), PERIOD_S), PERIOD_S),
+        (
+            Member(address=2, fleet_size=3),
+            autopilot.Controller(autopilot.Params(), PERIOD_S),
+            PERIOD_S,
+            Mission(cycle_s=6.0),
+        ),
         _use_fleet,
     ),
     "auv_flocking.flocking": Role(

@@ -15,6 +15,7 @@ from auv_core.params import extended
 from auv_core.state_checks import LARGEST
 from auv_experiment.scenario.reach import water_speed_mps
 from auv_experiment.scenario.schema import Scenario
+from auv_experiment.scenario.task_checks import channel_cycle_s
 from auv_flocking.agent import Agent
 from auv_flocking.agent_config import AgentConfig
 from auv_flocking.input_limits import InputLimits
@@ -48,6 +49,7 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
     obstacles = [obstacle for obstacle in scenario.environment.obstacles if obstacle.known]
     settings = replace(scenario.agent, inputs=input_limits(scenario), neighbours=neighbour_settings(scenario))
     fleet_ids = tuple(vehicle.id for vehicle in scenario.vehicles)
+    planned = scenario.vehicles if scenario.agent.fleet is not None else ()
     return [
         extended(
             AgentConfig,
@@ -65,6 +67,10 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
             reference=vehicle.reference or scenario.reference,
             thrusters=thrusters_of(vehicle.model),
             fault=vehicle.fault,
+            cycle_s=channel_cycle_s(scenario),
+            starts_ned_m=tuple(x for start in planned for x in start.position_ned_m or ()),
+            start_headings_rad=tuple(start.heading_rad for start in planned),
+            start_speeds_mps=tuple(start.speed_mps for start in planned),
         )
         for index, vehicle in enumerate(scenario.vehicles)
     ]

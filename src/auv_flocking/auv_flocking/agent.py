@@ -93,7 +93,7 @@ class Agent:
         member = Member(config.is_leader, config.address, config.fleet_size)
         if isinstance(controller, CourseController):
             if config.fleet is not None:
-                return make_fleet(config.fleet, member, controller, config.period_s)
+                return make_fleet(config.fleet, member, controller, config.period_s, config.mission)
             if config.course is None:
                 raise RuntimeError("autopilots without a course: AgentConfig should have refused it")
             return CourseTask(make_course(config.course, config.period_s), controller)

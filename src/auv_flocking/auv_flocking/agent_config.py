@@ -10,7 +10,7 @@ from auv_core.params import Section, param, same
 from auv_core.run_settings import RunSettings
 from auv_core.thrusters import ThrusterFault, Thrusters
 from auv_flocking.consensus import make_consensus
-from auv_flocking.fleets import fields_of
+from auv_flocking.fleets import Mission, Start, fields_of
 from auv_flocking.flock_task import Obstacles
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.table import NeighbourConfig
@@ -104,12 +104,26 @@ class AgentConfig(AgentSettings):
     reference: Section | None = param("path to follow, if any", default=None, plugins=REFERENCES)
     thrusters: Thrusters = param("the vehicle's thrusters, if it takes a force for each", default=Thrusters())
     fault: ThrusterFault = param("fault of a thruster", default=ThrusterFault())
+    cycle_s: float | None = param(
+        "time between two own slots of the channel (s); null: the medium access has no cycle", default=None
+    )
+    starts_ned_m: tuple[float, ...] = param(
+        "where the vehicles of a fleet start, three numbers each in the order of addresses (m; NED)",
+        default=(),
+    )
+    start_headings_rad: tuple[float, ...] = param("their headings (rad)", default=())
+    start_speeds_mps: tuple[float, ...] = param("their speeds ahead over ground (m/s)", default=())
 
     def __post_init__(self) -> None:
         check_parts(self, self.reference)
         if len(self.fleet_ids) not in (0, self.fleet_size):
             raise ValueError(
                 f"fleet_ids: {len(self.fleet_ids)} names are not allowed; allowed: {self.fleet_size}, or none"
+            )
+        if not len(self.starts_ned_m) == 3 * len(self.start_headings_rad) == 3 * len(self.start_speeds_mps):
+            raise ValueError(
+                f"starts_ned_m: {len(self.starts_ned_m)} numbers are not allowed; allowed: three for each of "
+                f"the {len(self.start_headings_rad)} headings and {len(self.start_speeds_mps)} speeds"
             )
         if len(self.obstacles_ned_m) != 3 * len(self.obstacle_safety_distances_m):
             raise ValueError(
@@ -126,6 +140,17 @@ class AgentConfig(AgentSettings):
             ((x[3 * i], x[3 * i + 1], x[3 * i + 2]), safety_distance_m)
             for i, safety_distance_m in enumerate(self.obstacle_safety_distances_m)
         )
+
+    @property
+    def mission(self) -> Mission:
+        """What the vehicle of a fleet is told before the mission."""
+        x = self.starts_ned_m
+        poses = zip(self.start_headings_rad, self.start_speeds_mps, strict=True)
+        starts = tuple(
+            Start((x[3 * i], x[3 * i + 1], x[3 * i + 2]), heading_rad, speed_mps)
+            for i, (heading_rad, speed_mps) in enumerate(poses)
+        )
+        return Mission(starts, self.cycle_s)
 
 
 _PARTS = {"velocity": ("flocking", "separation", "consensus"), "course": ("course",)}

@@ -13,13 +13,13 @@ import numpy as np
 from torpedo_flights import preset
 
 from auv_control.controllers import autopilot
-from auv_control.guidance.paths import make_path
 from auv_core.geometry import body_to_ned, heading_from_quaternion
 from auv_core.messages import VehicleState
 from auv_core.models import make_model
+from auv_flocking.fleets import Mission, Start
 from auv_flocking.fleets.lanes import Fleet, Params
 from auv_flocking.flocking import Member
-from auv_flocking.lanes.status import FIELDS, STRAIGHT_ON, LaneNeighbour, LaneStatus, Mode
+from auv_flocking.lanes.status import FIELDS, Mode
 from auv_flocking.neighbours.estimates import NeighbourEstimate
 from auv_flocking.report import Report
 from auv_flocking.reports import lane
@@ -175,18 +175,17 @@ class Channel:
                 self._on_air.append((t_s + AIRTIME_S + way_m / SOUND_MPS, receiver, report))
 
 
-def planned(setting, starts, params):
-    """Return the start of every vehicle, as the mission plan has it."""
-    track, slots = make_path(params.path).track, params.slots(setting.count)
-    plan = []
-    for index, (place, heading_rad) in enumerate(zip(starts.places, starts.headings_rad, strict=True)):
-        layer_m = params.layer_depths(setting.count)[index]
-        gamma_m = track.closest(*place) - slots[index][0]
-        status = LaneStatus(gamma_m, 0.0, 0.0, Mode.TRANSIT, False, STRAIGHT_ON, layer_m)
-        depth_m = SHALLOW_M if setting.start_at_one_depth else layer_m
-        north_mps, east_mps = START_MPS * math.cos(heading_rad), START_MPS * math.sin(heading_rad)
-        plan.append(LaneNeighbour(index + 1, 0.0, status, 0.0, (*place, depth_m), (north_mps, east_mps, 0.0)))
-    return plan
+def mission_of(setting, starts, params):
+    """Return where every vehicle starts, as the mission plan has it."""
+    layers_m = params.layer_depths(setting.count)
+    poses = zip(starts.places, starts.headings_rad, layers_m, strict=True)
+    return Mission(
+        tuple(
+            Start((*place, SHALLOW_M if setting.start_at_one_depth else layer_m), heading_rad, START_MPS)
+            for place, heading_rad, layer_m in poses
+        ),
+        setting.slot_s * setting.count,
+    )
 
 
 def fleet_of(setting, starts):
@@ -196,18 +195,13 @@ def fleet_of(setting, starts):
         shape=setting.shape,
         spacing_m=setting.spacing_m,
         stagger_m=setting.stagger_m,
-        cycle_s=setting.slot_s * setting.count,
     )
     model = make_model(preset("remus100"))
-    plan = planned(setting, starts, params)
+    mission = mission_of(setting, starts, params)
     fleet = []
-    for index, ((north_m, east_m), heading_rad) in enumerate(
-        zip(starts.places, starts.headings_rad, strict=True)
-    ):
-        address = index + 1
-        task = Fleet(params, Member(False, address, setting.count), autopilots(), PERIOD_S, plan)
-        depth_m = SHALLOW_M if setting.start_at_one_depth else task.layer_m
-        state = model.initial_state((north_m, east_m, depth_m), heading_rad, START_MPS)
+    for address, start in enumerate(mission.starts, start=1):
+        task = Fleet(params, Member(False, address, setting.count), autopilots(), PERIOD_S, mission)
+        state = model.initial_state(*start)
         fleet.append(
             Torpedo(model, state, task, address, setting.weak_rpm if address in setting.weak else math.inf)
         )

@@ -39,6 +39,10 @@ TABLE = [
     (Mode.LEAVE, {"silence_s": 5.0}, Mode.INLANE),
     (Mode.LOITER, {"silence_s": 900.0}, Mode.LOITER),
     (Mode.LOITER, {"silence_s": 5.0}, Mode.TRANSIT),
+    (Mode.INLANE, {"has_ended": True}, Mode.LEAVE),
+    (Mode.FORM, {"has_ended": True}, Mode.LEAVE),
+    (Mode.LEAVE, {"has_ended": True, "silence_s": 5.0}, Mode.LOITER),
+    (Mode.LOITER, {"has_ended": True, "silence_s": 5.0}, Mode.LOITER),
 ]
 
 

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from lane_fleet import Setting, autopilots, coordination_error_m, distances_m, fly, formed_s, random_starts
 
+from auv_control.guidance.paths import lawnmower
 from auv_core import compiled
 from auv_core.params import ConfigError, Section, load
 from auv_flocking.coordination import age_matched, tanh
+from auv_flocking.fleets import Mission
 from auv_flocking.fleets.lanes import Fleet, Params
 from auv_flocking.flocking import Member
 from auv_flocking.lanes import modes
@@ -66,9 +68,26 @@ def test_one_vehicle_alone_forms_and_never_leaves():
     assert flown.modes[-1, 0] == Mode.FORM
 
 
+def test_at_the_end_of_an_open_path_the_fleet_loiters_in_its_layers():
+    survey = Section("lawnmower", lawnmower.Params(legs=1, leg_m=250.0))
+    params = Params(path=survey, loiter_north_m=300.0, modes=modes.Params(settle_s=20.0))
+    flown = fly(replace(SHORT, current_mps=0.0, params=params, duration_s=400.0))
+    assert (flown.modes == Mode.FORM).all(axis=1).any()
+    assert (flown.modes[-1] == Mode.LOITER).all(), "packets do not bring it back"
+    assert distances_m(flown).min() > 5.0
+    np.testing.assert_allclose(np.sort(flown.positions[-1, :, 2]), [24.0, 36.0, 42.0], atol=0.5)
+
+
+def test_the_cycle_of_the_channel_must_be_known():
+    with pytest.raises(ValueError, match=r"cycle_s: missing; allowed: a number"):
+        Fleet(Params(), Member(False, 1, 3), autopilots(), 0.2, Mission())
+    with pytest.raises(ValueError, match=r"cycle_s: 7.0 is not allowed; allowed: 6, the cycle"):
+        Fleet(Params(cycle_s=7.0), Member(False, 1, 3), autopilots(), 0.2, Mission(cycle_s=6.0))
+
+
 def test_layers_that_meet_a_slot_are_refused():
     with pytest.raises(ValueError, match=r"depth_m: 5.0 is not allowed"):
-        Fleet(Params(depth_m=5.0), Member(False, 1, 3), autopilots(), 0.2)
+        Fleet(Params(depth_m=5.0), Member(False, 1, 3), autopilots(), 0.2, Mission(cycle_s=6.0))
 
 
 def test_unknown_laws_are_refused_in_one_line():

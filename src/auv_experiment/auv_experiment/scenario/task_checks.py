@@ -7,11 +7,18 @@ from typing import TYPE_CHECKING, Any
 from auv_control.controllers import make_controller
 from auv_control.courses import make_course
 from auv_core.models import make_model
-from auv_flocking.fleets import make_fleet
+from auv_flocking.fleets import Mission, make_fleet
 from auv_flocking.flocking import Member
+from auv_sim.acoustics.mac import CyclicAccess, make_mac
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
+
+
+def channel_cycle_s(scenario: Scenario) -> float | None:
+    """Return the time between two turns of a modem (s), None if the medium access has no cycle."""
+    mac = make_mac(scenario.acoustics.mac, len(scenario.vehicles), scenario.seed)
+    return mac.cycle_s if isinstance(mac, CyclicAccess) else None
 
 
 def check_tasks(scenario: Scenario, water_mps: float) -> None:
@@ -32,6 +39,7 @@ def check_tasks(scenario: Scenario, water_mps: float) -> None:
 
     """
     agent, fleet_size = scenario.agent, len(scenario.vehicles)
+    mission = Mission(cycle_s=channel_cycle_s(scenario))
     for index, vehicle in enumerate(scenario.vehicles):
         if agent.course is not None:
             try:
@@ -42,7 +50,7 @@ def check_tasks(scenario: Scenario, water_mps: float) -> None:
             controller: Any = make_controller(agent.controller, scenario.period_s)
             member = Member(False, index + 1, fleet_size)
             try:
-                task = make_fleet(agent.fleet, member, controller, scenario.period_s)
+                task = make_fleet(agent.fleet, member, controller, scenario.period_s, mission)
                 task.check(make_model(vehicle.model), water_mps)
             except ValueError as error:
                 raise ValueError(f"agent.fleet.params.{error}, for vehicles[{index}]") from None

@@ -10,9 +10,11 @@ from auv_control.guidance.paths import racetrack
 from auv_core.geometry import Vec3
 from auv_core.params import Section, param
 from auv_flocking.coordination import reference_consensus
+from auv_flocking.fleets import Mission
 from auv_flocking.lanes import broadcast, keeping_up, modes, turn_away
 from auv_flocking.lanes.layers import check_layers, layer_depths, staggered
 
+_CYCLE_TOLERANCE_S = 1e-6
 _RACETRACK = Section("racetrack", racetrack.Params())
 _MEASURED = Section("measured", measured_crab.Params())
 _REFERENCE_CONSENSUS = Section("reference_consensus", reference_consensus.Params())
@@ -44,7 +46,9 @@ class Params:
     loiter_north_m: float = param("centre of the circle to loiter on (m; NED north)", default=0.0)
     loiter_east_m: float = param("centre of the circle to loiter on (m; NED east)", default=0.0)
     loiter_radius_m: float = param("radius of that circle (m)", default=50.0, above=0.0)
-    cycle_s: float = param("cycle of the channel (s)", default=10.0, above=0.0)
+    cycle_s: float | None = param(
+        "cycle of the channel (s); null: that of acoustics.mac", default=None, above=0.0
+    )
     remembered_s: float = param("age up to which a neighbour's packet is used (s)", default=400.0, above=0.0)
     modes: modes.Params = param("when the mode changes", default=modes.Params())
     broadcast: broadcast.Params = param("when to send", default=broadcast.Params())
@@ -80,3 +84,26 @@ class Params:
         depths = layer_depths(slots, self.depth_m, self.layer_step_m, only_below=self.layers == "below")
         check_layers(depths, slots, self.depth_m)
         return depths
+
+    def channel_cycle_s(self, mission: Mission) -> float:
+        """
+        Return the cycle of the channel (s).
+
+        Raises
+        ------
+        ValueError
+            If it is given neither here nor by the medium access, or if they differ.
+
+        """
+        told_s = mission.cycle_s
+        if self.cycle_s is None and told_s is None:
+            raise ValueError("cycle_s: missing; allowed: a number, since acoustics.mac has no cycle")
+        if (
+            self.cycle_s is not None
+            and told_s is not None
+            and abs(self.cycle_s - told_s) > _CYCLE_TOLERANCE_S
+        ):
+            raise ValueError(
+                f"cycle_s: {self.cycle_s!r} is not allowed; allowed: {told_s:g}, the cycle of acoustics.mac"
+            )
+        return self.cycle_s or told_s or 0.0

@@ -9,7 +9,6 @@ speed through the water, which is not measured: it follows from the propeller.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from auv_control.controllers import CourseController, VelocityReference
 from auv_control.courses import Guided
@@ -23,13 +22,14 @@ from auv_core.geometry import Vec3, clipped
 from auv_core.integrate import State
 from auv_core.messages import FinCommand, VehicleState
 from auv_flocking.coordination import LanePlace, Pace, make_coordination
-from auv_flocking.fleets import FleetTask
+from auv_flocking.fleets import FleetTask, Mission
 from auv_flocking.fleets._lane_checks import check_member
 from auv_flocking.fleets._lane_settings import Params as Params
 from auv_flocking.flocking import NOTHING_HEARD, Member
 from auv_flocking.lanes.broadcast import Sent, after_slot
 from auv_flocking.lanes.keeping_up import KeepingUp, kept_up
 from auv_flocking.lanes.modes import IN_LANE, ModeInputs, ModeState, are_ready, is_heard, next_mode
+from auv_flocking.lanes.plan import planned
 from auv_flocking.lanes.status import FIELDS, STRAIGHT_ON, LaneNeighbour, LaneStatus, Mode, apart_m, neighbour
 from auv_flocking.lanes.turn_away import Intent, TurnAway
 from auv_flocking.neighbours.estimates import TIME, Estimates, Neighbours
@@ -52,8 +52,8 @@ class Fleet(FleetTask):
         The autopilots.
     period_s : float
         Control period (s).
-    plan : sequence of LaneNeighbour
-        Where the vehicles of the mission start, for turning away before their first packets.
+    mission : Mission
+        Where the vehicles start, for turning away before their first packets, and the channel's cycle.
 
     After a step: `law_state` (heading (rad), turn rate (rad/s), depth (m) and speed (m/s) that it asks for,
     cross-track error (m), mode, gamma and reference r (m), correction (m/s), course of turning away, then the
@@ -75,12 +75,12 @@ class Fleet(FleetTask):
         member: Member,
         controller: CourseController,
         period_s: float,
-        plan: Sequence[LaneNeighbour] = (),
+        mission: Mission,
     ) -> None:
         self._params, self._member, self._period_s = params, member, period_s
-        slots = params.slots(member.fleet_size)
-        self._slot = slots[member.address - 1]
-        self.layer_m = params.layer_depths(member.fleet_size)[member.address - 1]
+        self._cycle_s = params.channel_cycle_s(mission)
+        slots, layers_m = params.slots(member.fleet_size), params.layer_depths(member.fleet_size)
+        self._slot, self.layer_m = slots[member.address - 1], layers_m[member.address - 1]
         self._controller = controller
         self.safe_command = controller.safe_command
         self.law_state: tuple[float, ...] = ()
@@ -96,12 +96,13 @@ class Fleet(FleetTask):
         self._law = make_coordination(params.coordination, self._pace)
         self._coordination: State | None = None
         self._keeping_up = KeepingUp()
-        self._plan = {other.address: other for other in plan if other.address != member.address}
         self._others: dict[int, LaneNeighbour] = {}
         self._sent: Sent | None = None
-        self._turn_away = None
+        self._turn_away, self._plan = None, {}
         if params.turn_away.kind != "none":
             self._turn_away = TurnAway(params.turn_away, track, slots, member.address, params.speed_mps)
+            plan = planned(mission.starts, track, slots, layers_m)
+            self._plan = {other.address: other for other in plan if other.address != member.address}
         self.mode = ModeState(Mode.TRANSIT, 0.0)
         self.gamma_m = 0.0
         self.correction_mps = 0.0
@@ -200,7 +201,7 @@ class Fleet(FleetTask):
         return fresh
 
     def _next_mode(self, t_s: float, nav: VehicleState) -> ModeState:
-        p, others = self._params, self._others.values()
+        p, track, others = self._params, self._path.track, self._others.values()
         newest_s = max((other.time_s for other in others), default=0.0)
         silence_s = t_s - newest_s if self._member.fleet_size > 1 else 0.0
         inputs = ModeInputs(
@@ -209,10 +210,11 @@ class Fleet(FleetTask):
             self.sight.course_error_rad,
             nav.position[2] - self.layer_m,
             silence_s,
-            is_heard(silence_s, p.cycle_s),
+            is_heard(silence_s, self._cycle_s),
             self.mode.mode is Mode.INLANE and self._are_ready(t_s),
+            not track.is_closed and self.gamma_m >= track.length_m,
         )
-        return next_mode(self.mode, inputs, p.modes, p.cycle_s)
+        return next_mode(self.mode, inputs, p.modes, self._cycle_s)
 
     def _are_ready(self, t_s: float) -> bool:
         p = self._params
@@ -223,7 +225,11 @@ class Fleet(FleetTask):
             for other in self._others.values()
         ]
         return are_ready(
-            zip(self._others.values(), ahead_m, strict=True), self._member.fleet_size, t_s, p.modes, p.cycle_s
+            zip(self._others.values(), ahead_m, strict=True),
+            self._member.fleet_size,
+            t_s,
+            p.modes,
+            self._cycle_s,
         )
 
     def _coordinated_mps(

@@ -3,9 +3,9 @@ The modes of a vehicle in a fleet of lanes, as one pure function of named inputs
 
     TRANSIT -> INLANE   in the lane and aligned with it for some seconds
     INLANE -> FORM      every neighbour is ready (see `is_ready`), and the fleet is heard
-    FORM, INLANE -> LEAVE    the fleet has been silent for `lost_s`
+    FORM, INLANE -> LEAVE    the fleet has been silent for `lost_s`, or the path has ended
     LEAVE -> LOITER     settled in the layer
-    LEAVE -> INLANE, LOITER -> TRANSIT    a packet was received
+    LEAVE -> INLANE, LOITER -> TRANSIT    a packet was received, and the path goes on
 """
 
 from __future__ import annotations
@@ -74,6 +74,7 @@ class ModeInputs(NamedTuple):
     silence_s : time since any vehicle of the fleet was heard (s; 0 in a fleet of one).
     is_heard : whether the fleet is heard often enough to go into formation.
     are_ready : whether every neighbour is ready.
+    has_ended : whether the vehicle is beyond the end of an open path.
     """
 
     t_s: float
@@ -83,6 +84,7 @@ class ModeInputs(NamedTuple):
     silence_s: float
     is_heard: bool
     are_ready: bool
+    has_ended: bool = False
 
 
 def next_mode(state: ModeState, inputs: ModeInputs, params: Params, cycle_s: float) -> ModeState:
@@ -101,19 +103,19 @@ def next_mode(state: ModeState, inputs: ModeInputs, params: Params, cycle_s: flo
 def _mode(
     state: ModeState, inputs: ModeInputs, aligned_since_s: float, params: Params, silence_max_s: float
 ) -> Mode:
-    is_silent = inputs.silence_s > silence_max_s
+    leaves = inputs.silence_s > silence_max_s or inputs.has_ended
     if state.mode is Mode.TRANSIT:
         return Mode.INLANE if inputs.t_s - aligned_since_s >= params.aligned_s else Mode.TRANSIT
     if state.mode is Mode.LEAVE:
         is_settled = (
             inputs.t_s - state.since_s >= params.settle_s and abs(inputs.layer_error_m) < params.settled_m
         )
-        if not is_silent:
+        if not leaves:
             return Mode.INLANE
         return Mode.LOITER if is_settled else Mode.LEAVE
     if state.mode is Mode.LOITER:
-        return Mode.LOITER if is_silent else Mode.TRANSIT
-    if is_silent:
+        return Mode.LOITER if leaves else Mode.TRANSIT
+    if leaves:
         return Mode.LEAVE
     if state.mode is Mode.INLANE and inputs.is_heard and inputs.are_ready:
         return Mode.FORM
