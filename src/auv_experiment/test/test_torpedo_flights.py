@@ -103,7 +103,22 @@ def test_a_survey_in_a_current(current_ned_mps):
         (
             "torpedo_path",
             ["environment.current_ned_mps=[0, 0.9, 0]"],
-            r"agent\.course\.params\.lane: 1\.5 m/s .*; allowed: none in a current of 0\.9 m/s",
+            r"agent\.course\.params\.lane: 1\.5 m/s .*; allowed: none in a current of 0\.9 m/s, since .* below 0\.877",
+        ),
+        (
+            "torpedo_path",
+            ["environment.current_ned_mps=[0, 0.8, 0]"],
+            r"agent\.course\.params\.lane: 1\.5 m/s .* is not allowed; allowed: 1\.6 to 1\.75 m/s",
+        ),
+        (
+            "torpedo_lawnmower",
+            ["agent.course.params.loiter_radius_m=20"],
+            r"agent\.course\.params\.loiter_radius_m: 20\.0 is not allowed; allowed: at least 3.* m",
+        ),
+        (
+            "hover_thrusters",
+            ["vehicles.0.propeller_limit_rpm=800"],
+            r"vehicles\[0\]\.propeller_limit_rpm: 800\.0 is not allowed; allowed: null, since",
         ),
         (
             "torpedo_steps",
@@ -130,6 +145,24 @@ def test_a_survey_in_a_current(current_ned_mps):
 def test_what_a_torpedo_cannot_do_is_refused_in_one_line(name, overrides, words):
     with pytest.raises(ConfigError, match=words):
         load_scenario(name, overrides=overrides)
+
+
+def test_after_the_end_of_an_open_path_it_circles_beside_it():
+    path = "agent.course.params.path.params={legs: 1, leg_m: 30.0}"
+    scenario = load_scenario("torpedo_lawnmower", duration_s=120.0, overrides=[path])
+    recording = run_in_process(scenario)
+    away_m = np.hypot(*(recording.position_ned_m[-100:, 0, :2] - (30.0, 50.0)).T)
+    assert away_m == pytest.approx(np.full(100, 50.0), abs=0.6)
+    assert np.diff(recording.position_ned_m[-100:, 0, 0]).max() < 0.0, "clockwise, past the half"
+
+
+def test_a_propeller_with_a_fault_turns_no_faster_than_that_leaves():
+    scenario = load_scenario(
+        "torpedo_steps", duration_s=20.0, overrides=["vehicles.0.propeller_limit_rpm=700"]
+    )
+    recording = run_in_process(scenario)
+    assert recording.actuator_command[..., 2].max() > 895.0, "its computer does not know"
+    assert recording.actuator_output[-1, 0, 2] == pytest.approx(700.0, abs=0.1)
 
 
 def test_without_its_computer_it_rises():

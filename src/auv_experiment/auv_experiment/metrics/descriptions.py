@@ -49,9 +49,15 @@ OF_LAWS = {
     "coordination_error_p95_m": Meaning(
         "m", "largest difference of two path parameters, 95th percentile from the time of formation on"
     ),
+    "coordination_error_after_700s_p95_m": Meaning(
+        "m", "largest difference of two path parameters, 95th percentile after 700 s"
+    ),
     "packets_per_minute": Meaning(
         "1/min", "packets of the whole fleet per minute, from the time of formation on", 2
     ),
+    "packets_per_minute_after_700s": Meaning("1/min", "packets of the whole fleet per minute after 700 s", 2),
+    "pair_distance_working_min_m": Meaning("m", "smallest distance of two vehicles that work"),
+    "wreck_distance_min_m": Meaning("m", "smallest distance of a vehicle that works from one that does not"),
     "turn_away_ratio": Meaning("", "share of the way to the lanes on which vehicles turn away from others"),
     # paths
     "position_rms_m": Meaning("m", "distance to the path, rms over the run; the worst vehicle", 4),

@@ -7,6 +7,7 @@ from auv_experiment.recording import BoolArray, FloatArray
 SETTLED_AFTER_S = 100.0
 GATHERED_AFTER_S = 150.0
 LATE_AFTER_S = 200.0
+COORDINATED_AFTER_S = 700.0
 TIME_TOLERANCE_S = 1e-9
 
 AGES_S = (0, 2, 5, 10, 20)

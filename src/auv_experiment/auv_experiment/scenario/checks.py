@@ -15,6 +15,7 @@ from auv_experiment.scenario.file import ID, ID_WORDS, MOST_VEHICLES
 from auv_experiment.scenario.reach import check_reach
 from auv_flocking.agent_config import check_parts, report_format
 from auv_flocking.consensus import ContinuousFilter, consensus_params, make_consensus
+from auv_flocking.fleets import has_layers
 from auv_flocking.flocking import LayeredParams, Member, flocking_params, make_flocking
 from auv_flocking.separation import LearningLaw, make_separation
 from auv_sim.acoustics.medium import AcousticMedium
@@ -178,9 +179,20 @@ def _check_faults(scenario: Scenario) -> None:
                 f"vehicles[{index}].fault.thruster: {vehicle.fault.thruster} is not allowed; "
                 f"allowed: {allowed}"
             )
+        if vehicle.propeller_limit_rpm is not None and make_model(vehicle.model).command != "fins":
+            raise ValueError(
+                f"vehicles[{index}].propeller_limit_rpm: {vehicle.propeller_limit_rpm!r} is not allowed; "
+                "allowed: null, since the vehicle takes no speed of a propeller"
+            )
 
 
 def _check_starts(scenario: Scenario) -> None:
+    starts = scenario.random_starts
+    if starts is not None and starts.depths == "layers" and not has_layers(scenario.agent.fleet):
+        raise ValueError(
+            "random_starts.depths: 'layers' is not allowed; allowed: ball, centre, since agent.fleet has no "
+            "layers of depth"
+        )
     placed = [(i, v.position_ned_m) for i, v in enumerate(scenario.vehicles) if v.position_ned_m is not None]
     if len(placed) < len(scenario.vehicles) and scenario.random_starts is None:
         index = next(i for i, v in enumerate(scenario.vehicles) if v.position_ned_m is None)

@@ -1,4 +1,4 @@
-"""Random starts drawn with the seed: in a ball, apart from each other and below the surface."""
+"""Random starts drawn with the seed: in a ball or a disc, apart from each other and below the surface."""
 
 from __future__ import annotations
 
@@ -11,12 +11,18 @@ import numpy as np
 
 from auv_core.geometry import Vec3, distance
 from auv_core.params import ConfigError
+from auv_flocking.fleets import layers_of
 
 if TYPE_CHECKING:
-    from auv_experiment.scenario.schema import RandomStarts, Scenario
+    from auv_experiment.scenario.schema import RandomStarts, Scenario, VehicleEntry
+
+DEPTHS = ("ball", "centre", "layers")
+"""Where starts are: in a ball, or in a disc at the depth of its centre or of each vehicle's layer."""
 
 _STARTS_STREAM = 2
 _START_TRIES = 20_000
+_DISC_TRIES = 2_000
+_DISC_ROUNDS = 10
 
 
 def with_starts(scenario: Scenario) -> Scenario:
@@ -25,18 +31,38 @@ def with_starts(scenario: Scenario) -> Scenario:
     if starts is None or all(vehicle.position_ned_m is not None for vehicle in scenario.vehicles):
         return scenario
     rng = np.random.default_rng(np.random.SeedSequence((scenario.seed, _STARTS_STREAM)))
-    taken = [vehicle.position_ned_m for vehicle in scenario.vehicles if vehicle.position_ned_m is not None]
+    if starts.depths == "ball":
+        vehicles = _in_a_ball(rng, starts, scenario.vehicles)
+    else:
+        vehicles = _in_a_disc(rng, starts, scenario)
+    if starts.any_heading:
+        vehicles = [
+            vehicle if given.position_ned_m else replace(vehicle, heading_rad=_drawn_heading_rad(rng))
+            for vehicle, given in zip(vehicles, scenario.vehicles, strict=True)
+        ]
+    try:
+        return replace(scenario, vehicles=tuple(vehicles))
+    except ValueError as error:
+        raise ConfigError(f"scenario.{error}") from None
+
+
+def _drawn_heading_rad(rng: np.random.Generator) -> float:
+    return float(rng.uniform(-math.pi, math.pi))
+
+
+def _in_a_ball(
+    rng: np.random.Generator, starts: RandomStarts, given: Sequence[VehicleEntry]
+) -> list[VehicleEntry]:
+    """Return the vehicles, those without a start in the ball and apart from all."""
+    taken = [vehicle.position_ned_m for vehicle in given if vehicle.position_ned_m is not None]
     vehicles = []
-    for vehicle in scenario.vehicles:
+    for vehicle in given:
         if vehicle.position_ned_m is None:
             position = _draw_start(rng, starts, taken)
             taken.append(position)
             vehicle = replace(vehicle, position_ned_m=position)
         vehicles.append(vehicle)
-    try:
-        return replace(scenario, vehicles=tuple(vehicles))
-    except ValueError as error:
-        raise ConfigError(f"scenario.{error}") from None
+    return vehicles
 
 
 def _draw_start(rng: np.random.Generator, starts: RandomStarts, taken: Sequence[Vec3]) -> Vec3:
@@ -46,8 +72,54 @@ def _draw_start(rng: np.random.Generator, starts: RandomStarts, taken: Sequence[
         inside = math.hypot(*offset) <= starts.radius_m and z >= starts.depth_min_m
         if inside and all(distance((x, y, z), other) >= starts.separation_m for other in taken):
             return (x, y, z)
-    raise ConfigError(
-        f"scenario.random_starts: no room for {len(taken) + 1} vehicles; "
-        f"allowed: a larger radius_m ({starts.radius_m:g}), "
-        f"a smaller separation_m ({starts.separation_m:g}) or a smaller depth_min_m ({starts.depth_min_m:g})"
+    raise _no_room(starts, len(taken) + 1)
+
+
+def _in_a_disc(rng: np.random.Generator, starts: RandomStarts, scenario: Scenario) -> list[VehicleEntry]:
+    """Return the vehicles, those without a start in the disc and apart from all on the map."""
+    given = scenario.vehicles
+    depths_m = [starts.centre_ned_m[2]] * len(given)
+    if starts.depths == "layers":
+        depths_m = list(layers_of(scenario.agent.fleet, len(given)))
+    held = [vehicle.position_ned_m[:2] for vehicle in given if vehicle.position_ned_m is not None]
+    count = len(given) - len(held)
+    for _ in range(_DISC_ROUNDS):  # a bad first place may leave no room for the last one
+        drawn = _disc_places(rng, starts, held, count)
+        if len(drawn) == count:
+            places = iter(drawn)
+            return [
+                vehicle
+                if vehicle.position_ned_m is not None
+                else replace(vehicle, position_ned_m=(*next(places), depth_m))
+                for vehicle, depth_m in zip(given, depths_m, strict=True)
+            ]
+    raise _no_room(starts, len(given))
+
+
+def _disc_places(
+    rng: np.random.Generator, starts: RandomStarts, held: Sequence[tuple[float, float]], count: int
+) -> list[tuple[float, float]]:
+    """Return places on the map (m; NED), fewer than `count` if there is no room in some tries."""
+    north_m, east_m, _ = starts.centre_ned_m
+    places: list[tuple[float, float]] = []
+    for _ in range(_DISC_TRIES):
+        if len(places) == count:
+            break
+        x, y = rng.uniform(-starts.radius_m, starts.radius_m, 2).tolist()
+        place = (north_m + x, east_m + y)
+        taken = (*held, *places)
+        if math.hypot(x, y) <= starts.radius_m and all(
+            math.dist(place, other) >= starts.separation_m for other in taken
+        ):
+            places.append(place)
+    return places
+
+
+def _no_room(starts: RandomStarts, count: int) -> ConfigError:
+    depth = f" or a smaller depth_min_m ({starts.depth_min_m:g})" if starts.depths == "ball" else ""
+    joint = "," if depth else " or"
+    return ConfigError(
+        f"scenario.random_starts: no room for {count} vehicles; "
+        f"allowed: a larger radius_m ({starts.radius_m:g}){joint} "
+        f"a smaller separation_m ({starts.separation_m:g}){depth}"
     )

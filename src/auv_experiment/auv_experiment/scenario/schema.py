@@ -23,6 +23,7 @@ from auv_core.run_settings import RunSettings
 from auv_core.thrusters import ThrusterFault
 from auv_experiment.scenario.checks import check_scenario
 from auv_experiment.scenario.file import ID, ID_WORDS
+from auv_experiment.scenario.random_starts import DEPTHS
 from auv_flocking.agent_config import REFERENCES, AgentSettings
 from auv_sim.acoustics.medium import MediumConfig, WaterSections
 from auv_sim.obstacle_field import MAX_M, ObstacleConfig
@@ -72,6 +73,7 @@ class VehicleEntry:
     speed_mps: float = same(VehicleConfig, "speed_mps")
     fails_at_s: float | None = same(RunSettings, "fails_at_s")
     fault: ThrusterFault = same(VehicleConfig, "fault")
+    propeller_limit_rpm: float | None = same(VehicleConfig, "propeller_limit_rpm")
     reference: Section | None = param(
         "path of this vehicle; if missing, the path of the scenario", default=None, plugins=REFERENCES
     )
@@ -92,12 +94,19 @@ class Reading:
 
 @dataclass(frozen=True, kw_only=True)
 class RandomStarts:
-    """Random starts drawn with the seed: uniform in a ball, apart from each other and below the surface."""
+    """Random starts drawn with the seed: uniform in a ball or a disc, apart, and below the surface."""
 
-    centre_ned_m: Vec3 = param("centre of the ball (m; NED)", minimum=-MAX_M, maximum=MAX_M)
-    radius_m: float = param("radius of the ball (m)", above=0.0, maximum=MAX_M)
-    separation_m: float = param("smallest distance between two starts (m)", above=0.0)
+    centre_ned_m: Vec3 = param("centre of the ball or disc (m; NED)", minimum=-MAX_M, maximum=MAX_M)
+    radius_m: float = param("radius of the ball or disc (m)", above=0.0, maximum=MAX_M)
+    separation_m: float = param("smallest distance between two starts (m), in a disc on the map", above=0.0)
     depth_min_m: float = param("smallest depth (m)", default=1.0, minimum=0.0)
+    depths: str = param(
+        "ball: drawn in a ball; centre: a disc at the depth of the centre; layers: a disc, each vehicle at "
+        "the depth of its layer in agent.fleet",
+        default="ball",
+        choices=DEPTHS,
+    )
+    any_heading: bool = param("whether headings are drawn, uniform over the circle", default=False)
 
 
 @dataclass(frozen=True, kw_only=True)

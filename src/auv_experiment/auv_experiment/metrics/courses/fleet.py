@@ -1,7 +1,8 @@
 """
 Metrics of a run whose vehicles are a fleet of lanes: coordination, distance beside the lane, packets.
 
-They count from the time of formation on, when all vehicles that are not lost are in formation.
+They count from the time of formation on, when all working vehicles are in formation: those that are not lost,
+and whose computers have not failed. A vehicle counts until then.
 """
 
 from __future__ import annotations
@@ -11,7 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from auv_control.guidance.paths import make_path
-from auv_experiment.metrics.finite import largest, rms
+from auv_experiment.metrics.distances import pair_distances_m
+from auv_experiment.metrics.finite import finite, largest, rms, smallest
+from auv_experiment.metrics.windows import COORDINATED_AFTER_S, after
 from auv_experiment.recording import BoolArray, FloatArray, Recording
 from auv_flocking.course_task import CROSS_TRACK
 from auv_flocking.fleets.lanes import GAMMA, MODE, TURN_AWAY_COURSE
@@ -33,42 +36,71 @@ def fleet_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     """
     assert scenario.agent.fleet is not None
     track = make_path(scenario.agent.fleet.params.path).track
-    is_live = np.isnan(recording.lost_at_s)
-    states = recording.law_state[:, is_live]
-    t_s, modes = recording.t_s[:-1], states[..., MODE]
-    is_formed = (modes == Mode.FORM).all(axis=1)
+    works = is_working(recording, scenario)
+    t_s, works_at_tick, states = recording.t_s[:-1], works[:-1], recording.law_state
+    modes = states[..., MODE]
+    is_formed = ((modes == Mode.FORM) | ~works_at_tick).all(axis=1) & works_at_tick.any(axis=1)
     formed_at_s = float(t_s[is_formed.argmax()]) if is_formed.any() else None
-    late: BoolArray = t_s >= (np.inf if formed_at_s is None else formed_at_s)
-    beside_m = states[late][..., CROSS_TRACK]
-    errors_m = coordination_error_m(states[late][..., GAMMA], track.length_m if track.is_closed else 0.0)
-    turns = (states[..., TURN_AWAY_COURSE] != STRAIGHT_ON)[modes == Mode.TRANSIT]
+    is_late: BoolArray = t_s >= (np.inf if formed_at_s is None else formed_at_s)
+    beside_m = np.where(works_at_tick, states[..., CROSS_TRACK], np.nan)[is_late]
+    round_m = track.length_m if track.is_closed else 0.0
+    errors_m = coordination_error_m(np.where(works_at_tick, states[..., GAMMA], np.nan), round_m)
+    turns = (states[..., TURN_AWAY_COURSE] != STRAIGHT_ON)[(modes == Mode.TRANSIT) & works_at_tick]
     return {
         "fleet_formed_at_s": formed_at_s,
-        "coordination_error_p95_m": float(np.quantile(errors_m, 0.95)) if errors_m.size else None,
+        "coordination_error_p95_m": _p95(errors_m[is_late]),
+        "coordination_error_after_700s_p95_m": _p95(errors_m[after(t_s, COORDINATED_AFTER_S)]),
         "cross_track_rms_m": largest(np.array([rms(row) or np.nan for row in beside_m.T])),
         "cross_track_max_m": largest(np.abs(beside_m)),
         "packets_per_minute": _packets_per_minute(recording, scenario.period_s, formed_at_s),
+        "packets_per_minute_after_700s": _packets_per_minute(
+            recording, scenario.period_s, COORDINATED_AFTER_S
+        ),
         "turn_away_ratio": float(turns.mean()) if turns.size else None,
+        **_distances(recording, works),
     }
+
+
+def is_working(recording: Recording, scenario: Scenario) -> BoolArray:
+    """Return (K + 1, N) flags: the vehicle is not lost, and its computer has not failed."""
+    fails_at_s = [np.inf if v.fails_at_s is None else v.fails_at_s for v in scenario.vehicles]
+    works: BoolArray = ~recording.is_gone & (recording.t_s[:, np.newaxis] < np.array(fails_at_s))
+    return works
+
+
+def _distances(recording: Recording, works: BoolArray) -> dict[str, float | None]:
+    """Return the smallest distances of two working vehicles, and of a working one from one that is not."""
+    first, second = np.triu_indices(recording.n_vehicles, 1)
+    pairs_m = pair_distances_m(recording)
+    both, only_one = works[:, first] & works[:, second], works[:, first] ^ works[:, second]
+    return {
+        "pair_distance_working_min_m": smallest(pairs_m[both]),
+        "wreck_distance_min_m": smallest(pairs_m[only_one]),
+    }
+
+
+def _p95(values: FloatArray) -> float | None:
+    known = finite(values)
+    return float(np.quantile(known, 0.95)) if known.size else None
 
 
 def coordination_error_m(gammas_m: FloatArray, round_m: float) -> FloatArray:
     """
     Return the largest difference of two path parameters at each tick (m), from their (K, N) values.
 
-    A round of a closed path has `round_m` (m; 0: it is open).
+    A round of a closed path has `round_m` (m; 0: it is open). NaN counts for nothing.
     """
     apart_m = gammas_m[:, :, np.newaxis] - gammas_m[:, np.newaxis, :]
     if round_m > 0.0:
         apart_m -= round_m * np.round(apart_m / round_m)
-    error_m: FloatArray = np.abs(apart_m).max(axis=(1, 2))
+    error_m: FloatArray = np.nanmax(np.abs(apart_m), axis=(1, 2), initial=0.0)
     return error_m
 
 
-def _packets_per_minute(recording: Recording, period_s: float, formed_at_s: float | None) -> float | None:
-    """Return the packets of the whole fleet per minute from the time of formation on."""
+def _packets_per_minute(recording: Recording, period_s: float, from_s: float | None) -> float | None:
+    """Return the packets of the whole fleet per minute from a time on (s)."""
     end_s = float(recording.t_s[-1])
-    if formed_at_s is None or end_s <= formed_at_s:
+    if from_s is None or end_s <= from_s:
         return None
-    count = int((recording.sent[:, 0] * period_s >= formed_at_s).sum())
-    return 60.0 * count / (end_s - formed_at_s)
+    count = int((recording.sent[:, 0] * period_s >= from_s).sum())
+    return 60.0 * count / (end_s - from_s)
