@@ -65,6 +65,7 @@ examples:
   ./scripts/reproduce --only ch2,ch4 --out /tmp/two_chapters
   ./scripts/reproduce --only acoustics --seeds 100   the studies with all their seeds
   ./scripts/reproduce --only envelope --seeds 100    the safety envelope; hours, Ctrl-C and go on
+  ./scripts/reproduce --only torpedoes --seeds 50    torpedoes in lanes; an hour or more
   ./scripts/reproduce --docs             write equations.md and figures.md of docs/reference again
 """
 

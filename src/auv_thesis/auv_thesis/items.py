@@ -9,9 +9,9 @@ A chapter is a folder of this package, or a file of a folder that several share.
     CLAIMS   tuple of `Claim`: a sentence of the thesis and the function that judges it
 
 To add a figure, a table or a claim, append it to the tuple of its file. To add a chapter, write a file into
-`laws`. The folders `ch2`, `ch3`, `formation` and `acoustics` are a chapter each. In `ch4_6` and `laws` each
-file is a chapter of its name; a long chapter is split, such as `ch5` into `ch5.py` and `ch5_claims.py`. An
-item that a file imports from another file of its chapter counts once.
+`laws`. The folders `ch2`, `ch3`, `formation`, `acoustics` and `torpedoes` are a chapter each. In `ch4_6` and
+`laws` each file is a chapter of its name; a long chapter is split, such as `ch5` into `ch5.py` and
+`ch5_claims.py`. An item that a file imports from another file of its chapter counts once.
 
 1. A `RunSpec` names a run: a scenario and its changes. Equal ones are flown once.
 2. The functions get the finished runs in the order of `runs`. They fly nothing and keep nothing.
@@ -65,6 +65,7 @@ READING_ORDER = (
     "conclusions",
     "acoustics",
     "envelope",
+    "torpedoes",
 )
 _TITLES = {
     "ch2": "Chapter 2: path following of one vehicle",
@@ -79,8 +80,9 @@ _TITLES = {
     "conclusions": "Abstract and conclusions of the thesis",
     "acoustics": "Acoustic communication",
     "envelope": "Safety envelope of the flock on a modem",
+    "torpedoes": "Torpedoes in lanes over acoustic links",
 }
-_FOLDERS = ("acoustics", "ch2", "ch3", "ch4_6", "formation", "laws")
+_FOLDERS = ("acoustics", "ch2", "ch3", "ch4_6", "formation", "laws", "torpedoes")
 _SHARED_FOLDERS = ("ch4_6", "laws")
 _SEVERAL_FILES = re.compile(r"(ch\d+)(?:_\w+)?\Z")
 
