@@ -697,6 +697,7 @@ def test_the_class_of_the_role_and_everything_public_are_documented(folder, kind
 DEFAULTS = {
     "auv_control.controllers": {"constrained"},
     "auv_core.models": {"actuators", "adrift", "longest_step_s", "resting_command", "turn_radius_m"},
+    "auv_flocking.fleets": {"reach"},
     "auv_control.guidance.paths": {"engage", "follow", "point"},
 }
 """Members, by folder, that a protocol itself defines for the plugins that need no other."""

@@ -38,6 +38,11 @@ COURSE = "agent.course.params."
         ),
         (
             "torpedo_fleet",
+            f"{FLEET}path={{kind: racetrack, params: {{straight_m: 90000}}}}",
+            "agent.fleet.params: reaches north",
+        ),
+        (
+            "torpedo_fleet",
             f"{FLEET}spacing_m=1",
             f"{FLEET}spacing_m: slots 1 m apart are not allowed; allowed: ",
         ),

@@ -55,6 +55,7 @@ def _draw_pair_distances(run: FlockRun) -> Drawing | None:
     if rest.get_ylim()[0] < contact_m:
         rest.axhline(contact_m, color="0.4", linewidth=1.2)
     _plot_spacing((first, rest), run.scenario)
+    _plot_warning((first, rest), run.scenario)
     handles, labels = first.get_legend_handles_labels()
     handles.append(band_handle())
     legend_below(canvas, handles, [*labels, f"hulls touch (under {contact_m:g} m)"])
@@ -148,6 +149,17 @@ def _plot_spacing(panels: tuple[Any, Any], scenario: Scenario) -> None:
             axes.axhline(
                 spacing_m, color="0.45", linewidth=0.9, linestyle=(0, (1, 1)), label=f"d = {spacing_m:g} m"
             )
+
+
+def _plot_warning(panels: tuple[Any, Any], scenario: Scenario) -> None:
+    """Draw the distance below which the report warns, if a vehicle states one."""
+    near_m = max(handling.near_m for handling in scenario.handlings)
+    if near_m > 0.0:
+        panels[0].axhline(
+            near_m, color="0.4", linewidth=0.9, linestyle="dashdot", label=f"near: {near_m:g} m"
+        )
+        if panels[1].get_ylim()[0] < near_m:
+            panels[1].axhline(near_m, color="0.4", linewidth=0.9, linestyle="dashdot")
 
 
 def _plot_pairs(axes: Any, run: FlockRun, t_s: FloatArray, distances_m: FloatArray) -> None:

@@ -18,7 +18,7 @@ from auv_control.courses import make_course
 from auv_control.references import ReferencePath
 from auv_core.geometry import Box, Vec3, distance
 from auv_core.models import make_model
-from auv_experiment.scenario.task_checks import check_tasks
+from auv_experiment.scenario.task_checks import check_tasks, fleet_task
 from auv_flocking.agent_config import report_format
 from auv_flocking.flocking import flocking_params
 from auv_flocking.reports import Bounds, ReportFormat
@@ -266,11 +266,13 @@ def _places(scenario: Scenario) -> list[tuple[str, Box]]:
 
 
 def _reach(scenario: Scenario, index: int) -> Box | None:
-    """Return a box around the path of a vehicle, or around its region (m; NED)."""
+    """Return a box around the path of a vehicle, its lane or its region (m; NED)."""
     if scenario.follows == "region":
         return region_of(scenario.agent.controller, scenario.period_s)
     if scenario.agent.course is not None:
         return make_course(scenario.agent.course, scenario.period_s).reach(scenario.duration_s)
+    if scenario.agent.fleet is not None:
+        return fleet_task(scenario, index).reach()
     path = scenario.reference_of(index)
     return None if path is None else path.reach(scenario.duration_s)
 
@@ -279,7 +281,7 @@ def _path_key(scenario: Scenario, index: int) -> str:
     if scenario.follows == "region":
         return "agent.controller.params"
     if scenario.follows == "course":
-        return "agent.course.params"
+        return "agent.course.params" if scenario.agent.fleet is None else "agent.fleet.params"
     return "reference" if scenario.vehicles[index].reference is None else f"vehicles[{index}].reference"
 
 

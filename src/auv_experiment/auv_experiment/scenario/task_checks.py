@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from auv_control.controllers import make_controller
 from auv_control.courses import make_course
 from auv_core.models import make_model
-from auv_flocking.fleets import Mission, make_fleet
+from auv_flocking.fleets import FleetTask, Mission, make_fleet
 from auv_flocking.flocking import Member
 from auv_sim.acoustics.mac import CyclicAccess, make_mac
 
@@ -38,8 +38,7 @@ def check_tasks(scenario: Scenario, water_mps: float) -> None:
         At the first vehicle that cannot; the message begins with the field.
 
     """
-    agent, fleet_size = scenario.agent, len(scenario.vehicles)
-    mission = Mission(cycle_s=channel_cycle_s(scenario))
+    agent = scenario.agent
     for index, vehicle in enumerate(scenario.vehicles):
         if agent.course is not None:
             try:
@@ -47,10 +46,17 @@ def check_tasks(scenario: Scenario, water_mps: float) -> None:
             except ValueError as error:
                 raise ValueError(f"agent.course.params.{error}, for vehicles[{index}]") from None
         if agent.fleet is not None:
-            controller: Any = make_controller(agent.controller, scenario.period_s)
-            member = Member(False, index + 1, fleet_size)
             try:
-                task = make_fleet(agent.fleet, member, controller, scenario.period_s, mission)
-                task.check(make_model(vehicle.model), water_mps)
+                fleet_task(scenario, index).check(make_model(vehicle.model), water_mps)
             except ValueError as error:
                 raise ValueError(f"agent.fleet.params.{error}, for vehicles[{index}]") from None
+
+
+def fleet_task(scenario: Scenario, index: int) -> FleetTask:
+    """Return the task of a vehicle in the fleet of a scenario that has one."""
+    agent = scenario.agent
+    assert agent.fleet is not None
+    controller: Any = make_controller(agent.controller, scenario.period_s)
+    member = Member(False, index + 1, len(scenario.vehicles))
+    mission = Mission(cycle_s=channel_cycle_s(scenario))
+    return make_fleet(agent.fleet, member, controller, scenario.period_s, mission)

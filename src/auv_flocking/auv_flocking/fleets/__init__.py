@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 from auv_control.controllers import CourseController, VelocityReference
 from auv_control.guidance.feasibility import Turning
 from auv_core.contracts import class_of, fulfilled
-from auv_core.geometry import Vec3
+from auv_core.geometry import Box, Vec3
 from auv_core.messages import FinCommand, VehicleState
 from auv_core.params import Section
 from auv_flocking.codec import Field
@@ -64,6 +64,10 @@ class FleetTask(Protocol):
 
     def check(self, vehicle: Turning, current_mps: float) -> None:
         """Raise ValueError unless the vehicle can do its part in a current of any direction (m/s)."""
+
+    def reach(self) -> Box | None:
+        """Return a box around where the vehicle can be once it is on its way (m; NED), None if unknown."""
+        return None
 
     def shared(self) -> tuple[float, ...]:
         """Return the numbers that this task adds to a packet after a step."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 from itertools import combinations
 
 from auv_control.guidance.feasibility import TURN_RESERVE, Turning, check_through_water
-from auv_core.geometry import distance
+from auv_control.guidance.track import Track
+from auv_core.geometry import Box, distance
 from auv_flocking.fleets._lane_settings import Params
 
 
@@ -39,6 +40,16 @@ def check_member(vehicle: Turning, params: Params, fleet_size: int, current_mps:
             f"loiter_radius_m: {params.loiter_radius_m!r} is not allowed; allowed: at least {needed_m:.3g} m "
             f"at {water_mps:g} m/s through the water with a current of {current_mps:g} m/s astern"
         )
+
+
+def lane_reach(track: Track, lane_m: float, loiter: Track, depths_m: tuple[float, float]) -> Box:
+    """Return a box around a lane of a track and a circle to loiter on, between two depths (m; NED)."""
+    shallow_m, deep_m = min(depths_m), max(depths_m)
+    lane = track.box(0.0, track.length_m, shallow_m).grown(abs(lane_m), 0.0)
+    circle = loiter.box(0.0, loiter.length_m, deep_m)
+    north_m, east_m, _ = map(min, lane.lowest, circle.lowest)
+    far_north_m, far_east_m, _ = map(max, lane.highest, circle.highest)
+    return Box((north_m, east_m, shallow_m), (far_north_m, far_east_m, deep_m))
 
 
 def _check_room(vehicle: Turning, params: Params, fleet_size: int) -> None:

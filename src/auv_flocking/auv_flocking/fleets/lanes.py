@@ -18,12 +18,12 @@ from auv_control.guidance.feasibility import Turning, check_lane
 from auv_control.guidance.line_of_sight import Sight, over_ground
 from auv_control.guidance.path_guide import PathGuide
 from auv_control.guidance.paths import circle, make_path
-from auv_core.geometry import Vec3, clipped
+from auv_core.geometry import Box, Vec3, clipped
 from auv_core.integrate import State
 from auv_core.messages import FinCommand, VehicleState
 from auv_flocking.coordination import LanePlace, Pace, make_coordination
 from auv_flocking.fleets import FleetTask, Mission
-from auv_flocking.fleets._lane_checks import check_member
+from auv_flocking.fleets._lane_checks import check_member, lane_reach
 from auv_flocking.fleets._lane_settings import Params as Params
 from auv_flocking.flocking import NOTHING_HEARD, Member
 from auv_flocking.lanes.broadcast import Sent, after_slot
@@ -167,6 +167,11 @@ class Fleet(FleetTask):
         """Raise ValueError unless the vehicle can fly its lane in a current of any direction (m/s)."""
         check_member(vehicle, self._params, self._member.fleet_size, current_mps)
         check_lane(vehicle, self._path.track, self._slot[1], self._params.speed_mps, current_mps)
+
+    def reach(self) -> Box:
+        """Return a box around the lane and the circle to loiter on, from slot to layer (m; NED)."""
+        depths_m = (self._params.depth_m + self._slot[2], self.layer_m)
+        return lane_reach(self._path.track, self._slot[1], self._loiter.track, depths_m)
 
     def shared(self) -> tuple[float, ...]:
         """Return the numbers that this task adds to a packet after a step."""
