@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from matplotlib.patches import Ellipse
 
 from auv_experiment.figures.plotting import colour
@@ -13,7 +14,9 @@ from auv_experiment.recording import Recording
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
-_ARROW_POINTS = 7.0
+_ARROW_POINTS = 11.0
+_ARROWHEAD = ((0.0, 1.0), (0.45, -0.6), (0.0, -0.35), (-0.45, -0.6), (0.0, 1.0))
+"""Corners to starboard and ahead."""
 
 
 def plot_hulls(axes: Any, recording: Recording, scenario: Scenario, tick: int) -> None:
@@ -38,9 +41,10 @@ def plot_headings(axes: Any, recording: Recording, tick: int) -> None:
     """Plot an arrowhead at each vehicle at a tick, for maps on which a hull to scale cannot be seen."""
     for i, (north, east, _) in enumerate(recording.position_ned_m[tick]):
         ahead_north, ahead_east = _ahead(recording, tick, i)
-        to_port_deg = math.degrees(math.atan2(-ahead_east, ahead_north))
+        n, e = np.array((ahead_north, ahead_east)) / max(math.hypot(ahead_north, ahead_east), 1e-9)
+        head = [(x * n + y * e, y * n - x * e) for x, y in _ARROWHEAD]
         axes.plot(
-            [east], [north], marker=(3, 0, to_port_deg), markersize=_ARROW_POINTS,
+            [east], [north], marker=head, markersize=_ARROW_POINTS,
             color=colour(i), markeredgecolor="white", linestyle="none", zorder=6,
         )  # fmt: skip
 
