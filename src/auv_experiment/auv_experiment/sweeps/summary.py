@@ -23,11 +23,15 @@ SUMMARY_FILE = "summary.csv"
 DIFFERENCES_FILE = "differences.csv"
 _USUAL = (
     "collision",
+    "near_pairs",
     "pair_distance_min_m",
     "pair_distance_min_after_150s_m",
     "pair_distance_max_after_200s_m",
     "centroid_path_formed_rms_m",
     "position_rms_m",
+    "fleet_formed_at_s",
+    "coordination_error_p95_m",
+    "cross_track_rms_m",
     "obstacle_clearance_min_m",
     "packet_delivery_ratio",
     "neighbour_age_mean_s",
