@@ -64,7 +64,8 @@ WATER = (
     "agent.neighbours.timeout_s=60",
     (
         "acoustics={propagation: {kind: mackenzie}, modem: {kind: noise_limited}, mac: {kind: csma},"
-        " outage: {kind: gilbert_elliott}, sonar: {kind: active, params: {max_range_m: 30.0}}}"
+        " outage: {kind: gilbert_elliott}, silence: {from_s: 4.0, until_s: 4.5},"
+        " sonar: {kind: active, params: {max_range_m: 30.0}}}"
     ),
     "environment.navigation={kind: dead_reckoning, params: {fix: lbl, fix_period_s: 3.0}}",
     "environment.current={kind: gauss_markov, params: {memory_s: 5.0}}",

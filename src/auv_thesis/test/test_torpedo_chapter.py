@@ -110,7 +110,7 @@ def test_a_fleet_that_never_forms_is_beyond_its_limit_and_a_missing_distance_is_
     runs = _runs(DISTANCES[2:3], fleet_formed_at_s=None, pair_distance_min_m=None)
     assert Limit("fleet_formed_at_s", 620.0).count_beyond(runs) == 1
     assert Limit("pair_distance_min_m", 5.0).count_beyond(runs) == 0
-    assert Limit("fleet_formed_at_s", 620.0).worst(runs) == "formed never"
+    assert Limit("fleet_formed_at_s", 620.0).worst(runs) == "time to form infinite"
 
 
 def test_limits_on_shares_and_unknown_metrics():

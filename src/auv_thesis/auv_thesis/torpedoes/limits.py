@@ -29,7 +29,7 @@ _QUANTITIES = {
     "cross_track_rms_m": _Quantity("cross-track error (rms)", "m", True),
     "cross_track_max_m": _Quantity("cross-track error", "m", True),
     "packets_per_minute_after_700s": _Quantity("packets per minute", "", True),
-    "fleet_formed_at_s": _Quantity("formed", "s", True),
+    "fleet_formed_at_s": _Quantity("time to form", "s", True),
 }
 
 
@@ -77,7 +77,7 @@ class Limit:
 
     def _shown(self, value: float) -> str:
         if math.isinf(value):
-            return "never"
+            return "infinite"
         return f"{value:.4g} {self.quantity.unit}".rstrip()
 
     def values(self, runs: Sequence[Run]) -> list[float]:
