@@ -3,8 +3,8 @@
 import pytest
 from torpedo_flights import remus
 
-from auv_control.guidance.feasibility import check_lane, least_radius_m
-from auv_control.guidance.paths import circle, racetrack
+from auv_control.guidance.feasibility import allowed_speeds, check_lane, least_radius_m
+from auv_control.guidance.paths import circle, racetrack, waypoints
 from auv_core.models import Handling
 
 STRAIGHT_ON = racetrack.Path(racetrack.Params()).track
@@ -30,6 +30,23 @@ def test_the_least_radius_grows_with_the_current():
 @pytest.mark.parametrize("lane_m", [-30.0, 0.0, 30.0])
 def test_the_lanes_of_the_studies_are_feasible(lane_m):
     check_lane(Remus(), STRAIGHT_ON, lane_m, 1.5, 0.3)
+
+
+def test_a_path_shorter_than_the_hull_is_refused():
+    track = waypoints.Path(waypoints.Params((0.0, 0.0, 0.5, 0.0), acceptance_m=0.1)).track
+    with pytest.raises(ValueError, match=r"^path: a length of 0.5 m is not allowed; allowed: at least 1.6 m"):
+        check_lane(Remus(), track, 0.0, 1.5, 0.0)
+
+
+def test_speeds_that_do_not_exist_are_said_in_words():
+    assert allowed_speeds(Remus(), 0.3) == "1.1 to 2.25 m/s over ground in a current of 0.3 m/s"
+    assert allowed_speeds(Remus(), 0.9).startswith(
+        "none in a current of 0.9 m/s, since a current must be below"
+    )
+    weak = Remus()
+    weak.top_speed_mps = 0.5
+    words = "none, since the least speed 0.8 m/s is above the top speed 0.5 m/s"
+    assert allowed_speeds(weak, 0.0) == words
 
 
 @pytest.mark.parametrize(

@@ -41,10 +41,12 @@ def least_radius_m(vehicle: Turning, speed_mps: float, current_mps: float) -> fl
 
 def allowed_speeds(vehicle: Turning, current_mps: float) -> str:
     """Return in words at which speeds over ground a vehicle can run against and with a current (m/s)."""
-    low_mps = vehicle.handling.least_speed_mps + current_mps
-    high_mps = vehicle.top_speed_mps - current_mps
+    least_mps, top_mps = vehicle.handling.least_speed_mps, vehicle.top_speed_mps
+    low_mps, high_mps = least_mps + current_mps, top_mps - current_mps
+    if least_mps > top_mps:
+        return f"none, since the least speed {least_mps:.3g} m/s is above the top speed {top_mps:.3g} m/s"
     if low_mps > high_mps:
-        most_mps = 0.5 * (vehicle.top_speed_mps - vehicle.handling.least_speed_mps)
+        most_mps = 0.5 * (top_mps - least_mps)
         return f"none in a current of {current_mps:g} m/s, since a current must be below {most_mps:.3g} m/s"
     return f"{low_mps:.3g} to {high_mps:.3g} m/s over ground in a current of {current_mps:g} m/s"
 
@@ -84,6 +86,12 @@ def check_lane(vehicle: Turning, track: Track, lane_m: float, speed_mps: float, 
     """
     least_mps = vehicle.handling.least_speed_mps + current_mps
     largest_mps = vehicle.top_speed_mps - current_mps
+    hull_m = vehicle.handling.hull_length_m
+    if track.length_m < hull_m:
+        raise ValueError(
+            f"path: a length of {track.length_m:.3g} m is not allowed; allowed: at least {hull_m:g} m, "
+            "the length of a hull"
+        )
     for curvature_pm in sorted(track.curvatures()):
         ratio = 1.0 - curvature_pm * lane_m
         lane_mps = ratio * speed_mps
