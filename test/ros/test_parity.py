@@ -41,6 +41,7 @@ QUICK = (
     "flock_drift",
     "formation_repair",
     "medium_access",
+    "mixed_fleet",
     "passage",
     "torpedo_fleet",
     "torpedo_lawnmower",

@@ -10,10 +10,13 @@ from auv_bag.bag import Bag
 from auv_bringup.tools import replay
 from auv_experiment.re_estimate import re_estimate
 from auv_experiment.scenario.loading import load_scenario, scenario_to_yaml
+from auv_flocking.agent_config import NO_TRACKER
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.table import NeighbourConfig, NeighbourTable
 from auv_flocking.report import Report
 from auv_flocking.reports import exact
+from auv_flocking.senses import Senses
+from auv_flocking.trackers import make_tracker
 
 CONFIG = NeighbourConfig()
 LIMITS = InputLimits()
@@ -93,6 +96,13 @@ class Filtered(synthetic.SyntheticRun):
 IDS = [f"auv_{i + 1}" for i in range(4)]
 
 
+def senses(config, n=4):
+    return [
+        Senses(config, LIMITS, FORMAT, address, n, PERIOD_S, make_tracker(NO_TRACKER, ()))
+        for address in range(1, n + 1)
+    ]
+
+
 def written(tmp_path, run):
     recorder = synthetic.Recorder(tmp_path / "bag")
     run.write(recorder)
@@ -101,7 +111,7 @@ def written(tmp_path, run):
 
 
 def test_the_packets_give_the_estimates(tmp_path):
-    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, CONFIG, FORMAT, PERIOD_S, LIMITS)
+    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, senses(CONFIG), PERIOD_S)
     assert result.agrees
     assert result.ticks == 4 * 40
     assert result.estimates > 300
@@ -110,7 +120,7 @@ def test_the_packets_give_the_estimates(tmp_path):
 
 def test_other_filters_do_not(tmp_path):
     other = replace(CONFIG, acceleration_psd=2.0 * CONFIG.acceleration_psd)
-    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, other, FORMAT, PERIOD_S, LIMITS)
+    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, senses(other), PERIOD_S)
     assert not result.agrees
     assert result.covariance > 1e-6
     assert result.unmatched == 0
@@ -118,23 +128,22 @@ def test_other_filters_do_not(tmp_path):
 
 def test_estimates_on_one_side_only_are_a_difference(tmp_path):
     forgetful = replace(CONFIG, timeout_s=0.2)
-    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, forgetful, FORMAT, PERIOD_S, LIMITS)
+    result = re_estimate(written(tmp_path, Filtered(4, 40)), IDS, senses(forgetful), PERIOD_S)
     assert result.unmatched > 0
     assert not result.agrees
 
 
 def test_after_a_missing_inbox_nothing_is_claimed(tmp_path):
     bag = written(tmp_path, Filtered(4, 40, missing={(25, 2)}))
-    result = re_estimate(bag, IDS, CONFIG, FORMAT, PERIOD_S, LIMITS)
+    result = re_estimate(bag, IDS, senses(CONFIG), PERIOD_S)
     assert result.agrees
     assert result.unused_ticks == 15
     assert result.ticks == 4 * 40 - 15
 
 
 def test_a_bag_without_packets_does_not_agree(tmp_path):
-    result = re_estimate(
-        written(tmp_path, synthetic.SyntheticRun(1, 2)), ["auv_9"], CONFIG, FORMAT, PERIOD_S, LIMITS
-    )
+    bag = written(tmp_path, synthetic.SyntheticRun(1, 2))
+    result = re_estimate(bag, ["auv_9"], senses(CONFIG, 1), PERIOD_S)
     assert not result.agrees
 
 

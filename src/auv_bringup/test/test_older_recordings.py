@@ -14,9 +14,11 @@ import pytest
 
 from auv_bag.bag import Bag
 from auv_bringup.tools import replay, run
+from auv_experiment.compose import agent_configs
 from auv_experiment.re_estimate import re_estimate
 from auv_experiment.scenario.loading import load_scenario
 from auv_flocking.agent_config import report_format
+from auv_flocking.senses import senses_of
 
 # Older releases of Python 3.11 have no filters.
 _SAFELY: dict[str, Any] = {"filter": "data"} if hasattr(tarfile, "data_filter") else {}
@@ -47,15 +49,9 @@ def test_its_reports_are_decoded(recorded):
 def test_its_estimates_are_made_again_from_its_packets(recorded, capsys):
     """Up to what the filter has learnt since; without the packets no estimate would have a partner."""
     scenario = load_scenario(str(recorded / "scenario.yaml"))
-    agent = scenario.agent
-    result = re_estimate(
-        Bag(recorded),
-        [vehicle.id for vehicle in scenario.vehicles],
-        agent.neighbours,
-        report_format(agent, len(scenario.vehicles)),
-        scenario.period_s,
-        agent.inputs,
-    )
+    senses = [senses_of(config) for config in agent_configs(scenario)]
+    ids = [vehicle.id for vehicle in scenario.vehicles]
+    result = re_estimate(Bag(recorded), ids, senses, scenario.period_s)
     assert (result.estimates, result.unmatched, result.unused_ticks) == (135, 0, 0)
     assert result.position_m < 0.5
     assert replay.main([str(recorded), "--re-estimate"]) in (0, 1)

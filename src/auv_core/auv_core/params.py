@@ -176,6 +176,11 @@ def dump(value: object) -> Any:
     return value
 
 
+def item_key(index: int) -> str:
+    """Return the name of an item of a list of configurations where there are only names (ROS parameters)."""
+    return f"n{index}"
+
+
 def check_number(value: float, path: str, bounds: Mapping[str, Any], *, is_whole: bool = False) -> None:
     """Raise `ConfigError` when `value` is not finite or lies outside the bounds of a (whole) `param`."""
     low, high, above = bounds.get("minimum"), bounds.get("maximum"), bounds.get("above")

@@ -14,10 +14,11 @@ from auv_core.models import make_model, thrusters_of
 from auv_core.params import extended
 from auv_core.state_checks import LARGEST
 from auv_experiment.scenario.reach import water_speed_mps
-from auv_experiment.scenario.schema import Scenario
+from auv_experiment.scenario.schema import Scenario, VehicleEntry
 from auv_experiment.scenario.task_checks import channel_cycle_s
+from auv_experiment.scenario.teams import is_group, softwares, teams
 from auv_flocking.agent import Agent
-from auv_flocking.agent_config import AgentConfig
+from auv_flocking.agent_config import AgentConfig, AgentSettings, SpokenReport
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.filter import NeighbourConfig
 from auv_sim.acoustics.medium import NO_SONAR
@@ -47,38 +48,72 @@ def vehicle_configs(scenario: Scenario) -> list[VehicleConfig]:
 def agent_configs(scenario: Scenario) -> list[AgentConfig]:
     """Return the configuration of every agent, in the order of addresses."""
     obstacles = [obstacle for obstacle in scenario.environment.obstacles if obstacle.known]
-    settings = replace(scenario.agent, inputs=input_limits(scenario), neighbours=neighbour_settings(scenario))
     fleet_ids = tuple(vehicle.id for vehicle in scenario.vehicles)
-    planned = scenario.vehicles if scenario.agent.fleet is not None else ()
+    spoken = _spoken_reports(scenario)
+    groups, planned, cycle_s = _groups(scenario), _planned(scenario), channel_cycle_s(scenario)
+    settings: dict[int, AgentSettings] = {}
+    for software in softwares(scenario):
+        limited = replace(
+            software.agent,
+            inputs=input_limits(scenario, software.agent.inputs),
+            neighbours=neighbour_settings(scenario, software.agent.neighbours),
+        )
+        settings |= dict.fromkeys(software.vehicles, limited)
     return [
         extended(
             AgentConfig,
-            settings,
+            settings[index],
             scenario,
             vehicle_id=vehicle.id,
             address=index + 1,
             fleet_size=len(scenario.vehicles),
             fleet_ids=fleet_ids,
+            group=groups[index],
+            heard_reports=tuple(each for each in spoken if each.report != settings[index].report),
             is_leader=vehicle.id in scenario.leaders,
             fails_at_s=vehicle.fails_at_s,
             has_sonar=scenario.acoustics.sonar.kind != NO_SONAR.kind,
             obstacles_ned_m=tuple(x for obstacle in obstacles for x in obstacle.position_ned_m),
             obstacle_safety_distances_m=tuple(obstacle.safety_distance_m for obstacle in obstacles),
-            reference=vehicle.reference or scenario.reference,
+            reference=scenario.reference_section(index),
             thrusters=thrusters_of(vehicle.model),
             fault=vehicle.fault,
-            cycle_s=channel_cycle_s(scenario),
-            starts_ned_m=tuple(x for start in planned for x in start.position_ned_m or ()),
-            start_headings_rad=tuple(start.heading_rad for start in planned),
-            start_speeds_mps=tuple(start.speed_mps for start in planned),
+            cycle_s=cycle_s,
+            starts_ned_m=tuple(x for start in planned[index] for x in start.position_ned_m or ()),
+            start_headings_rad=tuple(start.heading_rad for start in planned[index]),
+            start_speeds_mps=tuple(start.speed_mps for start in planned[index]),
         )
         for index, vehicle in enumerate(scenario.vehicles)
     ]
 
 
-def input_limits(scenario: Scenario) -> InputLimits:
-    """Return the input limits of agents; a missing speed limit follows from the vehicles."""
-    limits = scenario.agent.inputs
+def _spoken_reports(scenario: Scenario) -> list[SpokenReport]:
+    """Return what vehicles speak, one of each kind; a check of the scenario has seen that kinds are alike."""
+    spoken = {software.agent.report.kind: SpokenReport.of(software.agent) for software in softwares(scenario)}
+    return list(spoken.values())
+
+
+def _groups(scenario: Scenario) -> dict[int, tuple[int, ...]]:
+    """Return the addresses of each vehicle's group; empty if that is all vehicles, or there is no group."""
+    groups: dict[int, tuple[int, ...]] = {}
+    for indices in teams(scenario):
+        is_part = len(indices) < len(scenario.vehicles) and is_group(scenario.agents[indices[0]])
+        groups |= dict.fromkeys(indices, tuple(index + 1 for index in indices) if is_part else ())
+    return groups
+
+
+def _planned(scenario: Scenario) -> dict[int, list[VehicleEntry]]:
+    """Return the vehicles of which each vehicle knows the start: those of its fleet."""
+    planned: dict[int, list[VehicleEntry]] = {}
+    for indices in teams(scenario):
+        is_fleet = scenario.agents[indices[0]].fleet is not None
+        mates = [scenario.vehicles[index] for index in indices] if is_fleet else []
+        planned |= dict.fromkeys(indices, mates)
+    return planned
+
+
+def input_limits(scenario: Scenario, limits: InputLimits) -> InputLimits:
+    """Return the input limits of an agent; a missing speed limit follows from the vehicles."""
     if limits.speed_max_mps is not None:
         return limits
     held_mps = max(make_model(vehicle.model).top_speed_mps for vehicle in scenario.vehicles)
@@ -86,12 +121,11 @@ def input_limits(scenario: Scenario) -> InputLimits:
     return replace(limits, speed_max_mps=min(_SPEED_MARGIN * fastest_mps, LARGEST))
 
 
-def neighbour_settings(scenario: Scenario) -> NeighbourConfig:
+def neighbour_settings(scenario: Scenario, settings: NeighbourConfig) -> NeighbourConfig:
     """
-    Return the settings of the neighbour filters; the noise of reports includes the white noise of the
+    Return the settings of an agent's neighbour filters; the noise of reports includes the white noise of the
     navigation that the vehicles carry.
     """
-    settings = scenario.agent.neighbours
     navigation = make_navigation(scenario.environment.navigation, scenario.seed, 1, scenario.period_s)
     return replace(
         settings,

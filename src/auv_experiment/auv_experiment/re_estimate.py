@@ -7,9 +7,8 @@ as in the scenario beside the bag: any difference means that the recorded estima
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,16 +17,10 @@ from numpy.typing import ArrayLike
 from auv_bag.bag import Bag
 from auv_bag.writer import BagError
 from auv_core.messages import Packet, SonarContact, VehicleState
-from auv_flocking.agent_config import NO_TRACKER
-from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.estimates import NeighbourEstimate
-from auv_flocking.neighbours.table import NeighbourConfig
-from auv_flocking.reports import ReportFormat
 from auv_flocking.senses import Senses
-from auv_flocking.trackers import ObstacleTracker, make_tracker
 
 TOLERANCE = 1e-9
-_no_obstacles = partial(make_tracker, NO_TRACKER, ())
 
 
 @dataclass
@@ -64,13 +57,7 @@ class Comparison:
 
 
 def re_estimate(
-    bag: Bag,
-    vehicle_ids: Sequence[str],
-    config: NeighbourConfig,
-    report_format: ReportFormat,
-    period_s: float,
-    limits: InputLimits,
-    make_obstacles: Callable[[], ObstacleTracker] = _no_obstacles,
+    bag: Bag, vehicle_ids: Sequence[str], senses: Sequence[Senses], period_s: float
 ) -> Comparison:
     """Repeat the estimates of all agents.
 
@@ -80,16 +67,10 @@ def re_estimate(
         The recording.
     vehicle_ids
         Names of the vehicles.
-    config
-        Settings of the filters.
-    report_format
-        Format of the reports (`auv_flocking.agent_config.report_format`).
+    senses
+        The senses of each vehicle, before their first inputs (`auv_flocking.senses.senses_of`).
     period_s
         Control period (s); the estimates of tick k are for k * period_s.
-    limits
-        Limits of the inputs that an agent uses.
-    make_obstacles
-        Makes the obstacle tracker of an agent, which competes with the filters for contacts.
     """
     result = Comparison()
     if "/clock" not in bag.topics:
@@ -97,11 +78,8 @@ def re_estimate(
             f"{bag.path}: a real-time bag does not say which packets an "
             "estimate used; allowed: a bag of a lockstep run"
         )
-    for index in range(len(vehicle_ids)):
-        senses = Senses(
-            config, limits, report_format, index + 1, len(vehicle_ids), period_s, make_obstacles()
-        )
-        _compare_agent(bag, vehicle_ids[index], senses, period_s, result)
+    for vehicle_id, own in zip(vehicle_ids, senses, strict=True):
+        _compare_agent(bag, vehicle_id, own, period_s, result)
     return result
 
 

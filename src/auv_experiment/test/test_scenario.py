@@ -8,7 +8,7 @@ import pytest
 
 from auv_core.geometry import distance
 from auv_core.params import ConfigError
-from auv_experiment.compose import input_limits
+from auv_experiment.compose import agent_configs
 from auv_experiment.scenario.file import SCENARIOS_DIR, read_raw
 from auv_experiment.scenario.loading import list_scenarios, load_scenario, scenario_to_yaml
 from auv_experiment.scenario.reach import water_speed_mps
@@ -182,7 +182,8 @@ def test_a_current_counts_with_three_standard_deviations():
     held = load_scenario("flock_modem", overrides=[VARYING % 0.1])
     assert water_speed_mps(held) == pytest.approx(0.1 + 0.3)
     varying_mps, steady_mps = (
-        input_limits(scenario).speed_max_mps or 0.0 for scenario in (held, load_scenario("flock_modem"))
+        agent_configs(scenario)[0].inputs.speed_max_mps or 0.0
+        for scenario in (held, load_scenario("flock_modem"))
     )
     assert varying_mps - steady_mps == pytest.approx(3.0)
     message = _refusal("flock_modem", overrides=[VARYING % 1.0])

@@ -29,16 +29,17 @@ from auv_flocking.consensus import ConsensusFilter, make_consensus
 from auv_flocking.course_task import CourseTask
 from auv_flocking.fleets import FleetTask, make_fleet
 from auv_flocking.flock_task import FlockTask
-from auv_flocking.flocking import FlockVelocity, Member, make_flocking
+from auv_flocking.flocking import FlockVelocity, make_flocking
+from auv_flocking.group import Group, as_obstacles
 from auv_flocking.heard import class_of_all, mask_of
 from auv_flocking.holding import FAILED, NO_FINITE_COMMAND, OUT_OF_REPORT
 from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbours.estimates import Estimates
 from auv_flocking.packet_judge import Refusal
 from auv_flocking.report import Report, ReportError, why_not_carried
-from auv_flocking.senses import Senses
+from auv_flocking.senses import senses_of
 from auv_flocking.separation import make_separation
-from auv_flocking.trackers import Sensed, make_tracker
+from auv_flocking.trackers import Sensed
 
 
 class Agent:
@@ -56,7 +57,8 @@ class Agent:
     def __init__(self, config: AgentConfig) -> None:
         self._config = config
         self._path = None if config.reference is None else make_reference(config.reference)
-        consensus = None if config.consensus is None else make_consensus(config.consensus, config.fleet_size)
+        self._group = Group(config.group, config.address, config.fleet_size)
+        consensus = None if config.consensus is None else make_consensus(config.consensus, self._group.size)
         self._format = report_format(config, config.fleet_size)
         controller = make_controller(config.controller, config.period_s)
         self._thrusters = (
@@ -68,16 +70,7 @@ class Agent:
         self.task = self._make_task(controller, consensus)
         self._fleet = self.task if isinstance(self.task, FleetTask) else None
         self.flocks = isinstance(self.task, FlockTask)
-        self._senses = Senses(
-            config.neighbours,
-            config.inputs,
-            self._format,
-            config.address,
-            config.fleet_size,
-            config.period_s,
-            make_tracker(config.obstacle_tracker, tuple(position for position, _ in config.obstacles)),
-            has_sonar=config.has_sonar,
-        )
+        self._senses = senses_of(config)
         self._fails_at_s = math.inf if config.fails_at_s is None else config.fails_at_s
         self._sequence = 0
         self._is_waiting = False
@@ -90,7 +83,7 @@ class Agent:
         self, controller: Controller, consensus: ConsensusFilter | None
     ) -> FlockTask | MotionTask | CourseTask | FleetTask:
         config = self._config
-        member = Member(config.is_leader, config.address, config.fleet_size)
+        member = self._group.member(is_leader=config.is_leader)
         if isinstance(controller, CourseController):
             if config.fleet is not None:
                 return make_fleet(config.fleet, member, controller, config.period_s, config.mission)
@@ -223,13 +216,17 @@ class Agent:
         path = self.path_point(t_s)
         if isinstance(self.task, CourseTask):
             return self.task.step(t_s, nav)
-        if self._fleet is not None:
-            return self._fleet.step(t_s, nav, self.neighbours)
         if isinstance(self.task, MotionTask):
             return self.task.step(t_s, nav, path, self.neighbours, self.sensed, is_waiting=is_waiting)
+        mates, strangers = self._group.split(self.neighbours)
+        if self._fleet is not None:
+            return self._fleet.step(t_s, nav, mates, strangers)
         if path is None or not isinstance(self.task, FlockTask):
             raise RuntimeError("a flock without a path: AgentConfig should have refused it")
-        return self.task.step(t_s, nav, path, self.neighbours, self.sensed, is_waiting=is_waiting)
+        sensed = self.sensed
+        if strangers:
+            sensed += as_obstacles(strangers, self._config.clearance_m)
+        return self.task.step(t_s, nav, path, mates, sensed, is_waiting=is_waiting)
 
     def _allocated(self, t_s: float, command: Command) -> Command:
         """Return the command itself, or the forces of thrusters for its wrench."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from auv_control.allocation import qp
 from auv_control.controllers import controller_class
-from auv_core.params import Section, param, same
+from auv_core.params import Section, extended, param, same
 from auv_core.run_settings import RunSettings
 from auv_core.thrusters import ThrusterFault, Thrusters
 from auv_flocking.consensus import make_consensus
@@ -14,7 +14,8 @@ from auv_flocking.fleets import Mission, Start, fields_of
 from auv_flocking.flock_task import Obstacles
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.neighbours.table import NeighbourConfig
-from auv_flocking.reports import ReportFormat, compact, make_format
+from auv_flocking.report_reader import ReportReader
+from auv_flocking.reports import ReportDecoder, ReportFormat, compact, make_format
 from auv_flocking.trackers import none
 
 REFERENCES = "auv_control.references"
@@ -37,7 +38,7 @@ class AgentSettings:
     """
     Section `agent` of a scenario.
 
-    The software of every vehicle: a controller that follows the velocity command of a flocking law with
+    The software of a vehicle: a controller that follows the velocity command of a flocking law with
     separation and consensus, one that follows a path or a region itself, or one that follows a course.
     """
 
@@ -77,6 +78,37 @@ class AgentSettings:
         default=0.0,
         minimum=0.0,
     )
+    clearance_m: float = param(
+        "distance at which a flock's vehicle begins to avoid one with another task (m); it keeps 0.65 of it",
+        default=8.0,
+        above=0.0,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpokenReport:
+    """What determines the bytes of a vehicle's reports: the format, and what its task adds."""
+
+    report: Section = same(AgentSettings, "report")
+    fleet: Section | None = same(AgentSettings, "fleet")
+    consensus: Section | None = same(AgentSettings, "consensus")
+
+    @classmethod
+    def of(cls, agent: AgentSettings) -> SpokenReport:
+        """Return the reports of an agent."""
+        return extended(cls, agent)
+
+    def format(self, fleet_size: int) -> ReportFormat:
+        """Return their format."""
+        if self.fleet is not None:
+            return make_format(self.report, fields_of(self.fleet))
+        consensus = self.consensus
+        shared_fields = () if consensus is None else make_consensus(consensus, fleet_size).shared_fields
+        return make_format(self.report, shared_fields)
+
+    def bytes_of(self, fleet_size: int) -> object:
+        """Return what two reports of a kind have alike if their bytes mean the same."""
+        return self.report, self.format(fleet_size).budget
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,6 +120,15 @@ class AgentConfig(AgentSettings):
     fleet_size: int = param("number of vehicles", minimum=1, maximum=254)
     fleet_ids: tuple[str, ...] = param(
         "names of the vehicles in the order of their addresses, for messages", default=()
+    )
+    group: tuple[int, ...] = param(
+        "addresses of the vehicles that do the same task together; empty: all",
+        default=(),
+        minimum=1,
+        maximum=254,
+    )
+    heard_reports: tuple[SpokenReport, ...] = param(
+        "reports of vehicles with other tasks, if they differ from the own", default=()
     )
     is_leader: bool = param("whether this vehicle knows the path", default=False)
     fails_at_s: float | None = same(RunSettings, "fails_at_s")
@@ -125,6 +166,10 @@ class AgentConfig(AgentSettings):
                 f"starts_ned_m: {len(self.starts_ned_m)} numbers are not allowed; allowed: three for each of "
                 f"the {len(self.start_headings_rad)} headings and {len(self.start_speeds_mps)} speeds"
             )
+        if self.group and self.address not in self.group:
+            raise ValueError(
+                f"group: {list(self.group)} is not allowed; allowed: addresses with the own {self.address}"
+            )
         if len(self.obstacles_ned_m) != 3 * len(self.obstacle_safety_distances_m):
             raise ValueError(
                 f"obstacles_ned_m: {len(self.obstacles_ned_m)} numbers are not allowed; "
@@ -153,11 +198,13 @@ class AgentConfig(AgentSettings):
         return Mission(starts, self.cycle_s)
 
 
-_PARTS = {"velocity": ("flocking", "separation", "consensus"), "course": ("course",)}
+FOLLOW_REFERENCE = ("velocity", "path")
+"""What controllers follow that need a path of the folder `references`."""
+PARTS = {"velocity": ("flocking", "separation", "consensus"), "course": ("course",)}
 """The parts that a controller needs, by what it follows; a path or a region needs none."""
 
 
-def check_parts(agent: AgentSettings, reference: Section | None, *, where: str = "") -> None:
+def check_parts(agent: AgentSettings, reference: Section | None, *, where: str = "", owner: str = "") -> None:
     """
     Check that the parts of an agent fit together.
 
@@ -165,13 +212,13 @@ def check_parts(agent: AgentSettings, reference: Section | None, *, where: str =
     ------
     ValueError
         If a controller lacks a part that it needs, or has one that it does not use; `where` precedes the
-        name of the part.
+        name of the part, `owner` that of the reference.
 
     """
     kind = agent.controller.kind
     follows = controller_class(kind).follows
     _check_fleet(agent, where)
-    parts = _PARTS.get(follows, ()) if agent.fleet is None else ()
+    parts = PARTS.get(follows, ()) if agent.fleet is None else ()
     for name in ("flocking", "separation", "consensus", "course"):
         section, is_needed = getattr(agent, name), name in parts
         if is_needed and section is None:
@@ -182,18 +229,18 @@ def check_parts(agent: AgentSettings, reference: Section | None, *, where: str =
                 f"{where}{name}: missing; allowed: a section, since the controller {kind} {needs}"
             )
         if section is not None and not is_needed:
-            itself = "" if follows in _PARTS else " by itself"
+            itself = "" if follows in PARTS else " by itself"
             raise ValueError(
                 f"{where}{name}: {section.kind!r} is not allowed; allowed: nothing, since the controller "
                 f"{kind} follows a {follows}{itself}"
             )
-    if reference is None and follows in ("velocity", "path"):
+    if reference is None and follows in FOLLOW_REFERENCE:
         raise ValueError(
-            f"reference: missing; allowed: a section, since the controller {kind} follows a {follows}"
+            f"{owner}reference: missing; allowed: a section, since the controller {kind} follows a {follows}"
         )
     if reference is not None and follows == "course":
         raise ValueError(
-            f"reference: {reference.kind!r} is not allowed; allowed: nothing, "
+            f"{owner}reference: {reference.kind!r} is not allowed; allowed: nothing, "
             f"since the controller {kind} follows {where}course"
         )
 
@@ -213,9 +260,14 @@ def _check_fleet(agent: AgentSettings, where: str) -> None:
 
 
 def report_format(agent: AgentSettings, fleet_size: int) -> ReportFormat:
-    """Return the format of the reports, with what the consensus filter or the task of a fleet adds."""
-    if agent.fleet is not None:
-        return make_format(agent.report, fields_of(agent.fleet))
-    consensus = agent.consensus
-    shared_fields = () if consensus is None else make_consensus(consensus, fleet_size).shared_fields
-    return make_format(agent.report, shared_fields)
+    """Return the format of an agent's reports, with what the consensus filter or the task of a fleet adds."""
+    return SpokenReport.of(agent).format(fleet_size)
+
+
+def report_decoder(config: AgentConfig) -> ReportDecoder:
+    """Return what reads the reports of all vehicles that an agent may hear."""
+    own = report_format(config, config.fleet_size)
+    if not config.heard_reports:
+        return own
+    others = {spoken.report.kind: spoken.format(config.fleet_size) for spoken in config.heard_reports}
+    return ReportReader({**others, config.report.kind: own})

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from auv_core.messages import Packet
 from auv_flocking.input_limits import InputLimits
 from auv_flocking.report import Report, ReportError
-from auv_flocking.reports import ReportFormat
+from auv_flocking.reports import ReportDecoder
 
 _CLOCK_SLACK_S = 1.0
 
@@ -51,9 +51,9 @@ class PacketJudge:
     """
 
     def __init__(
-        self, report_format: ReportFormat, own_address: int, fleet_size: int, limits: InputLimits
+        self, decoder: ReportDecoder, own_address: int, fleet_size: int, limits: InputLimits
     ) -> None:
-        self._format = report_format
+        self._decoder = decoder
         self._own_address = own_address
         self._fleet_size = fleet_size
         self._limits = limits
@@ -74,7 +74,7 @@ class PacketJudge:
 
     def _read(self, t_s: float, packet: Packet) -> tuple[Report | None, str]:
         try:
-            report = self._format.decode(packet.payload, t_s)
+            report = self._decoder.decode(packet.payload, t_s)
         except ReportError as error:
             return None, str(error)
         if report.address != packet.source:

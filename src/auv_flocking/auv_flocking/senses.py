@@ -11,13 +11,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from auv_core.messages import Packet, SonarContact, VehicleState
+from auv_flocking.agent_config import AgentConfig, report_decoder
 from auv_flocking.input_limits import InputJudge, InputLimits
 from auv_flocking.neighbours.estimates import Estimates
 from auv_flocking.neighbours.filter import NeighbourConfig, with_rounding
 from auv_flocking.neighbours.table import NeighbourTable
 from auv_flocking.packet_judge import PacketJudge
-from auv_flocking.reports import ReportFormat
-from auv_flocking.trackers import ObstacleTracker, Sensed
+from auv_flocking.reports import ReportDecoder
+from auv_flocking.trackers import ObstacleTracker, Sensed, make_tracker
 
 
 class Perceived(NamedTuple):
@@ -48,7 +49,7 @@ class Senses:
         self,
         neighbours: NeighbourConfig,
         limits: InputLimits,
-        report_format: ReportFormat,
+        decoder: ReportDecoder,
         address: int,
         fleet_size: int,
         period_s: float,
@@ -57,8 +58,8 @@ class Senses:
         has_sonar: bool = True,
     ) -> None:
         self.inputs = InputJudge(limits, period_s)
-        self.packets = PacketJudge(report_format, address, fleet_size, limits)
-        self.table = NeighbourTable(with_rounding(neighbours, report_format), has_sonar=has_sonar)
+        self.packets = PacketJudge(decoder, address, fleet_size, limits)
+        self.table = NeighbourTable(with_rounding(neighbours, decoder), has_sonar=has_sonar)
         self.obstacles = obstacles
 
     def take(
@@ -95,3 +96,17 @@ class Senses:
             left = self.table.observe(t_s, usable, contacts, self.obstacles.rivals(t_s))
             self.obstacles.observe(t_s, left)
         return Perceived(usable, words, self.table.estimates(t_s, usable), self.obstacles.obstacles(t_s))
+
+
+def senses_of(config: AgentConfig) -> Senses:
+    """Return the senses of one agent, before its first inputs."""
+    return Senses(
+        config.neighbours,
+        config.inputs,
+        report_decoder(config),
+        config.address,
+        config.fleet_size,
+        config.period_s,
+        make_tracker(config.obstacle_tracker, tuple(position for position, _ in config.obstacles)),
+        has_sonar=config.has_sonar,
+    )

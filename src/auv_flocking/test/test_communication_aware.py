@@ -100,7 +100,7 @@ def test_gain_times_age_is_the_lag_budget(age_s):
 
 
 def test_age_is_measured_and_remembered():
-    law = Flocking(Params(age_memory_s=40.0), SEPARATION, Member())
+    law = Flocking(Params(age_memory_s=40.0), SEPARATION, Member(fleet_size=2))
     for _ in range(100):
         law.hear((), PERIOD_S)
     assert law.age_s == pytest.approx(10.0)  # nothing heard for as long as it runs
@@ -111,6 +111,13 @@ def test_age_is_measured_and_remembered():
     assert law.age_s == pytest.approx(2.0, abs=1e-3)
     law.hear((_estimate(ORIGIN, age_s=30.0),), PERIOD_S)
     assert law.age_s == 30.0  # a silence counts at once
+
+
+def test_one_vehicle_alone_has_nothing_to_hear_and_keeps_its_gains():
+    law = Flocking(Params(), SEPARATION, Member(is_leader=True))
+    for _ in range(600):
+        law.hear((), PERIOD_S)
+    assert (law.age_s, law.bandwidth_ratio) == (0.0, 1.0)
 
 
 @MODERATE

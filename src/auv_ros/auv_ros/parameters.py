@@ -3,7 +3,8 @@ Configuration dataclasses as ROS parameters.
 
 Every field of a configuration becomes one declared, read-only parameter with its type, description and
 range; nested configurations and plugin sections become dotted names (``outage.kind``,
-``outage.params.loss_prob``).  The values go through the same strict loader as a scenario.
+``outage.params.loss_prob``), items of a list of configurations too (``heard_reports.n0.report.kind``).  The
+values go through the same strict loader as a scenario.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from rclpy.exceptions import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from auv_core.params import ConfigError, Section, dump, load
+from auv_core.params import ConfigError, Section, dump, item_key, load
 from auv_core.plugins import PluginError, find_plugin, list_plugins
 
 T = TypeVar("T")
@@ -97,19 +98,36 @@ def _names_beside(name: str, nodes: Sequence[Node]) -> list[str]:
 
 def _declare_fields(node: Node, cls: Any, prefix: str) -> dict[str, Any]:
     hints = typing.get_type_hints(cls)
-    raw = {}
+    raw: dict[str, Any] = {}
     for field in dataclasses.fields(cls):
         hint = _without_none(hints[field.name])
         name = prefix + field.name
+        value: Any
         if hint is Section:
             value = _declare_section(node, name, field)
         elif dataclasses.is_dataclass(hint):
             value = _declare_fields(node, hint, name + ".")
+        elif _is_list_of_configs(hint):
+            value = _declare_items(node, name, typing.get_args(hint)[0])
         else:
             value = _declare_value(node, name, hint, field.default, field.metadata)
         if value is not None:
             raw[field.name] = value
     return raw
+
+
+def _is_list_of_configs(hint: Any) -> bool:
+    return typing.get_origin(hint) is tuple and dataclasses.is_dataclass(typing.get_args(hint)[0])
+
+
+def _declare_items(node: Node, name: str, item: Any) -> list[dict[str, Any]]:
+    """Declare a list of configurations; its length follows from the parameters that the node is given."""
+    items: list[dict[str, Any]] = []
+    while True:
+        prefix = f"{name}.{item_key(len(items))}."
+        if not any(given.startswith(prefix) for given in node._parameter_overrides):
+            return items
+        items.append(_declare_fields(node, item, prefix))
 
 
 def _declare_section(node: Node, name: str, field: dataclasses.Field[Any]) -> dict[str, Any] | None:

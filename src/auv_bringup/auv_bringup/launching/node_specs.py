@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from auv_bringup.launching.layout import patience_s, start_patience_s
-from auv_core.params import dump, extended
+from auv_core.params import dump, extended, item_key
 from auv_experiment.compose import agent_configs, vehicle_configs
 from auv_experiment.scenario.schema import Scenario
 from auv_sim.obstacle_field import ObstacleConfig
@@ -125,12 +125,16 @@ def _recorder_spec(scenario: Scenario, mode: str, bag_dir: Path) -> NodeSpec:
 def _plain(config: object) -> dict[str, Any]:
     """
     Return a configuration as nested ROS parameters without empty lists, which have no type in ROS.
+
+    Lists of configurations become mappings.
     """
     plain: dict[str, Any] = _without_empty(dump(config))
     return plain
 
 
 def _without_empty(value: Any) -> Any:
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        value = {item_key(index): item for index, item in enumerate(value)}
     if not isinstance(value, dict):
         return value
     kept = {key: _without_empty(item) for key, item in value.items()}

@@ -6,7 +6,6 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from functools import partial
 from typing import TYPE_CHECKING
 
 from auv_bag.bag import Bag
@@ -47,31 +46,24 @@ def _do(options: argparse.Namespace) -> int:
 def _re_estimate(bag: Bag) -> int:
     """Run the filters again and report the differences."""
     from auv_core.compiled import use_compiler
-    from auv_experiment.compose import input_limits, neighbour_settings
+    from auv_experiment.compose import agent_configs
     from auv_experiment.re_estimate import re_estimate
     from auv_experiment.scenario.loading import load_scenario
-    from auv_flocking.agent_config import report_format
-    from auv_flocking.trackers import make_tracker
+    from auv_flocking.senses import senses_of
 
     scenario_file = bag.folder.parent / "scenario.yaml"
     if not scenario_file.is_file():
         raise BagError(f"{scenario_file} is missing; --re-estimate reads the filter settings from it")
     scenario = load_scenario(str(scenario_file))
-    vehicle_ids = [vehicle.id for vehicle in scenario.vehicles]
-    settings = scenario.agent
-    report = report_format(settings, len(vehicle_ids))
+    configs = agent_configs(scenario)
     use_compiler(print)
-    known = tuple(each.position_ned_m for each in scenario.environment.obstacles if each.known)
     result = re_estimate(
         bag,
-        vehicle_ids,
-        neighbour_settings(scenario),
-        report,
+        [config.vehicle_id for config in configs],
+        [senses_of(config) for config in configs],
         scenario.period_s,
-        input_limits(scenario),
-        partial(make_tracker, settings.obstacle_tracker, known),
     )
-    _report_comparison(result, len(vehicle_ids))
+    _report_comparison(result, len(configs))
     return EXIT_DONE if result.agrees else EXIT_DIFFERENT
 
 

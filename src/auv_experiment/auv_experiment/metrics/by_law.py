@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from auv_experiment.metrics.consensus_bound import flock_metrics
@@ -13,14 +14,17 @@ from auv_experiment.metrics.lyapunov import lyapunov_metrics
 from auv_experiment.metrics.path import path_metrics, position_error_ned_m
 from auv_experiment.metrics.region import region_metrics
 from auv_experiment.recording import Recording
+from auv_experiment.team_runs import TeamRun
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
 
 
-def law_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
+def law_metrics(runs: Sequence[TeamRun]) -> dict[str, Any]:
     """
-    Return the metrics of the scenario's kind of law, and whether its Lyapunov candidates decrease.
+    Return the metrics of the kind of law of each team, and whether its Lyapunov candidates decrease.
+
+    A metric that several teams have is that of the first of them.
 
     `Scenario.readings` gives one metric each, ``<axis>_err_<time>_m``: path minus position of the first
     vehicle along one NED axis at one instant (m), at the record nearest to it.
@@ -28,6 +32,13 @@ def law_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     See `path_metrics`, `formation_metrics`, `region_metrics`, `course_metrics`, `fin_effort_metrics` and
     `flock_metrics` for their definitions.
     """
+    metrics: dict[str, Any] = {}
+    for run in runs:
+        metrics |= {key: value for key, value in _of_team(*run).items() if key not in metrics}
+    return metrics
+
+
+def _of_team(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     if recording.n_ticks == 0:
         return {}
     return _family_metrics(recording, scenario) | fin_effort_metrics(recording, scenario)

@@ -34,16 +34,27 @@ FORMED_SPACINGS = 2.0
 FORMED_FOR_S = 10.0
 
 
+def approach_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
+    """Return whether any two hulls touched, and the smallest distance of any two; see `MEANINGS`."""
+    pairs_m = pair_distances_m(recording)
+    ever_touching = (pairs_m < touch_distances_m(scenario)).any(axis=1)
+    return {
+        "collision": bool(ever_touching.any()),
+        "collision_at_s": recording.t_s[ever_touching.argmax()] if ever_touching.any() else None,
+        "pair_distance_min_m": smallest(pairs_m),
+    }
+
+
 def gathering_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     """
-    Return the metrics of the distances of all pairs.
+    Return the metrics of the distances of all pairs of a flock.
 
     Parameters
     ----------
     recording : Recording
         The run.
     scenario : Scenario
-        Its scenario: hull radius, spacing of the flocking law.
+        Its scenario: spacing of the flocking law.
 
     Returns
     -------
@@ -52,8 +63,6 @@ def gathering_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
 
     """
     t_s = recording.t_s
-    pairs_m = pair_distances_m(recording)
-    ever_touching = (pairs_m < touch_distances_m(scenario)).any(axis=1)
     flock_pairs_m = flock_pair_distances_m(recording)
     within_m = formed_within_m(scenario)
     formed_at_s = math.nan
@@ -62,9 +71,6 @@ def gathering_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any
     formed_m = flock_pairs_m[t_s >= formed_at_s - TIME_TOLERANCE_S]
     settled_m = flock_pairs_m[after(t_s, SETTLED_AFTER_S)]
     return {
-        "collision": bool(ever_touching.any()),
-        "collision_at_s": t_s[ever_touching.argmax()] if ever_touching.any() else None,
-        "pair_distance_min_m": smallest(pairs_m),
         "formed_at_s": formed_at_s,
         "pair_distance_formed_min_m": smallest(formed_m),
         "pair_distance_formed_max_m": largest(formed_m),

@@ -24,6 +24,7 @@ from auv_experiment.report.html import embedded_png, head
 from auv_experiment.report.numbers_table import numbers_table
 from auv_experiment.report.template import PAGE
 from auv_experiment.report.verdicts import verdicts
+from auv_experiment.scenario.teams import of_team, teams
 from auv_sim.vehicle import STEADY
 
 if TYPE_CHECKING:
@@ -76,10 +77,8 @@ def write_report(results_dir: Path, scenario: Scenario, metrics: dict[str, Any],
 
 def _flown(scenario: Scenario, metrics: dict[str, Any]) -> str:
     """Return a few sentences about the run."""
-    n = len(scenario.vehicles)
-    who = "all leaders" if len(scenario.leaders) == n else f"leaders: {', '.join(scenario.leaders) or 'none'}"
-    if scenario.agent.flocking is None:
-        who = _task(scenario)
+    n, parts = len(scenario.vehicles), teams(scenario)
+    who = "; ".join(_who(of_team(scenario, indices), names=len(parts) > 1) for indices in parts)
     path = "" if scenario.reference is None else f", their path a {scenario.reference.kind}"
     flown_s = metrics.get("duration_s", scenario.duration_s)
     first = f"{n} vehicle{'s' if n != 1 else ''} ({who}) flew {flown_s:g} s{path}{_water(scenario)}."
@@ -95,13 +94,22 @@ def _flown(scenario: Scenario, metrics: dict[str, Any]) -> str:
     )
 
 
-def _task(scenario: Scenario) -> str:
-    """Return what vehicles that are no flock do."""
-    agent = scenario.agent
+def _task(team: Scenario) -> str:
+    """Return what vehicles of a team that is no flock do."""
+    agent = team.agent
     if agent.fleet is not None:
         return f"a fleet of the kind {agent.fleet.kind}"
     course = "" if agent.course is None else f" on a course of the kind {agent.course.kind}"
     return f"each by itself{course} with the law {agent.controller.kind}"
+
+
+def _who(team: Scenario, *, names: bool) -> str:
+    """Return what the vehicles of a team are, with their names if there are other teams."""
+    n = len(team.vehicles)
+    who = "all leaders" if len(team.leaders) == n else f"leaders: {', '.join(team.leaders) or 'none'}"
+    if team.agent.flocking is None:
+        who = _task(team)
+    return f"{', '.join(vehicle.id for vehicle in team.vehicles)}: {who}" if names else who
 
 
 def _strangers(provenance: dict[str, Any]) -> str:

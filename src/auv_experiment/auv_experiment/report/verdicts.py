@@ -9,6 +9,7 @@ from auv_experiment.metrics.distances import touch_distances_m
 from auv_experiment.metrics.gathering import formed_within_m
 from auv_experiment.metrics.safety import near_warning, surface_warning
 from auv_experiment.recording import FloatArray
+from auv_experiment.scenario.teams import flocks, of_team
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -29,7 +30,7 @@ def verdicts(scenario: Scenario, metrics: dict[str, Any]) -> list[str]:
         answers.append(_answer("Did hulls touch?", bool(get("collision")), detail, good=False))
     if get("near_pairs") is not None:
         answers.append(_near_answer(metrics))
-    within_m = formed_within_m(scenario)
+    within_m = _formed_within_m(scenario)
     if nearest_m is not None and within_m is not None:
         answers.append(_formed_answer(metrics, within_m))
     if "fleet_formed_at_s" in metrics:
@@ -56,6 +57,12 @@ def verdicts(scenario: Scenario, metrics: dict[str, Any]) -> list[str]:
     if share is not None:
         answers.append(_consistency_answer(share))
     return answers
+
+
+def _formed_within_m(scenario: Scenario) -> float | None:
+    """Return the distance of a formed flock (m), None without a flock of two or more."""
+    first = next(iter(flocks(scenario)), ())
+    return formed_within_m(of_team(scenario, first)) if len(first) > 1 else None
 
 
 def _answer(question: str, holds: bool, detail: str, *, good: bool = True) -> str:

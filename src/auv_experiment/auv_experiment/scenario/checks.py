@@ -13,7 +13,8 @@ from auv_core.models import make_model, thrusters_of
 from auv_core.params import Section, shown
 from auv_experiment.scenario.file import ID, ID_WORDS, MOST_VEHICLES
 from auv_experiment.scenario.reach import check_reach
-from auv_flocking.agent_config import check_parts, report_format
+from auv_experiment.scenario.teams import agent_key, softwares, team_of, teams
+from auv_flocking.agent_config import SpokenReport, check_parts, report_format
 from auv_flocking.consensus import ContinuousFilter, consensus_params, make_consensus
 from auv_flocking.fleets import has_layers
 from auv_flocking.flocking import LayeredParams, Member, flocking_params, make_flocking
@@ -39,7 +40,7 @@ def check_scenario(scenario: Scenario) -> None:
     for check in (
         _check_vehicles,
         _check_leaders,
-        _check_agent,
+        _check_agents,
         _check_contracts,
         _check_commands,
         _check_steps,
@@ -47,7 +48,7 @@ def check_scenario(scenario: Scenario) -> None:
         _check_frames,
         _check_starts,
         _check_continuous,
-        _check_medium,
+        _check_reports,
         _check_layers,
     ):
         check(scenario)
@@ -82,17 +83,23 @@ def _check_leaders(scenario: Scenario) -> None:
             raise ValueError(f"leaders[{index}]: {shown(leader)} is not allowed; allowed: {', '.join(ids)}")
 
 
-def _check_agent(scenario: Scenario) -> None:
-    a = scenario.agent
-    for index in range(len(scenario.vehicles)):
-        reference = scenario.vehicles[index].reference or scenario.reference
-        check_parts(a, reference, where="agent.")
-    if scenario.leaders and scenario.follows != "velocity":
+def _check_agents(scenario: Scenario) -> None:
+    for index, agent in enumerate(scenario.agents):
+        where = agent_key(scenario, index)
+        owner = "" if scenario.vehicles[index].reference is None else f"vehicles[{index}]."
+        check_parts(agent, scenario.reference_section(index), where=f"{where}.", owner=owner)
+    if scenario.leaders and not any(agent.flocking for agent in scenario.agents):
         raise ValueError(
             f"leaders: {shown(list(scenario.leaders))} is not allowed; "
             "allowed: nothing, since there is no flock"
         )
-    if scenario.readings and scenario.follows != "path":
+    for index, vehicle in enumerate(scenario.vehicles):
+        if vehicle.id in scenario.leaders and scenario.agents[index].flocking is None:
+            at = scenario.leaders.index(vehicle.id)
+            raise ValueError(
+                f"leaders[{at}]: {shown(vehicle.id)} is not allowed; allowed: a vehicle that flocks"
+            )
+    if scenario.readings and scenario.follows_of(0) != "path":
         raise ValueError(
             "readings: not allowed; allowed: nothing, unless the controller follows a path by itself"
         )
@@ -100,58 +107,76 @@ def _check_agent(scenario: Scenario) -> None:
 
 def _check_contracts(scenario: Scenario) -> None:
     """The plugins of a vehicle have what their protocols ask for; those of the water are made below."""
-    agent = scenario.agent
-    make_controller(agent.controller, scenario.period_s)
     make_navigation(scenario.environment.navigation, scenario.seed, 1, scenario.period_s)
-    if agent.flocking is not None and agent.separation is not None:
-        separation, first = make_separation(agent.separation), Member(True, 1, len(scenario.vehicles))
+    for key, agent, indices in softwares(scenario):
+        make_controller(agent.controller, scenario.period_s)
+        if agent.flocking is not None and agent.separation is not None:
+            separation = make_separation(agent.separation)
+            first = Member(True, 1, len(team_of(scenario, indices[0])))
+            try:
+                make_flocking(agent.flocking, separation, first)
+            except ValueError as error:
+                raise ValueError(f"{key}.flocking.params.{error}") from None
+            flocking_params(agent.flocking)
+        if agent.consensus is not None:
+            consensus_params(agent.consensus)
+        if agent.course is not None:
+            make_course(agent.course, scenario.period_s)
+
+
+def _check_reports(scenario: Scenario) -> None:
+    """A version tells the kind of a report, so vehicles use a kind alike; and modems carry all of them."""
+    kinds: dict[str, SpokenReport] = {}
+    for key, agent, _ in softwares(scenario):
+        spoken, count = SpokenReport.of(agent), len(scenario.vehicles)
+        known = kinds.setdefault(agent.report.kind, spoken)
+        if known.bytes_of(count) != spoken.bytes_of(count):
+            raise ValueError(
+                f"{key}.report.kind: {agent.report.kind!r} is not allowed; allowed: another kind, since "
+                "other vehicles use this one with other parameters or for another task"
+            )
         try:
-            make_flocking(agent.flocking, separation, first)
+            AcousticMedium(scenario.medium_config).check_payload(report_format(agent, count).payload_bytes)
         except ValueError as error:
-            raise ValueError(f"agent.flocking.params.{error}") from None
-        flocking_params(agent.flocking)
-    if agent.consensus is not None:
-        consensus_params(agent.consensus)
-    if agent.course is not None:
-        make_course(agent.course, scenario.period_s)
+            raise ValueError(f"acoustics.{error}") from None
 
 
 def _check_frames(scenario: Scenario) -> None:
     """Check that a law written for one frame steers a plant of that frame."""
-    frame = auv_control.controllers.frame_of(scenario.agent.controller.params)
     for index, vehicle in enumerate(scenario.vehicles):
+        frame = auv_control.controllers.frame_of(scenario.agents[index].controller.params)
         plant = auv_core.models.frame_of(vehicle.model.params)
         if frame is not None and (frame == "flat") != (plant == "flat"):
             allowed = "flat" if plant == "flat" else "body, mixed"
             raise ValueError(
-                f"agent.controller.params.frame: {frame!r} is not allowed; "
+                f"{agent_key(scenario, index)}.controller.params.frame: {frame!r} is not allowed; "
                 f"allowed: {allowed}, since the model of vehicles[{index}] has the frame {plant}"
             )
 
 
 def _check_commands(scenario: Scenario) -> None:
-    agent = scenario.agent
-    given = controller_class(agent.controller.kind).command
     for index, vehicle in enumerate(scenario.vehicles):
+        agent, key = scenario.agents[index], agent_key(scenario, index)
+        given = controller_class(agent.controller.kind).command
         taken = make_model(vehicle.model).command
         if taken != given and (taken, given) != ("thrusters", "wrench"):
             raise ValueError(
-                f"agent.controller.kind: {agent.controller.kind!r} is not allowed; "
+                f"{key}.controller.kind: {agent.controller.kind!r} is not allowed; "
                 "allowed: a controller that gives "
                 f"the {taken} command that the model of vehicles[{index}] takes"
             )
         if agent.hold_s > 0.0 and not make_model(vehicle.model).handling.can_stop:
             raise ValueError(
-                f"agent.hold_s: {agent.hold_s!r} is not allowed; allowed: 0, "
+                f"{key}.hold_s: {agent.hold_s!r} is not allowed; allowed: 0, "
                 f"since vehicles[{index}] cannot stop"
             )
-    environment = scenario.environment
-    if scenario.kinematic and environment.current.kind != STEADY.kind:
+    environment, is_kinematic = scenario.environment, "velocity" in scenario.commands
+    if is_kinematic and environment.current.kind != STEADY.kind:
         raise ValueError(
             f"environment.current.kind: {environment.current.kind!r} is not allowed; allowed: "
             f"{STEADY.kind} with kinematic vehicles, whose velocity command is over ground"
         )
-    if scenario.kinematic and any(environment.current_ned_mps):
+    if is_kinematic and any(environment.current_ned_mps):
         raise ValueError(
             "environment.current_ned_mps: a current is not allowed; allowed: [0, 0, 0] with "
             "kinematic vehicles, "
@@ -188,7 +213,8 @@ def _check_faults(scenario: Scenario) -> None:
 
 def _check_starts(scenario: Scenario) -> None:
     starts = scenario.random_starts
-    if starts is not None and starts.depths == "layers" and not has_layers(scenario.agent.fleet):
+    has_any_layers = any(has_layers(agent.fleet) for agent in scenario.agents)
+    if starts is not None and starts.depths == "layers" and not has_any_layers:
         raise ValueError(
             "random_starts.depths: 'layers' is not allowed; allowed: ball, centre, since agent.fleet has no "
             "layers of depth"
@@ -228,7 +254,9 @@ def _check_continuous(scenario: Scenario) -> None:
         raise _not_continuous(
             ", for vehicles with thrusters, whose forces are chosen once per control period"
         )
-    agent, acoustics = scenario.agent, scenario.acoustics
+    if len(softwares(scenario)) > 1:
+        raise _not_continuous(", unless all vehicles have the same agent")
+    agent, acoustics = scenario.agents[0], scenario.acoustics
     controller = make_controller(agent.controller, scenario.period_s)
     if not scenario.kinematic and not isinstance(controller, ContinuousVelocityController | MotionLaw):
         raise _not_continuous(
@@ -240,7 +268,7 @@ def _check_continuous(scenario: Scenario) -> None:
         raise _not_continuous(f", unless environment.current is {STEADY.kind}")
     ideal = acoustics.propagation.kind == "instant" and acoustics.outage.kind == "none"
     ideal = ideal and acoustics.mac.kind == "unlimited" and acoustics.modem.kind == "ideal"
-    if not ideal and scenario.follows != "path":
+    if not ideal and scenario.follows_of(0) != "path":
         raise _not_continuous(
             ", unless acoustics.preset is ideal or the controller follows a path and uses no reports"
         )
@@ -265,26 +293,19 @@ def _not_continuous(why: str) -> ValueError:
     return ValueError(f"sampling: 'continuous' is not allowed; allowed: sampled{why}")
 
 
-def _check_medium(scenario: Scenario) -> None:
-    agent = scenario.agent
-    payload_bytes = report_format(agent, len(scenario.vehicles)).payload_bytes
-    try:
-        AcousticMedium(scenario.medium_config).check_payload(payload_bytes)
-    except ValueError as error:
-        raise ValueError(f"acoustics.{error}") from None
-
-
 def _check_layers(scenario: Scenario) -> None:
     """Check that hulls in neighbouring layers of depth cannot touch."""
-    others = len(scenario.vehicles) - 1
-    if scenario.agent.flocking is None or others == 0:
-        return
-    params = scenario.agent.flocking.params
-    height_m = params.height_m(others + 1) if isinstance(params, LayeredParams) else 0.0
-    least_m = 2.0 * scenario.hull_radius_m * others
-    if 0.0 < height_m <= least_m:
-        raise ValueError(
-            f"agent.flocking.params: {others + 1} layers within {height_m:.6g} m are not allowed; "
-            f"allowed: a layer_m and a layer_span_m that give more than {least_m:.6g} m, since the "
-            f"hulls have a radius of {scenario.hull_radius_m:g} m"
-        )
+    for indices in teams(scenario):
+        flocking, others = scenario.agents[indices[0]].flocking, len(indices) - 1
+        if flocking is None or others == 0:
+            continue
+        params = flocking.params
+        height_m = params.height_m(others + 1) if isinstance(params, LayeredParams) else 0.0
+        radius_m = max(scenario.hull_radii_m[index] for index in indices)
+        least_m = 2.0 * radius_m * others
+        if 0.0 < height_m <= least_m:
+            raise ValueError(
+                f"{agent_key(scenario, indices[0])}.flocking.params: {others + 1} layers within "
+                f"{height_m:.6g} m are not allowed; allowed: a layer_m and a layer_span_m that give more "
+                f"than {least_m:.6g} m, since the hulls have a radius of {radius_m:g} m"
+            )

@@ -7,7 +7,6 @@ dataclasses; errors are one line.
 
 from __future__ import annotations
 
-import copy
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -18,30 +17,14 @@ import auv_control.controllers
 import auv_core.models
 import auv_sim.acoustics
 from auv_core.params import ConfigError, shown
-from auv_core.plugins import PluginError, plugin_places
+from auv_core.plugins import plugin_places
+from auv_experiment.scenario.raw_agents import completed, merged, with_flock
 from auv_experiment.scenario.strict_yaml import parse_yaml, read_text
 
 MOST_VEHICLES = 254
 SCENARIOS_DIR = Path(__file__).parent
 ID = re.compile(r"[a-z][a-z0-9_]{0,30}\Z")
 ID_WORDS = "a lower-case letter, then at most 30 lower-case letters, digits or underscores"
-
-_FLOCK_WITHOUT_MODEM: dict[str, Any] = {
-    "flocking": {"kind": "potential"},
-    "separation": {"kind": "mathematical"},
-    "consensus": {"kind": "thesis"},
-}
-_FLOCK_ON_A_MODEM: dict[str, Any] = {
-    "flocking": {"kind": "communication_aware"},
-    "separation": {"kind": "mathematical"},
-    "consensus": {"kind": "neighbour_mean"},
-    "neighbours": {
-        "timeout_s": 900.0,
-        "acceleration_memory_s": 60.0,
-        "velocity_memory_s": 15.0,
-    },
-    "hold_s": 60.0,
-}
 
 
 def is_path(name_or_path: str) -> bool:
@@ -141,26 +124,44 @@ def _place(target: Any, keys: list[str]) -> str | int:
 
 def with_presets(raw: dict[str, Any]) -> dict[str, Any]:
     """
-    Return the raw scenario with fleets expanded and the presets of models, controllers and acoustics filled
-    in.
+    Return the raw scenario with fleets expanded, the presets of models, controllers and acoustics filled in,
+    and the agents of vehicles completed from the common one.
     """
     filled = _with_fleet(raw)
-    vehicles = filled.get("vehicles")
-    if isinstance(vehicles, list):
-        filled["vehicles"] = [
-            _with_preset(v, "model", auv_core.models, f"scenario.vehicles[{i}].model")
-            for i, v in enumerate(vehicles)
-        ]
-    agent = raw.get("agent")
-    if isinstance(agent, Mapping):
-        path = "scenario.agent.controller"
-        filled["agent"] = _with_preset(agent, "controller", auv_control.controllers, path)
     acoustics = raw.get("acoustics")
     if isinstance(acoustics, Mapping) and acoustics.get("preset") not in (None, ""):
         preset = _preset(auv_sim.acoustics, acoustics["preset"], "scenario.acoustics.preset")
-        sections = {key: _merged(preset.get(key), value) for key, value in acoustics.items()}
+        sections = {key: merged(preset.get(key), value) for key, value in acoustics.items()}
         filled["acoustics"] = {**preset, **sections}
-    return _with_flock(filled)
+    acoustics = filled.get("acoustics")
+    modem = acoustics.get("modem") if isinstance(acoustics, Mapping) else None
+    common = _with_controller(raw.get("agent"), "scenario.agent")
+    vehicles = filled.get("vehicles")
+    if isinstance(vehicles, list):
+        filled["vehicles"] = [
+            _filled_vehicle(vehicle, f"scenario.vehicles[{i}]", common, modem)
+            for i, vehicle in enumerate(vehicles)
+        ]
+    if isinstance(common, Mapping):
+        filled["agent"] = with_flock(common, modem)
+    return filled
+
+
+def _filled_vehicle(vehicle: Any, path: str, common: Any, modem: Any) -> Any:
+    """Return a vehicle with the preset of its model and, if it has an agent of its own, all of that."""
+    filled = _with_preset(vehicle, "model", auv_core.models, f"{path}.model")
+    own = filled.get("agent") if isinstance(filled, Mapping) else None
+    if not isinstance(own, Mapping):
+        return filled
+    controller = own.get("controller")
+    if isinstance(controller, Mapping) and "preset" in controller and isinstance(common, Mapping):
+        common = {key: value for key, value in common.items() if key != "controller"}
+    own = _with_controller(own, f"{path}.agent")
+    return {**filled, "agent": with_flock(completed(own, common), modem)}
+
+
+def _with_controller(agent: Any, path: str) -> Any:
+    return _with_preset(agent, "controller", auv_control.controllers, f"{path}.controller")
 
 
 def _with_fleet(raw: dict[str, Any]) -> dict[str, Any]:
@@ -187,30 +188,6 @@ def _with_fleet(raw: dict[str, Any]) -> dict[str, Any]:
     return filled
 
 
-def _with_flock(filled: dict[str, Any]) -> dict[str, Any]:
-    """
-    Return the raw scenario with the missing parts of a flock filled in.
-
-    On the ideal modem these are the thesis's parts. On every other modem they are `communication_aware` and
-    the parts that suit it.
-    """
-    agent, acoustics = filled.get("agent"), filled.get("acoustics")
-    if not isinstance(agent, Mapping) or not isinstance(acoustics, Mapping) or "flocking" in agent:
-        return filled
-    try:
-        controller = auv_control.controllers.controller_class(agent["controller"]["kind"])
-    except (KeyError, TypeError, PluginError):
-        return filled
-    modem = acoustics.get("modem")
-    if controller.follows != "velocity" or not isinstance(modem, Mapping):
-        return filled
-    parts = _FLOCK_WITHOUT_MODEM if modem.get("kind") == "ideal" else _FLOCK_ON_A_MODEM
-    merged = {**copy.deepcopy(parts), **agent}
-    if isinstance(agent.get("neighbours"), Mapping):
-        merged["neighbours"] = {**parts.get("neighbours", {}), **agent["neighbours"]}
-    return {**filled, "agent": merged}
-
-
 def _with_preset(owner: Any, key: str, package: ModuleType, path: str) -> Any:
     """Return the mapping `owner` with the preset of its plugin section `key` filled in."""
     section = owner.get(key) if isinstance(owner, Mapping) else None
@@ -218,7 +195,7 @@ def _with_preset(owner: Any, key: str, package: ModuleType, path: str) -> Any:
         return owner
     preset = _preset(package, section["preset"], f"{path}.preset")
     explicit = {name: value for name, value in section.items() if name != "preset"}
-    return {**owner, key: _merged(preset, explicit)}
+    return {**owner, key: merged(preset, explicit)}
 
 
 def _preset(package: ModuleType, name: object, path: str) -> dict[str, Any]:
@@ -227,15 +204,3 @@ def _preset(package: ModuleType, name: object, path: str) -> dict[str, Any]:
     if not isinstance(name, str) or name not in files:
         raise ConfigError(f"{path}: {shown(name)} is not allowed; allowed: {', '.join(sorted(files))}")
     return read_raw(files[name])
-
-
-def _merged(preset: Any, explicit: Any) -> Any:
-    """
-    Return a plugin section: explicit keys override those of the preset, also within its mappings, unless they
-    name another kind.
-    """
-    if not isinstance(preset, Mapping) or not isinstance(explicit, Mapping):
-        return explicit
-    if "kind" in explicit and explicit["kind"] != preset.get("kind"):
-        return explicit
-    return {**preset, **{key: _merged(preset.get(key), value) for key, value in explicit.items()}}

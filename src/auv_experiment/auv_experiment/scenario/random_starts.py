@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from auv_core.geometry import Vec3, distance
+from auv_core.models import make_model
 from auv_core.params import ConfigError
-from auv_flocking.fleets import layers_of
+from auv_experiment.scenario.teams import teams
+from auv_flocking.fleets import has_layers, layers_of
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import RandomStarts, Scenario, VehicleEntry
@@ -35,19 +37,24 @@ def with_starts(scenario: Scenario) -> Scenario:
         vehicles = _in_a_ball(rng, starts, scenario.vehicles)
     else:
         vehicles = _in_a_disc(rng, starts, scenario)
-    if starts.any_heading:
-        vehicles = [
-            vehicle if given.position_ned_m else replace(vehicle, heading_rad=_drawn_heading_rad(rng))
-            for vehicle, given in zip(vehicles, scenario.vehicles, strict=True)
-        ]
+    vehicles = [
+        vehicle if given.position_ned_m else _set_off(rng, starts, vehicle)
+        for vehicle, given in zip(vehicles, scenario.vehicles, strict=True)
+    ]
     try:
         return replace(scenario, vehicles=tuple(vehicles))
     except ValueError as error:
         raise ConfigError(f"scenario.{error}") from None
 
 
-def _drawn_heading_rad(rng: np.random.Generator) -> float:
-    return float(rng.uniform(-math.pi, math.pi))
+def _set_off(rng: np.random.Generator, starts: RandomStarts, vehicle: VehicleEntry) -> VehicleEntry:
+    """Return a vehicle with a drawn heading, and one that cannot stop with a speed, if it has none."""
+    lies_still = vehicle.speed_mps == 0.0 and not make_model(vehicle.model).handling.can_stop
+    if lies_still:
+        vehicle = replace(vehicle, speed_mps=starts.speed_mps)
+    if starts.any_heading or lies_still:
+        return replace(vehicle, heading_rad=float(rng.uniform(-math.pi, math.pi)))
+    return vehicle
 
 
 def _in_a_ball(
@@ -80,7 +87,11 @@ def _in_a_disc(rng: np.random.Generator, starts: RandomStarts, scenario: Scenari
     given = scenario.vehicles
     depths_m = [starts.centre_ned_m[2]] * len(given)
     if starts.depths == "layers":
-        depths_m = list(layers_of(scenario.agent.fleet, len(given)))
+        for indices in teams(scenario):
+            fleet = scenario.agents[indices[0]].fleet
+            if has_layers(fleet):
+                for index, layer_m in zip(indices, layers_of(fleet, len(indices)), strict=True):
+                    depths_m[index] = layer_m
     held = [vehicle.position_ned_m[:2] for vehicle in given if vehicle.position_ned_m is not None]
     count = len(given) - len(held)
     for _ in range(_DISC_ROUNDS):  # a bad first place may leave no room for the last one

@@ -10,6 +10,7 @@ scenario.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ from auv_core.thrusters import ThrusterFault
 from auv_experiment.scenario.checks import check_scenario
 from auv_experiment.scenario.file import ID, ID_WORDS
 from auv_experiment.scenario.random_starts import DEPTHS
-from auv_flocking.agent_config import REFERENCES, AgentSettings
+from auv_flocking.agent_config import FOLLOW_REFERENCE, REFERENCES, AgentSettings
 from auv_sim.acoustics.medium import MediumConfig, WaterSections
 from auv_sim.obstacle_field import MAX_M, ObstacleConfig
 from auv_sim.vehicle import VehicleConfig, substeps
@@ -77,6 +78,9 @@ class VehicleEntry:
     reference: Section | None = param(
         "path of this vehicle; if missing, the path of the scenario", default=None, plugins=REFERENCES
     )
+    agent: AgentSettings | None = param(
+        "software of this vehicle: what differs from the section `agent` of the scenario", default=None
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,6 +111,12 @@ class RandomStarts:
         choices=DEPTHS,
     )
     any_heading: bool = param("whether headings are drawn, uniform over the circle", default=False)
+    speed_mps: float = param(
+        "speed ahead over ground of vehicles that cannot stop and have none of their own, whose headings are "
+        "drawn then too (m/s)",
+        default=1.5,
+        minimum=0.0,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,7 +144,7 @@ class Scenario:
         "ids of the vehicles that know the path of a flock, or `all`", default=()
     )
     reference: Section | None = param("path to follow", default=None, plugins=REFERENCES)
-    agent: AgentSettings = param("the software of every vehicle")
+    agent: AgentSettings = param("the software of every vehicle, but for what vehicles have of their own")
     acoustics: Acoustics = param("the acoustic medium")
     readings: tuple[Reading, ...] = param("path errors to report at given instants", default=())
     environment: Environment = param("the water and its obstacles", default=Environment())
@@ -218,13 +228,35 @@ class Scenario:
         """Configuration of the acoustic medium."""
         return extended(MediumConfig, self.acoustics, self, fleet_size=len(self.vehicles))
 
-    def reference_of(self, index: int | None = None) -> ReferencePath | None:
-        """Return the path of a vehicle, or of the flock: a ``Reference`` of the plugin folder, or None."""
-        section = None if index is None else self.vehicles[index].reference
-        section = self.reference if section is None else section
-        return None if section is None else make_reference(section)
+    @cached_property
+    def agents(self) -> tuple[AgentSettings, ...]:
+        """The software of each vehicle."""
+        return tuple(self.agent if vehicle.agent is None else vehicle.agent for vehicle in self.vehicles)
 
     @property
     def follows(self) -> str:
-        """What the controllers follow: velocity (of a flocking law), path or region."""
-        return controller_class(self.agent.controller.kind).follows
+        """
+        What the controllers of a team follow: velocity (of a flocking law), path, region or course; see
+        `auv_experiment.scenario.teams`.
+        """
+        return self.follows_of(0)
+
+    def follows_of(self, index: int) -> str:
+        """Return what the controller of a vehicle follows."""
+        return controller_class(self.agents[index].controller.kind).follows
+
+    def reference_section(self, index: int) -> Section | None:
+        """
+        Return the path of a vehicle, or None: its own, or that of the scenario if its controller follows one
+        and another vehicle's does not.
+        """
+        own = self.vehicles[index].reference
+        if own is not None or self.reference is None or self.follows_of(index) in FOLLOW_REFERENCE:
+            return self.reference if own is None else own
+        others = range(len(self.vehicles))
+        return None if any(self.follows_of(other) in FOLLOW_REFERENCE for other in others) else self.reference
+
+    def reference_of(self, index: int | None = None) -> ReferencePath | None:
+        """Return the path of a vehicle, or of the flock: a ``Reference`` of the plugin folder, or None."""
+        section = self.reference if index is None else self.reference_section(index)
+        return None if section is None else make_reference(section)

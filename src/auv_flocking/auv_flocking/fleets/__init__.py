@@ -59,8 +59,10 @@ class FleetTask(Protocol):
     centre_rate: Vec3
     flock_velocity: FlockVelocity
 
-    def step(self, t_s: float, nav: VehicleState, neighbours: Neighbours) -> FinCommand:
-        """Return the command of one control period."""
+    def step(
+        self, t_s: float, nav: VehicleState, neighbours: Neighbours, others: Neighbours = ()
+    ) -> FinCommand:
+        """Return the command of one control period; `others` have no part in the task."""
 
     def check(self, vehicle: Turning, current_mps: float) -> None:
         """Raise ValueError unless the vehicle can do its part in a current of any direction (m/s)."""

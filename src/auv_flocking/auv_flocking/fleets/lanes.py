@@ -107,7 +107,9 @@ class Fleet(FleetTask):
         self.gamma_m = 0.0
         self.correction_mps = 0.0
 
-    def step(self, t_s: float, nav: VehicleState, neighbours: Neighbours) -> FinCommand:
+    def step(
+        self, t_s: float, nav: VehicleState, neighbours: Neighbours, others: Neighbours = ()
+    ) -> FinCommand:
         """
         Return the command of one control period.
 
@@ -119,6 +121,8 @@ class Fleet(FleetTask):
             The vehicle's own navigation.
         neighbours : sequence of NeighbourEstimate
             The neighbours, whose shared numbers are those of `LaneStatus`.
+        others : sequence of NeighbourEstimate
+            Vehicles with another task, from which a vehicle on its way to its lane turns away.
 
         """
         loiters = self.mode.mode is Mode.LOITER
@@ -131,7 +135,7 @@ class Fleet(FleetTask):
         self.mode = self._next_mode(t_s, nav)
         speed_mps = self._coordinated_mps(own, found, fresh, self.gamma_m - before_m)
         if self._turn_away is not None:
-            found = self._turned_away(t_s, nav, found, self._turn_away)
+            found = self._turned_away(t_s, nav, found, self._turn_away, others)
         self.status = self._status(own)
         self._guide.change_to(self._loiter if self.mode.mode is Mode.LOITER else self._path)
         setpoint = Setpoint(found.heading_rad, found.turn_rate_radps, self.status.depth_target_m, speed_mps)
@@ -276,7 +280,9 @@ class Fleet(FleetTask):
             )
         return speed_mps
 
-    def _turned_away(self, t_s: float, nav: VehicleState, found: Sight, law: TurnAway) -> Sight:
+    def _turned_away(
+        self, t_s: float, nav: VehicleState, found: Sight, law: TurnAway, others: Neighbours
+    ) -> Sight:
         """Return what guidance found, with the heading of a vehicle in transit that turns away."""
         if self.mode.mode is not Mode.TRANSIT:
             law.give_up()
@@ -293,7 +299,7 @@ class Fleet(FleetTask):
             0.0,
         )
         known = {**self._plan, **self._others}
-        offset_rad = law.decide(t_s, intent, known.values())
+        offset_rad = law.decide(t_s, intent, known.values(), others)
         if law.course == STRAIGHT_ON:
             return found
         return found._replace(heading_rad=found.heading_rad + offset_rad, turn_rate_radps=0.0)

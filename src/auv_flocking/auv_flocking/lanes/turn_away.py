@@ -11,7 +11,9 @@ turned to.
 share is how far a neighbour comes inside D_k + sigma, per D_k + sigma, while less than the conflict height
 away in depth. sigma grows with the age of the packet. Priority is by address: a vehicle gives way to all that
 are in their lanes, and to those in TRANSIT with a lower address. If both gave way, they would turn into each
-other before their first packets. It lowers the risk and gives no guarantee, which layers do.
+other before their first packets. To vehicles with another task, such as one that hovers, it always gives way;
+of them it knows position and velocity, and takes it that they go straight on. It lowers the risk and gives no
+guarantee, which layers do.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ from auv_core.geometry import Vec3, clipped, smallest_angle
 from auv_core.params import param
 from auv_flocking.lanes.modes import IN_LANE
 from auv_flocking.lanes.status import COURSES, STRAIGHT_ON, LaneNeighbour
+from auv_flocking.neighbours.estimates import NeighbourEstimate
 
 Floats = NDArray[np.float64]
 
@@ -231,7 +234,13 @@ class TurnAway:
         self._decided_s = -math.inf
         self.course = STRAIGHT_ON
 
-    def decide(self, t_s: float, own: Intent, neighbours: Iterable[LaneNeighbour]) -> float:
+    def decide(
+        self,
+        t_s: float,
+        own: Intent,
+        neighbours: Iterable[LaneNeighbour],
+        others: Iterable[NeighbourEstimate] = (),
+    ) -> float:
         """
         Return the angle beside the way to the lane (rad), decided anew once per `every_s`.
 
@@ -242,12 +251,15 @@ class TurnAway:
         own : Intent
             The own vehicle, without a course beside its guidance.
         neighbours : iterable of LaneNeighbour
-            All that are known.
+            All of the fleet that are known.
+        others : iterable of NeighbourEstimate
+            Vehicles with another task.
 
         """
         if t_s - self._decided_s >= self._params.every_s - 1e-9:
             self._decided_s = t_s
             ways = [self._way_of(other, t_s) for other in neighbours if self._gives_way_to(other)]
+            ways += [self._straight_way_of(other) for other in others]
             self.course = self._chosen(own, ways)
         return course_offset_rad(self.course)
 
@@ -292,6 +304,12 @@ class TurnAway:
         )
         sigma_m = uncertainty_m(t_s - other.time_s, p, avoids=avoids, in_lane=status.mode in IN_LANE)
         return Way(self._points(intent, self._speed_mps, round(t_s - other.seen_s)), sigma_m)
+
+    def _straight_way_of(self, other: NeighbourEstimate) -> Way:
+        """Return the way of a vehicle with another task, straight on from now."""
+        ahead_s = np.arange(self._rows, dtype=np.float64)[:, np.newaxis]
+        sigma_m = uncertainty_m(other.age_s, self._params, avoids=False, in_lane=False)
+        return Way(np.array(other.position) + ahead_s * np.array(other.velocity), sigma_m)
 
     def _points(self, intent: Intent, settled_mps: float, age_rows: int) -> Floats:
         way = np.empty((self._rows + age_rows, 3))

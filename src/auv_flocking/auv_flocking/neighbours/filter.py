@@ -27,7 +27,7 @@ from auv_flocking.neighbours.motion import Turning, later
 from auv_flocking.neighbours.navigation_offset import OwnFix, Stated, Unaided
 from auv_flocking.neighbours.sonar_contact import Sighting
 from auv_flocking.report import Report
-from auv_flocking.reports import ReportFormat
+from auv_flocking.reports import ReportDecoder
 
 Matrix = NDArray[np.float64]
 
@@ -94,17 +94,15 @@ class NeighbourConfig:
     )
 
 
-def with_rounding(config: NeighbourConfig, report_format: ReportFormat) -> NeighbourConfig:
+def with_rounding(config: NeighbourConfig, decoder: ReportDecoder) -> NeighbourConfig:
     """
     Return the noise that a filter assumes: at least the rounding error of the report format, a step over the
     square root of twelve.
     """
     return replace(
         config,
-        position_std_m=max(config.position_std_m, report_format.position_resolution_m / math.sqrt(12.0)),
-        velocity_std_mps=max(
-            config.velocity_std_mps, report_format.velocity_resolution_mps / math.sqrt(12.0)
-        ),
+        position_std_m=max(config.position_std_m, decoder.position_resolution_m / math.sqrt(12.0)),
+        velocity_std_mps=max(config.velocity_std_mps, decoder.velocity_resolution_mps / math.sqrt(12.0)),
     )
 
 

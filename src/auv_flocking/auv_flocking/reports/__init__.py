@@ -7,7 +7,8 @@ name is its ``kind``.
 
 Every payload begins with its version in the four highest bits of the first byte.  `VERSIONS` is the list of
 all versions: each belongs to one kind, so that formats cannot be confused, and is never used again.  A kind
-also reads its older versions, so that old recordings stay readable.  A flock's vehicles use one format.
+also reads its older versions, so that old recordings stay readable.  Vehicles with different tasks may use
+different formats (`auv_flocking.report_reader`); those of one kind use it alike.
 """
 
 from __future__ import annotations
@@ -86,7 +87,35 @@ class Bounds(NamedTuple):
     centre_distance_m: float
 
 
-class ReportFormat(Protocol):
+class ReportDecoder(Protocol):
+    """
+    Converts bytes to reports.
+
+    Attributes
+    ----------
+    position_resolution_m, velocity_resolution_mps : float
+        Steps of the sender's position and velocity (0 if negligible), so that a filter can add the rounding
+        error to its noise.
+
+    """
+
+    position_resolution_m: float
+    velocity_resolution_mps: float
+
+    def decode(self, payload: bytes, now_s: float) -> Report:
+        """
+        Return the report; `now_s` (s) selects the time of a wrapped time tag.
+
+        Raises
+        ------
+        ReportError
+            The only exception, for any bytes that are not a report of this format: another length, another
+            version, address 0, undefined bits.
+
+        """
+
+
+class ReportFormat(ReportDecoder, Protocol):
     """
     Converts reports to bytes and back.
 
@@ -99,17 +128,12 @@ class ReportFormat(Protocol):
     carries : Bounds
         Limits without saturation: a scenario that exceeds them is refused, and a vehicle of a fleet whose
         position exceeds them holds.
-    position_resolution_m, velocity_resolution_mps : float
-        Steps of the sender's position and velocity (0 if negligible), so that a filter can add the rounding
-        error to its noise.
 
     """
 
     payload_bytes: int
     budget: Sequence[tuple[str, int]]
     carries: Bounds
-    position_resolution_m: float
-    velocity_resolution_mps: float
 
     @property
     def saturated(self) -> int:
@@ -123,18 +147,6 @@ class ReportFormat(Protocol):
         ------
         ReportError
             For numbers that cannot be sent (NaN).
-
-        """
-
-    def decode(self, payload: bytes, now_s: float) -> Report:
-        """
-        Return the report; `now_s` (s) selects the time of a wrapped time tag.
-
-        Raises
-        ------
-        ReportError
-            The only exception, for any bytes that are not a report of this format: another length, another
-            version, address 0, undefined bits.
 
         """
 

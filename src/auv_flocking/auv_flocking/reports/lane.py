@@ -20,7 +20,6 @@ from auv_flocking.reports._tags import tag_field, tagged_s
 
 _VERSION = VERSIONS["lane"].written
 _TIME_LEVELS = 2**20
-_AT_REST: Vec3 = (0.0, 0.0, 0.0)
 _UNUSED = (0.0, 0.0, 0.0)
 
 
@@ -58,7 +57,12 @@ def base_fields(params: Params) -> tuple[Levels, ...]:
 
 
 class Format(ReportFormat):
-    """Encodes and decodes reports; the centre of a decoded one is its position, its flock velocity zero."""
+    """
+    Encodes and decodes reports.
+
+    The centre of a decoded one is its position. Its flock velocity is its own velocity, so that a filter in
+    which velocities relax to that of the flock goes on with it.
+    """
 
     def __init__(self, params: Params, shared: Sequence[Field]) -> None:
         fields = base_fields(params)
@@ -140,13 +144,14 @@ class Format(ReportFormat):
         if v[1] == 0.0:
             raise ReportError("address 0 is no vehicle's")
         position: Vec3 = (v[3], v[4], v[5])
+        velocity: Vec3 = (v[6], v[7], v[8])
         return Report(
             int(v[1]),
             tagged_s(v[2], _TIME_LEVELS, now_s),
             position,
-            (v[6], v[7], v[8]),
+            velocity,
             position,
-            _AT_REST,
+            velocity,
             NEVER,
             0.0,
             v[9],
