@@ -9,7 +9,7 @@ import numpy as np
 
 from auv_experiment.recording import IntArray, Recording
 from auv_experiment.recording_shapes import NEIGHBOURS, shapes_of
-from auv_experiment.scenario.teams import of_team, teams
+from auv_experiment.scenario.teams import has_one_agent, of_team, teams
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -28,7 +28,7 @@ class TeamRun(NamedTuple):
 
 def team_runs(recording: Recording, scenario: Scenario) -> list[TeamRun]:
     """Return the run of each team, in the order of their first vehicles; the run itself if there is one."""
-    if all(vehicle.agent is None for vehicle in scenario.vehicles):
+    if has_one_agent(scenario):
         return [TeamRun(recording, scenario)]
     return [
         TeamRun(_of_vehicles(recording, indices), of_team(scenario, indices)) for indices in teams(scenario)

@@ -36,6 +36,7 @@ def fleet(*handlings: Handling) -> Any:
         hull_radii_m=radii_m,
         hull_radius_m=max(radii_m),
         agent=SimpleNamespace(flocking=None),
+        vehicles=(),
     )
 
 

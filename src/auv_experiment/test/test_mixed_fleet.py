@@ -94,7 +94,7 @@ def test_agents_know_their_group_and_what_the_others_speak(mixed):
     agents = [Agent(config) for config in configs]
     assert [type(agent.task) for agent in agents] == [FlockTask, Fleet, Fleet, Fleet]
     assert [agent.command for agent in agents] == ["wrench", "fins", "fins", "fins"]
-    assert len({agent.task.layer_m for agent in agents[1:]}) == 3
+    assert len({agent.task.layer_m for agent in agents if isinstance(agent.task, Fleet)}) == 3
 
 
 def test_a_fleet_with_one_agent_has_no_groups_and_reads_one_format():
@@ -155,6 +155,26 @@ def test_metrics_and_parts_of_a_run_are_those_of_its_teams(flown):
 def test_what_does_not_fit_together_is_refused_in_one_line(override, words):
     message = _refusal(override)
     assert message.startswith(f"scenario.{words}"), message
+
+
+DRAWN = "vehicles.3={id: auv_4, model: {preset: remus100}}"
+DISC = "random_starts={centre_ned_m: [100.0, 0.0, 30.0], radius_m: 100.0, separation_m: 40.0, depths: layers}"
+
+
+def test_a_random_start_of_a_vehicle_that_cannot_stop_is_in_its_layer_and_under_way():
+    drawn = load_scenario("mixed_fleet", overrides=[DRAWN, DISC, "random_starts.speed_mps=1.2"]).vehicles[3]
+    assert drawn.position_ned_m is not None
+    assert (drawn.position_ned_m[2], drawn.speed_mps) == (42.0, 1.2)
+    assert drawn.heading_rad != 0.0
+    own = load_scenario("mixed_fleet", overrides=[DRAWN, DISC, "vehicles.3.speed_mps=1.4"]).vehicles[3]
+    assert (own.position_ned_m, own.speed_mps, own.heading_rad) == (drawn.position_ned_m, 1.4, 0.0)
+
+
+def test_a_random_start_of_one_that_can_stop_is_at_rest_and_where_none_has_a_layer():
+    hovering = "vehicles.0.position_ned_m=null"
+    drawn = load_scenario("mixed_fleet", overrides=[hovering, DISC]).vehicles[0]
+    assert drawn.position_ned_m is not None
+    assert (drawn.position_ned_m[2], drawn.speed_mps, drawn.heading_rad) == (30.0, 0.0, 0.0)
 
 
 @pytest.mark.slow

@@ -67,7 +67,7 @@ def make_scenario(**changes: Any) -> Any:
         "hull_radius_m": 0.3,
         "hull_radii_m": (0.3, 0.3, 0.3, 0.3),
         "handlings": 4 * (hovering(0.3),),
-        "vehicles": tuple(kind(id=f"auv_{i}") for i in range(1, 5)),
+        "vehicles": tuple(kind(id=f"auv_{i}", agent=None) for i in range(1, 5)),
         "leaders": ("auv_1",),
         "reference": kind(kind="circle"),
         "follows": "velocity",

@@ -78,7 +78,7 @@ def test_a_reader_of_several_formats_reads_each_by_its_version():
     from_lane = READER.decode(LANE.encode(_report(3, STATUS.numbers())), 12.0)
     from_compact = READER.decode(COMPACT.encode(_report(1)), 12.0)
     assert (from_lane.address, from_compact.address) == (3, 1)
-    assert LaneStatus(*from_lane.shared).mode == Mode.INLANE
+    assert from_lane.shared[3] == Mode.INLANE
     assert from_compact.shared == ()
     for report in (from_lane, from_compact):
         assert math.dist(report.position, (10.0, -20.0, 30.0)) < 0.1

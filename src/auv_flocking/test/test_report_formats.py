@@ -484,5 +484,5 @@ def test_a_lane_gives_position_and_status_back(report, gamma_m, course, is_limit
     np.testing.assert_allclose(back.velocity, sent.velocity, atol=0.002501)
     np.testing.assert_allclose(back.shared, shared, atol=0.02501)
     assert back.time_s == pytest.approx(sent.time_s, abs=0.00501)
-    assert (back.centre, back.flock_velocity, back.flock_stamp_s) == (back.position, (0.0, 0.0, 0.0), NEVER)
+    assert (back.centre, back.flock_velocity, back.flock_stamp_s) == (back.position, back.velocity, NEVER)
     assert form.saturated == 0

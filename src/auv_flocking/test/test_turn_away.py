@@ -18,6 +18,7 @@ from auv_flocking.lanes.turn_away import (
     roll_out,
     uncertainty_m,
 )
+from auv_flocking.neighbours.estimates import NeighbourEstimate
 
 TRACK = racetrack.Path(racetrack.Params()).track
 SLOTS = ((0.0, 0.0, 0.0), (0.0, 15.0, 0.0), (0.0, -15.0, 0.0))
@@ -68,6 +69,23 @@ def test_it_turns_away_from_one_that_comes_towards_it():
 )
 def test_to_which_neighbours_it_gives_way(changes, address, turns):
     assert (_decided(_others(**changes), address=address) != STRAIGHT_ON) == turns
+
+
+@pytest.mark.parametrize(
+    ("position", "velocity", "turns"),
+    [
+        ((100.0, 30.0, 30.0), (0.0, 0.0, 0.0), True),
+        ((100.0, 30.0, 42.0), (0.0, 0.0, 0.0), False),
+        ((140.0, 30.0, 30.0), (-1.5, 0.0, 0.0), True),
+        ((140.0, 30.0, 30.0), (1.5, 0.0, 0.0), False),
+    ],
+    ids=["hovers ahead", "hovers below", "comes across", "leaves"],
+)
+def test_it_gives_way_to_a_vehicle_with_another_task_that_goes_straight_on(position, velocity, turns):
+    other = NeighbourEstimate(9, position, velocity, np.eye(6), 2.0, position, velocity)
+    law = TurnAway(PARAMS, TRACK, SLOTS, 1, 1.5)
+    law.decide(0.0, OWN, [], [other])
+    assert (law.course != STRAIGHT_ON) == turns
 
 
 def test_it_decides_once_a_second_and_gives_up_in_its_lane():

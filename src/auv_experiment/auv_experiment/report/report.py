@@ -24,7 +24,7 @@ from auv_experiment.report.html import embedded_png, head
 from auv_experiment.report.numbers_table import numbers_table
 from auv_experiment.report.template import PAGE
 from auv_experiment.report.verdicts import verdicts
-from auv_experiment.scenario.teams import of_team, teams
+from auv_experiment.scenario.teams import team_scenarios
 from auv_sim.vehicle import STEADY
 
 if TYPE_CHECKING:
@@ -77,8 +77,8 @@ def write_report(results_dir: Path, scenario: Scenario, metrics: dict[str, Any],
 
 def _flown(scenario: Scenario, metrics: dict[str, Any]) -> str:
     """Return a few sentences about the run."""
-    n, parts = len(scenario.vehicles), teams(scenario)
-    who = "; ".join(_who(of_team(scenario, indices), names=len(parts) > 1) for indices in parts)
+    n, parts = len(scenario.vehicles), team_scenarios(scenario)
+    who = "; ".join(_who(team, names=len(parts) > 1) for team in parts)
     path = "" if scenario.reference is None else f", their path a {scenario.reference.kind}"
     flown_s = metrics.get("duration_s", scenario.duration_s)
     first = f"{n} vehicle{'s' if n != 1 else ''} ({who}) flew {flown_s:g} s{path}{_water(scenario)}."

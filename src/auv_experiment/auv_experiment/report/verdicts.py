@@ -9,7 +9,7 @@ from auv_experiment.metrics.distances import touch_distances_m
 from auv_experiment.metrics.gathering import formed_within_m
 from auv_experiment.metrics.safety import near_warning, surface_warning
 from auv_experiment.recording import FloatArray
-from auv_experiment.scenario.teams import flocks, of_team
+from auv_experiment.scenario.teams import team_scenarios
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -61,8 +61,8 @@ def verdicts(scenario: Scenario, metrics: dict[str, Any]) -> list[str]:
 
 def _formed_within_m(scenario: Scenario) -> float | None:
     """Return the distance of a formed flock (m), None without a flock of two or more."""
-    first = next(iter(flocks(scenario)), ())
-    return formed_within_m(of_team(scenario, first)) if len(first) > 1 else None
+    flock = next((team for team in team_scenarios(scenario) if team.agent.flocking is not None), None)
+    return None if flock is None or len(flock.vehicles) < 2 else formed_within_m(flock)
 
 
 def _answer(question: str, holds: bool, detail: str, *, good: bool = True) -> str:

@@ -81,6 +81,18 @@ def is_group(agent: AgentSettings) -> bool:
     return agent.fleet is not None or agent.flocking is not None
 
 
+def has_one_agent(scenario: Scenario) -> bool:
+    """Return whether no vehicle has an agent of its own."""
+    return all(vehicle.agent is None for vehicle in scenario.vehicles)
+
+
+def team_scenarios(scenario: Scenario) -> list[Scenario]:
+    """Return the scenario of each team, in the order of their first vehicles."""
+    if has_one_agent(scenario):
+        return [scenario]
+    return [of_team(scenario, indices) for indices in teams(scenario)]
+
+
 def of_team(scenario: Scenario, indices: Iterable[int]) -> Scenario:
     """Return the scenario of one team; its section `agent` is the software of the first vehicle."""
     taken = tuple(indices)
