@@ -136,6 +136,7 @@ def test_the_fleet_forms_and_keeps_its_distances(monkeypatch):
     metrics = compute_metrics(recording, scenario, mode="inprocess", real_time_factor=1.0)
     assert np.nanmin(pair_distances_m(recording)) > 5.0
     assert metrics["fleet_formed_at_s"] < 620.0
+    assert 13.5 < metrics["pair_distance_formed_min_m"] < metrics["pair_distance_formed_max_m"] < 75.0
     assert metrics["coordination_error_p95_m"] < 1.0
     assert metrics["cross_track_rms_m"] < 0.1
     assert metrics["cross_track_max_m"] < 0.7

@@ -182,8 +182,12 @@ MEANINGS = {
         "end of the first 10 s in which every pair is nearer than twice the spacing of the flocking law",
         1,
     ),
-    "pair_distance_formed_min_m": Meaning("m", "smallest distance of a pair once the flock has formed"),
-    "pair_distance_formed_max_m": Meaning("m", "largest distance of a pair once the flock has formed"),
+    "pair_distance_formed_min_m": Meaning(
+        "m", "smallest distance of a pair once the flock or fleet has formed"
+    ),
+    "pair_distance_formed_max_m": Meaning(
+        "m", "largest distance of a pair once the flock or fleet has formed"
+    ),
     "pair_distance_settled_min_m": Meaning("m", "smallest distance of a pair after 100 s", 4),
     "pair_distance_settled_max_m": Meaning("m", "largest distance of a pair after 100 s", 4),
     "pair_distance_min_after_150s_m": Meaning("m", "smallest distance of a pair after 150 s"),

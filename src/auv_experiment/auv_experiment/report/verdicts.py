@@ -34,7 +34,7 @@ def verdicts(scenario: Scenario, metrics: dict[str, Any]) -> list[str]:
     if nearest_m is not None and within_m is not None:
         answers.append(_formed_answer(metrics, within_m))
     if "fleet_formed_at_s" in metrics:
-        answers.append(_fleet_answer(get("fleet_formed_at_s")))
+        answers.append(_fleet_answer(metrics))
     if surface_warning(metrics):
         answers.append(_answer("Did hulls leave the water?", True, surface_warning(metrics), good=False))
     farthest_m = get("pair_distance_formed_max_m")
@@ -82,10 +82,13 @@ def _near_answer(metrics: dict[str, Any]) -> str:
     )
 
 
-def _fleet_answer(formed_at_s: float | None) -> str:
+def _fleet_answer(metrics: dict[str, Any]) -> str:
+    formed_at_s = metrics["fleet_formed_at_s"]
     detail = "At no time were all vehicles in their slots."
     if formed_at_s is not None:
-        detail = f"All vehicles were in their slots at {formed_at_s:.1f} s."
+        nearest_m = metrics.get("pair_distance_formed_min_m")
+        apart = "" if nearest_m is None else f", from then on at least {nearest_m:.1f} m apart"
+        detail = f"All vehicles were in their slots at {formed_at_s:.1f} s{apart}."
     return _answer("Did the fleet form?", formed_at_s is not None, detail)
 
 

@@ -57,7 +57,7 @@ def fleet_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
             recording, scenario.period_s, COORDINATED_AFTER_S
         ),
         "turn_away_ratio": float(turns.mean()) if turns.size else None,
-        **_distances(recording, works),
+        **_distances(recording, works, formed_at_s),
     }
 
 
@@ -68,12 +68,19 @@ def is_working(recording: Recording, scenario: Scenario) -> BoolArray:
     return works
 
 
-def _distances(recording: Recording, works: BoolArray) -> dict[str, float | None]:
-    """Return the smallest distances of two working vehicles, and of a working one from one that is not."""
+def _distances(recording: Recording, works: BoolArray, formed_at_s: float | None) -> dict[str, float | None]:
+    """
+    Return the smallest distances of two working vehicles, and of a working one from one that is not; of the
+    former also the smallest and the largest from the time of formation on.
+    """
     first, second = np.triu_indices(recording.n_vehicles, 1)
     pairs_m = pair_distances_m(recording)
     both, only_one = works[:, first] & works[:, second], works[:, first] ^ works[:, second]
+    formed = np.s_[:0] if formed_at_s is None else recording.t_s >= formed_at_s
+    formed_m = np.where(both, pairs_m, np.nan)[formed]
     return {
+        "pair_distance_formed_min_m": smallest(formed_m),
+        "pair_distance_formed_max_m": largest(formed_m),
         "pair_distance_working_min_m": smallest(pairs_m[both]),
         "wreck_distance_min_m": smallest(pairs_m[only_one]),
     }
