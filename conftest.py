@@ -1,6 +1,6 @@
 """
 An invariant of every test (no modem receives while it transmits), fixtures of several packages, and how tests
-with ROS run beside each other (`pytest -n 2`): in domains of their own, and those marked `alone` alone.
+with ROS run beside each other (`pytest -n 3`): in domains of their own, and those marked `alone` alone.
 """
 
 import fcntl
@@ -19,7 +19,7 @@ from auv_sim.obstacle_field import ObstacleConfig
 
 # Files that all processes of a test run can lock; none writes into them.
 ROOM, DOOR = Path(__file__), Path(__file__).with_name("pyproject.toml")
-DOMAINS_EACH = 20
+DOMAINS_EACH = 8
 """ROS domains between those of two processes: a second run beside a test's own takes the next free one."""
 
 

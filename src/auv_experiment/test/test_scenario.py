@@ -327,6 +327,16 @@ def test_random_starts_lie_no_shallower_than_asked():
         assert all(start[2] >= 11.0 for start in starts_of(scenario))
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_random_starts_in_order_are_the_same_places_the_highest_for_the_first_vehicle(seed):
+    in_order, drawn = (
+        [v.position_ned_m for v in load_scenario("flock_modem", seed=seed, overrides=overrides).vehicles]
+        for overrides in ([], ["random_starts.in_depth_order=false"])
+    )
+    assert in_order == sorted(drawn, key=lambda position: position[2])
+    assert len(set(in_order)) == 4
+
+
 def test_random_starts_change_with_the_seed_and_only_with_it():
     def starts(seed):
         return starts_of(load_scenario("flock_acoustic", seed=seed))

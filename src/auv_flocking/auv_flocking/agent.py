@@ -226,7 +226,9 @@ class Agent:
         sensed = self.sensed
         if strangers:
             sensed += as_obstacles(strangers, self._config.clearance_m)
-        return self.task.step(t_s, nav, path, mates, sensed, is_waiting=is_waiting)
+        command = self.task.step(t_s, nav, path, mates, sensed, is_waiting=is_waiting)
+        self._is_waiting = self.task.is_staying
+        return command
 
     def _allocated(self, t_s: float, command: Command) -> Command:
         """Return the command itself, or the forces of thrusters for its wrench."""

@@ -30,7 +30,8 @@ class FlockTask:
     Flocking law, consensus filter and the velocity controller under them.
 
     After a step: `centre` and `centre_rate` (own estimate of the flocking centre, m and m/s; NED),
-    `flock_velocity` (m/s; NED, with its stamp) and `reference` (the law's velocity, and the heading to hold).
+    `flock_velocity` (m/s; NED, with its stamp), `reference` (the law's velocity, and the heading to hold) and
+    `is_staying` (whether the vehicle stays where it is and does not go with the flock).
     Only a leader (`is_leader`) uses the heading of the path.
     """
 
@@ -59,6 +60,7 @@ class FlockTask:
         self.centre_rate: Vec3 = _ZERO
         self.flock_velocity: FlockVelocity = NOTHING_HEARD
         self.reference = VelocityReference(_ZERO, 0.0)
+        self.is_staying = False
 
     def step(
         self,
@@ -81,6 +83,7 @@ class FlockTask:
         velocity = law.velocity(view)
         if not is_waiting:
             law.adapt(view, period_s)
+        self.is_staying = is_waiting or law.is_staying
         heading_rad = self._facing_rad(path, nav, estimates)
         self.reference = VelocityReference(_ZERO if is_waiting else velocity, heading_rad)
         command = self._controller.step(nav, self.reference)

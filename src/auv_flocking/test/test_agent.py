@@ -116,6 +116,15 @@ def test_its_report_says_that_it_waits_and_whom_it_has_heard_within_which_time()
     assert (report.is_holding, report.heard_mask) == (False, 0b110)
 
 
+def test_its_report_says_that_it_stays_until_it_is_in_its_layer():
+    layered = {"kind": "communication_aware", "params": {"layer_depth_m": 10.0}}
+    agent = Agent(_config(flocking=layered))
+    _step(agent, 39, _heard(39, 2), _heard(39, 3))
+    for depth_m, stays in ((10.0, True), (8.5, False), (9.0, False)):
+        (packet,) = _step(agent, 40, ready=True, nav=_nav(40, (1.0, 9.0, depth_m)))[1]
+        assert FORMAT.decode(packet.payload, 0.0).is_holding == stays, depth_m
+
+
 def test_it_holds_station_until_all_neighbours_were_heard():
     agent = Agent(_config(hold_s=10.0))
     asked = []

@@ -400,14 +400,6 @@ def test_before_all_have_settled_a_vehicle_that_has_not_heard_all_stays_where_it
     assert law.velocity(view)[0] > 0.01
 
 
-def test_a_vehicle_that_has_heard_all_gathers_on_the_way_to_its_layer():
-    heard = [_estimate((20.0, 3.0 * k, 10.0), address=k, age_s=2.0) for k in (2, 3, 4)]
-    law = _layered(estimates=heard)
-    on_the_way = _correction(law, _view((0.0, 0.0, 10.0), heard, centre=(10.0, 0.0, 10.0)))
-    assert on_the_way[0] > 0.1
-    assert on_the_way[2] < -0.1
-
-
 @MODERATE
 @given(other=POINTS, velocity=SPEEDS, age_s=AGES)
 def test_in_its_layer_a_vehicle_gives_way_sideways_only(other, velocity, age_s):
@@ -441,3 +433,41 @@ def test_the_way_to_the_centre_from_outside_has_a_budget_of_its_own(distance_m, 
     law = _law(far, age_memory_s=1e-9, correction_limit_mps=DISTANT, reach_m=DISTANT, barrier=False)
     asked = _correction(law, _view(ORIGIN, far, centre=(distance_m, 0.0, 0.0)))
     np.testing.assert_allclose(asked, [expected_mps, 0.0, 0.0], rtol=1e-9)
+
+
+def _after(law, depth_m, *, n_known=0, running_s=0.0):
+    """Return the law's horizontal speed in a current flock, and whether it stays, at a depth."""
+    known = [_estimate((20.0 * (k + 1), 50.0, 10.0), address=2 + k) for k in range(n_known)]
+    law.hear(tuple(known), running_s)
+    view = _view((0.0, 0.0, depth_m), known, centre=(5.0, 0.0, 10.0))
+    x, y, _ = law.velocity(view)
+    law.adapt(view, PERIOD_S)
+    return math.hypot(x, y), law.is_staying
+
+
+@pytest.mark.parametrize(("n_known", "running_s"), [(3, 0.0), (0, 100.0), (3, 100.0)])
+def test_a_vehicle_goes_straight_to_its_layer_first_whatever_it_knows(n_known, running_s):
+    assert _after(_layered(settling_s=80.0), 9.0, n_known=n_known, running_s=running_s) == (0.0, True)
+
+
+@pytest.mark.parametrize(
+    ("n_known", "running_s", "stays"), [(3, 0.0, False), (2, 0.0, True), (2, 100.0, False)]
+)
+def test_in_its_layer_it_stays_until_it_has_heard_all_or_all_are_in_theirs(n_known, running_s, stays):
+    speed_mps, is_staying = _after(_layered(settling_s=80.0), 7.75, n_known=n_known, running_s=running_s)
+    assert is_staying == stays
+    assert (speed_mps == 0.0) == stays
+
+
+def test_one_that_has_been_in_its_layer_goes_on_when_it_is_pushed_out():
+    law = _layered(settling_s=80.0)
+    _after(law, 7.75, n_known=3)
+    speed_mps, is_staying = _after(law, 8.5, n_known=3)
+    assert speed_mps > 0.0
+    assert not is_staying
+
+
+def test_without_layers_and_with_layers_for_silence_only_it_goes_at_once():
+    without = Flocking(Params(), SEPARATION, Member(False, 1, 4))
+    for law in (without, _layered(silent_s=45.0)):
+        assert _after(law, 9.0, n_known=3)[1] is False

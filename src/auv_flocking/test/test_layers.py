@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from auv_flocking.flocking import Member
-from auv_flocking.flocking._layers import NO_LAYER, aside, crossing_margin_m, layering, levelled
+from auv_flocking.flocking._layers import aside, crossing_margin_m, layering, levelled
 from auv_flocking.flocking.communication_aware import Params
 
 PARAMS = Params(layer_depth_m=10.0, layer_m=1.5)
@@ -16,33 +16,19 @@ HIGHEST_M, LOWEST_M = 7.75, 12.25
 KEEP_M = 1.5
 
 
-def _of(address, depth_m, *, knows_all=True, is_settled=True):
-    return layering(PARAMS, Member(False, address, 4), depth_m, knows_all=knows_all, is_settled=is_settled)
+def _of(address, depth_m):
+    return layering(PARAMS, Member(False, address, 4), depth_m)
 
 
 def _aside(own, other, address, age_s, *, own_address=1):
     return aside(own, other, address, age_s, KEEP_M, _of(own_address, own[2]))
 
 
-def test_without_layers_there_is_none():
-    layer = layering(Params(), Member(False, 1, 4), 10.0, knows_all=True, is_settled=True)
-    assert layer is NO_LAYER
-
-
-@pytest.mark.parametrize(
-    ("depth_m", "knows_all", "is_settled", "leaves"),
-    [
-        (7.8, False, True, 1),
-        (7.8, False, False, 0),
-        (9.0, False, True, 0),
-        (9.0, True, True, 1),
-        (9.0, True, False, 1),
-    ],
-)
-def test_a_vehicle_leaves_its_place_if_it_knows_all_or_all_are_in_their_layers(
-    depth_m, knows_all, is_settled, leaves
-):
-    assert _of(1, depth_m, knows_all=knows_all, is_settled=is_settled).may_leave == leaves
+@pytest.mark.parametrize(("depth_m", "is_in"), [(7.75, 1), (8.0, 1), (7.4, 0), (9.0, 0), (20.0, 0)])
+def test_the_first_address_has_the_highest_layer(depth_m, is_in):
+    layer = _of(1, depth_m)
+    assert (layer.is_in, layer.highest_m, layer.pitch_m) == (is_in, HIGHEST_M, 1.5)
+    assert math.copysign(1.0, layer.sinking_mps) == math.copysign(1.0, HIGHEST_M - depth_m)
 
 
 @given(sigma_m=st.floats(0.0, 50.0), age_s=st.floats(0.0, 1e4), older_s=st.floats(0.0, 100.0))

@@ -62,14 +62,13 @@ def _in_a_ball(
 ) -> list[VehicleEntry]:
     """Return the vehicles, those without a start in the ball and apart from all."""
     taken = [vehicle.position_ned_m for vehicle in given if vehicle.position_ned_m is not None]
-    vehicles = []
-    for vehicle in given:
-        if vehicle.position_ned_m is None:
-            position = _draw_start(rng, starts, taken)
-            taken.append(position)
-            vehicle = replace(vehicle, position_ned_m=position)
-        vehicles.append(vehicle)
-    return vehicles
+    drawn: list[Vec3] = []
+    for _ in range(len(given) - len(taken)):
+        drawn.append(_draw_start(rng, starts, [*taken, *drawn]))
+    if starts.in_depth_order:
+        drawn.sort(key=lambda position: position[2])
+    left = iter(drawn)
+    return [v if v.position_ned_m is not None else replace(v, position_ned_m=next(left)) for v in given]
 
 
 def _draw_start(rng: np.random.Generator, starts: RandomStarts, taken: Sequence[Vec3]) -> Vec3:

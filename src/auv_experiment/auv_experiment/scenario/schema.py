@@ -117,6 +117,9 @@ class RandomStarts:
         default=1.5,
         minimum=0.0,
     )
+    in_depth_order: bool = param(
+        "whether the starts of a ball are given out by depth, the highest to the first vehicle", default=False
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -95,7 +95,14 @@ class LayeredParams(Protocol):
 
 
 class FlockingLaw(Protocol):
-    """Computes the velocity command of a vehicle."""
+    """
+    Computes the velocity command of a vehicle.
+
+    `is_staying`: whether the vehicle stays where it is and does not go with the flock. Its reports say
+    so, and the others predict it there.
+    """
+
+    is_staying: bool = False
 
     def hear(self, estimates: Neighbours, dt_s: float) -> None:
         """Measure the age of the information; called first, once per control period of `dt_s`."""
@@ -114,7 +121,7 @@ class FlockingLaw(Protocol):
         """Return the commanded velocity over ground (m/s; NED)."""
 
     def adapt(self, view: View, dt_s: float) -> None:
-        """Update an adaptive separation law; called after `velocity`, once per control period of `dt_s`."""
+        """Take over what changes with the view, after `velocity`; once per control period of `dt_s`."""
 
 
 def learn(law: LearningLaw, view: View, spacing_m: float, dt_s: float) -> None:

@@ -8,9 +8,10 @@ given different depths for this case. The layers lie around one depth z_m, a veh
     z_dot = limited(k_z (z_i - z), v_z)
 
 A vehicle keeps its layer while it has not heard some other vehicle for `silent_s`; at 0, always. It needs no
-news from the other. Before it has heard all it goes to its layer straight up or down, and stays there until
-all others have had the time to reach theirs: vehicles that do not know each other cross where they are.
-Before a known one that is in the way it stops, and steps aside first.
+news from the other. At 0 it goes to its layer straight up or down first, and stays there until it has heard
+all, or until all others have had the time to reach theirs. So vehicles cross where they are, and what is known
+of one on its way stays true. Old news misplaces only one that goes with the flock. Before a known vehicle that
+is in the way it stops, and steps aside first.
 """
 
 from __future__ import annotations
@@ -74,11 +75,9 @@ def layers_height_m(layers: Layers, fleet_size: int) -> float:
     return min(layers.layer_m * (fleet_size - 1), layers.layer_span_m)
 
 
-def layering(
-    layers: Layers, member: Member, depth_m: float, *, knows_all: bool, is_settled: bool
-) -> Layering:
+def layering(layers: Layers, member: Member, depth_m: float) -> Layering:
     """
-    Return how a vehicle takes its layer.
+    Return how a vehicle takes its layer, without a say on whether it may go with the flock (1).
 
     Parameters
     ----------
@@ -88,20 +87,15 @@ def layering(
         The vehicle; address 1 has the highest layer.
     depth_m : float
         Its depth (m).
-    knows_all : bool
-        Whether it has heard every other vehicle.
-    is_settled : bool
-        Whether all others have had the time to reach their layers.
 
     """
-    if layers.layer_depth_m is None:
-        return NO_LAYER
+    middle_m = 0.0 if layers.layer_depth_m is None else layers.layer_depth_m
     height_m = layers_height_m(layers, member.fleet_size)
-    highest_m, pitch_m = layers.layer_depth_m - 0.5 * height_m, height_m / max(member.fleet_size - 1, 1)
+    highest_m, pitch_m = middle_m - 0.5 * height_m, height_m / max(member.fleet_size - 1, 1)
     below_m = highest_m + (member.address - 1) * pitch_m - depth_m
     sinking_mps = clipped(_GAIN_PS * below_m, _SPEED_MPS)
     is_in = abs(below_m) <= _NEAR_M
-    return Layering(sinking_mps, float(is_in), float(knows_all or (is_in and is_settled)), highest_m, pitch_m)
+    return Layering(sinking_mps, float(is_in), 1.0, highest_m, pitch_m)
 
 
 @inner

@@ -191,7 +191,10 @@ class Params:
 
 
 class Flocking(FlockingLaw):
-    """The law of one vehicle; its only state is what it knows of the ages of its packets."""
+    """
+    The law of one vehicle. Its state is what it knows of the ages of its packets, and whether it has been in
+    its layer.
+    """
 
     def __init__(self, params: Params, separation: SeparationLaw, member: Member) -> None:
         self._params = params
@@ -201,6 +204,7 @@ class Flocking(FlockingLaw):
         self._is_leader = member.is_leader
         self._member = member
         self._is_layered = False
+        self._has_arrived = False
         self._gains = _gains(params)
         self._gain_numbers = (*self._gains,)
         self._is_central = isinstance(separation, CentralLaw)
@@ -301,14 +305,25 @@ class Flocking(FlockingLaw):
         return (goes * flock[0] + x, goes * flock[1] + y, goes * flock[2] + z)
 
     def _layering(self, depth_m: float, n_known: int) -> Layering:
-        if not self._is_layered:
+        if not self._is_layered or self._params.layer_depth_m is None:
             return NO_LAYER
         knows_all = n_known >= self._member.fleet_size - 1
         is_settled = self._running_s >= self._params.settling_s
-        return layering(self._params, self._member, depth_m, knows_all=knows_all, is_settled=is_settled)
+        layer = layering(self._params, self._member, depth_m)
+        if self._params.silent_s > 0.0:
+            may_leave = knows_all or (layer.is_in > 0.0 and is_settled)
+        else:
+            may_leave = (self._has_arrived or layer.is_in > 0.0) and (knows_all or is_settled)
+        return layer._replace(may_leave=float(may_leave))
 
     def adapt(self, view: View, dt_s: float) -> None:
-        """Update a separation law with a state for one control period of `dt_s`; see `potential`."""
+        """
+        Remember that the vehicle has been in its layer; update a separation law with a state for one control
+        period of `dt_s`, see `potential`.
+        """
+        layer = self._layering(view.position[2], len(view.estimates))
+        self._has_arrived = self._has_arrived or layer.is_in > 0.0
+        self.is_staying = layer.may_leave == 0.0
         if self._learning is not None:
             learn(self._learning, view, self._params.spacing_m, dt_s)
 
