@@ -9,9 +9,9 @@ given different depths for this case. The layers lie around one depth z_m, a veh
 
 A vehicle keeps its layer while it has not heard some other vehicle for `silent_s`; at 0, always. It needs no
 news from the other. At 0 it goes to its layer straight up or down first, and stays there until it has heard
-all, or until all others have had the time to reach theirs. So vehicles cross where they are, and what is known
-of one on its way stays true. Old news misplaces only one that goes with the flock. Before a known vehicle that
-is in the way it stops, and steps aside first.
+all, or until all others have had the time to reach theirs. So vehicles cross where they are, and what others
+know of one on its way stays true: old news misplaces a vehicle that goes with the flock. Before a known
+vehicle that is in the way it stops, and steps aside first.
 """
 
 from __future__ import annotations
