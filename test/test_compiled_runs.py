@@ -14,6 +14,7 @@ RUNS = {
     "flock_drift": ("acoustics.preset=micromodem_fdp",),
     "ch6_obstacles": ("sampling=sampled",),
     "medium_access": (),
+    "torpedo_fleet": (),
 }
 
 _PROGRAM = """

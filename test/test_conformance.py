@@ -290,7 +290,7 @@ def _follow_guidance_path(module, params, inputs):
     path = module.Path(params)
     assert path.track.length_m > 0.0
     place = path.engage(*inputs.point(300.0)[:2])
-    outputs = [path.point(place)]
+    outputs = [path.track.point(*place)]
     for _ in range(50):
         point = path.track.at(place.s_m)
         course_rad, (aside_m, *_) = point.course_rad, inputs.point(0.1)
@@ -300,7 +300,7 @@ def _follow_guidance_path(module, params, inputs):
         )
         place, before_m = path.follow(place, *moved), place.s_m
         assert abs(place.s_m - before_m - 1.5) < 0.05
-        outputs.append(path.point(place))
+        outputs.append(path.track.point(*place))
     return outputs
 
 

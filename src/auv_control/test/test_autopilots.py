@@ -14,6 +14,7 @@ from auv_control.guidance.autopilots import (
     initial_state,
     measured,
     piloted,
+    step_autopilots,
 )
 from auv_control.guidance.depth import DepthState, dived, pitch_limit
 from auv_control.guidance.speed import Params as Speed
@@ -117,7 +118,7 @@ def test_the_speed_integral_is_held_at_the_floor_and_leaves_it():
 def test_measurements_come_from_the_navigation():
     pitched = quaternion_product(quaternion_from_heading(1.0), (math.cos(0.1), 0.0, math.sin(0.1), 0.0))
     nav = VehicleState(0, (1.0, 2.0, 30.0), pitched, (1.5, 0.0, 0.2, 0.0, 0.01, 0.02))
-    now = measured(nav, 1.4)
+    now = measured(nav.numbers, 1.4)
     assert now == pytest.approx((1.0, 0.2, 0.02, 0.01, 30.0, math.hypot(1.5, 0.2), 1.4))
 
 
@@ -126,12 +127,12 @@ def test_a_floor_above_the_limit_is_refused():
         load(Params, {"speed": {"least_rpm": 2000.0}}, "autopilots")
 
 
-def test_the_compiled_twin_gives_the_same_numbers():
-    twin, state, other = _compiled(piloted), START, START
-    for tick in range(200):
-        wave = math.sin(0.1 * tick)
-        now = Measured(wave, 0.2 * wave, 0.1 * wave, -0.1 * wave, 30.0 + 3.0 * wave, 1.5 + wave, 1.4 + wave)
-        setpoint = Setpoint(3.0 * wave, 0.05 * wave, 30.0 + 5.0 * wave, 1.5)
-        fins, state = piloted(now, setpoint, state, PERIOD_S, GAINS)
-        others, other = twin(now, setpoint, other, PERIOD_S, GAINS)
-        assert (tuple(others), tuple(other)) == (tuple(fins), tuple(state))
+@MODERATE
+@given(_some(*3 * [100.0], *4 * [1.0], *6 * [2.0]), SETPOINTS, STATES)
+def test_the_step_is_the_autopilots_on_the_navigation_and_so_is_its_compiled_twin(row, setpoint, memory):
+    norm = math.hypot(*row[3:7]) or 1.0
+    state = (*row[:3], *(number / norm for number in row[3:7]), *row[7:])
+    given_numbers = state, 1.3, tuple(setpoint), memory.numbers, PERIOD_S, GAINS.numbers
+    fins, after = _piloted(measured(state, 1.3), setpoint, memory)
+    assert step_autopilots(*given_numbers) == (*fins, *after.numbers)
+    assert _compiled(step_autopilots)(*given_numbers) == (*fins, *after.numbers)

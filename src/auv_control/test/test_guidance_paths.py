@@ -51,7 +51,7 @@ def test_the_closest_point_is_found_from_nearby_and_on_the_whole_track(track, sh
     east_m = point.east_m + across_m * math.cos(point.course_rad)
     found = track.at(track.closest(north_m, east_m))
     assert abs(seen_from(found, north_m, east_m).across_m) <= abs(across_m) + 1e-6
-    followed_m = track.followed(s_m + 3.0, north_m, east_m)
+    _, followed_m = track.followed(s_m + 3.0, north_m, east_m)
     assert followed_m == pytest.approx(s_m, abs=1e-5)
 
 
@@ -76,7 +76,7 @@ def test_the_parameter_of_a_closed_track_grows_from_round_to_round():
         angle = 0.01 * tick
         place = path.follow(place, 55.0 * math.sin(angle), -55.0 * math.cos(angle))
     assert place.s_m == pytest.approx(50.0 * 20.0, abs=1e-6)
-    assert path.point(place) == pytest.approx(path.track.at(place.s_m))
+    assert path.track.point(*place) == pytest.approx(path.track.at(place.s_m))
 
 
 def test_an_open_track_extends_beyond_its_ends():
@@ -105,7 +105,7 @@ def test_at_corners_the_vehicle_switches_inside_the_circle_of_acceptance():
     assert path.follow(place, 174.0, 0.0).piece == 0
     switched = path.follow(place, 176.0, 0.0)
     assert switched == (1, pytest.approx(200.0))
-    assert path.point(switched).course_rad == pytest.approx(0.5 * math.pi)
+    assert path.track.point(*switched).course_rad == pytest.approx(0.5 * math.pi)
 
 
 def test_rounded_corners_keep_inside_the_circle_of_acceptance():

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from auv_control.guidance.crab import alos, ilos, measured, none
-from auv_control.guidance.line_of_sight import TURN_RATE_MAX_RADPS, OverGround, over_ground, sight
+from auv_control.guidance.line_of_sight import TURN_RATE_MAX_RADPS, OverGround, aimed, over_ground, sight
 from auv_control.guidance.paths import circle, waypoints
 from auv_control.guidance.track import TrackPoint
 from auv_core.geometry import clipped, quaternion_from_heading, smallest_angle
@@ -38,7 +38,7 @@ def cross_track_m(path, law, current, *, aside_m=10.0, lane_m=0.0, duration_s=30
         )
         own = OverGround(north_m, east_m, math.atan2(over[1], over[0]), math.hypot(*over), heading_rad)
         place = path.follow(place, north_m, east_m)
-        found = sight(own, path.point(place), lane_m, law, crab)
+        found = sight(aimed(own, path.track.point(*place), lane_m, law.lookahead_m), law, crab)
         crab = found.crab
         errors_m.append(found.cross_track_m)
         rate = found.turn_rate_radps + 0.7 * smallest_angle(found.heading_rad - heading_rad)
@@ -88,7 +88,8 @@ def test_a_lane_is_the_parallel_curve(lane_m):
 def test_commands_are_bounded_and_lead_towards_the_lane(places, course_rad, speed_mps, curvature_pm):
     point = TrackPoint(0.0, 0.0, 0.3, curvature_pm)
     own = OverGround(places[0], places[1], course_rad, speed_mps, course_rad)
-    found = sight(own, point, 0.1 * places[2], LAWS["none"], None)
+    law = LAWS["none"]
+    found = sight(aimed(own, point, 0.1 * places[2], law.lookahead_m), law, None)
     assert abs(found.turn_rate_radps) <= TURN_RATE_MAX_RADPS
     assert abs(found.along_mps) <= speed_mps
     assert (found.heading_rad - 0.3) * found.cross_track_m <= 0.0

@@ -11,7 +11,7 @@ from torpedo_flights import preset
 from auv_control.guidance.autopilots import Params, Setpoint, initial_state, measured, piloted
 from auv_control.guidance.crab import alos, ilos
 from auv_control.guidance.crab import measured as measured_crab
-from auv_control.guidance.line_of_sight import over_ground, sight
+from auv_control.guidance.line_of_sight import aimed, over_ground, sight
 from auv_control.guidance.paths import circle, lawnmower, racetrack, waypoints
 from auv_core import compiled
 from auv_core.geometry import heading_from_quaternion
@@ -76,7 +76,7 @@ def steps(torpedo, heading_deg, dive_m, speed_mps, *, duration_s):
         nav = VehicleState(tick, state[:3], state[3:7], state[7:13])
         rows.append((heading_from_quaternion(nav.attitude), nav.position[2]))
         wanted = Setpoint(math.radians(heading_deg) * steps_now, 0.0, 10.0 + dive_m * steps_now, speed_mps)
-        fins, pilot = piloted(measured(nav, nav.nu[0]), wanted, pilot, PERIOD_S, GAINS)
+        fins, pilot = piloted(measured(nav.numbers, nav.nu[0]), wanted, pilot, PERIOD_S, GAINS)
         state = torpedo.step(state, torpedo.limited_command(fins), STILL, STEP_S, 2)
     return np.unwrap([row[0] for row in rows]), np.array([row[1] for row in rows])
 
@@ -94,11 +94,11 @@ def followed(torpedo, path, law, current, *, duration_s, aside_m=0.0):
         place = path.follow(place, own.north_m, own.east_m)
         if path.is_smooth and not path.track.is_closed and place.s_m > path.track.length_m:
             break
-        found = sight(own, path.point(place), 0.0, law, crab)
+        found = sight(aimed(own, path.track.point(*place), 0.0, law.lookahead_m), law, crab)
         crab = found.crab
         rows.append(Row(tick * PERIOD_S, found.cross_track_m, place.piece, own.north_m, own.east_m))
         wanted = Setpoint(found.heading_rad, found.turn_rate_radps, DEPTH_M, SPEED_MPS)
-        fins, pilot = piloted(measured(nav, found.along_mps), wanted, pilot, PERIOD_S, GAINS)
+        fins, pilot = piloted(measured(nav.numbers, found.along_mps), wanted, pilot, PERIOD_S, GAINS)
         state = torpedo.step(state, torpedo.limited_command(fins), current, STEP_S, 2)
     return rows
 

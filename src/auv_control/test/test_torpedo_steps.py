@@ -37,7 +37,7 @@ def steps_flown(model, times_s, *, gains=GAINS, speed_mps=1.5, turn_deg=30.0, di
         is_late = t_s >= STEP_AT_S - 1e-9
         heading_rad = math.radians(turn_deg) if is_late else 0.0
         setpoint = Setpoint(heading_rad, 0.0, 10.0 + dive_m if is_late else 10.0, speed_mps)
-        now = measured(state_of(x), x[7])
+        now = measured(state_of(x).numbers, x[7])
         command, memory = piloted(now, setpoint, memory, PERIOD_S, gains)
         x = model.step(x, model.limited_command(tuple(command)), STILL, 0.05, 2)
     return flown

@@ -35,6 +35,11 @@ class VehicleState(NamedTuple):
     heading_sd_rad: float = 0.0
     is_bounded: bool = False
 
+    @property
+    def numbers(self) -> Numbers:
+        """The 13 numbers of a hull's state: position, attitude and nu."""
+        return self.position + self.attitude + self.nu
+
 
 class Wrench(NamedTuple):
     """Force and moment on the body, [X, Y, Z, K, M, N] (N, N m; body FRD, at the hull's centre)."""

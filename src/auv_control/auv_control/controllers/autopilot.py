@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from auv_control.controllers import CourseController
 from auv_control.courses import Guided
 from auv_control.guidance import autopilots
-from auv_control.guidance.autopilots import AutopilotState, initial_state, measured, piloted
+from auv_control.guidance.autopilots import initial_state, step_autopilots
+from auv_core.compiled import fastest
 from auv_core.integrate import State
-from auv_core.messages import FinCommand, VehicleState
+from auv_core.messages import FinCommand, Numbers, VehicleState
 from auv_core.params import param
 
 
@@ -35,24 +36,22 @@ class Controller(CourseController):
     follows = "course"
 
     def __init__(self, params: Params, period_s: float) -> None:
-        self._gains = params.gains
+        self._gains = params.gains.numbers
         self._period_s = period_s
-        self._memory: AutopilotState | None = None
+        self._step = fastest(step_autopilots)
+        self._memory: Numbers = ()
         self.safe_command = FinCommand(params.heading.rudder_max_rad, 0.0, params.safe_propeller_rpm)
 
     @property
     def state(self) -> State:
         """Heading integral (rad s), the three numbers of the depth autopilot, speed integral (m)."""
-        if self._memory is None:
-            return ()
-        heading, depth, speed = self._memory
-        return (heading, *depth, speed)
+        return self._memory
 
     def step(self, nav: VehicleState, guided: Guided) -> FinCommand:
         """Return the command of one control period, from the vehicle's own navigation."""
-        if self._memory is None:
-            self._memory = initial_state(nav.position[2])
-        setpoint = guided.setpoint
-        now = measured(nav, guided.along_mps)
-        fins, self._memory = piloted(now, setpoint, self._memory, self._period_s, self._gains)
-        return FinCommand(*fins)
+        memory = self._memory or initial_state(nav.position[2]).numbers
+        given = self._step(
+            nav.numbers, guided.along_mps, tuple(guided.setpoint), memory, self._period_s, self._gains
+        )
+        self._memory = given[3:]
+        return FinCommand(given[0], given[1], given[2])

@@ -13,19 +13,28 @@ from auv_control.guidance import depth, heading, speed
 from auv_control.guidance.depth import DepthGains, DepthState, dived
 from auv_control.guidance.heading import HeadingGains, steered
 from auv_control.guidance.speed import SpeedGains, propelled
-from auv_core.compiled import entry, inlined, record
+from auv_core.compiled import entry, inner
 from auv_core.geometry import heading_from_quaternion, pitch_from_quaternion
-from auv_core.messages import FinCommand, VehicleState
+from auv_core.integrate import State
+from auv_core.messages import FinCommand, Numbers
 from auv_core.params import param
 
 
-@record("HeadingGains, DepthGains, SpeedGains")
 class AutopilotGains(NamedTuple):
     """`Params` as compiled functions take them."""
 
     heading: HeadingGains
     depth: DepthGains
     speed: SpeedGains
+
+    @property
+    def numbers(self) -> Numbers:
+        """All gains, number after number."""
+        return (*self.heading, *self.depth, *self.speed)
+
+
+_DEPTH_FROM = len(HeadingGains._fields)
+_SPEED_FROM = _DEPTH_FROM + len(DepthGains._fields)
 
 
 @dataclass(frozen=True)
@@ -42,7 +51,6 @@ class Params:
         return AutopilotGains(self.heading.gains, self.depth.gains, self.speed.gains)
 
 
-@record(", ".join(7 * ["float64"]))
 class Measured(NamedTuple):
     """
     What the autopilots measure.
@@ -60,7 +68,6 @@ class Measured(NamedTuple):
     along_mps: float
 
 
-@record(", ".join(4 * ["float64"]))
 class Setpoint(NamedTuple):
     """Commanded heading (rad), turn rate (rad/s), depth (m; NED z) and speed along the path (m/s)."""
 
@@ -70,7 +77,6 @@ class Setpoint(NamedTuple):
     speed_mps: float
 
 
-@record("float64, DepthState, float64")
 class AutopilotState(NamedTuple):
     """The heading integral (rad s), the state of the depth autopilot, the speed integral (m)."""
 
@@ -78,8 +84,10 @@ class AutopilotState(NamedTuple):
     depth: DepthState
     speed_integral_m: float
 
-
-record(", ".join(3 * ["float64"]))(FinCommand)
+    @property
+    def numbers(self) -> Numbers:
+        """All of them, number after number."""
+        return (self.heading_integral_rads, *self.depth, self.speed_integral_m)
 
 
 def initial_state(depth_m: float) -> AutopilotState:
@@ -87,32 +95,33 @@ def initial_state(depth_m: float) -> AutopilotState:
     return AutopilotState(0.0, DepthState(depth_m, 0.0, 0.0), 0.0)
 
 
-def measured(nav: VehicleState, along_mps: float) -> Measured:
+@inner
+def measured(state: State, along_mps: float) -> Measured:
     """
     Return the measurements in a vehicle's navigation.
 
     Parameters
     ----------
-    nav : VehicleState
-        The vehicle's own navigation.
+    state : (13,) tuple
+        Position (m; NED), attitude and nu of the vehicle's own navigation.
     along_mps : float
         Speed over ground along the path (m/s).
 
     """
-    u, v, w, _, q, r = nav.nu
+    attitude = (state[3], state[4], state[5], state[6])
+    u, v, w = state[7], state[8], state[9]
     return Measured(
-        heading_from_quaternion(nav.attitude),
-        pitch_from_quaternion(nav.attitude),
-        r,
-        q,
-        nav.position[2],
+        heading_from_quaternion(attitude),
+        pitch_from_quaternion(attitude),
+        state[12],
+        state[11],
+        state[2],
         math.sqrt(u * u + v * v + w * w),
         along_mps,
     )
 
 
-@entry("Tuple((FinCommand, AutopilotState))(Measured, Setpoint, AutopilotState, float64, AutopilotGains)")
-@inlined
+@inner
 def piloted(
     now: Measured, setpoint: Setpoint, state: AutopilotState, period_s: float, gains: AutopilotGains
 ) -> tuple[FinCommand, AutopilotState]:
@@ -159,3 +168,38 @@ def piloted(
         FinCommand(rudder, dive.stern_plane_rad, propeller),
         AutopilotState(heading_integral, dive.state, speed_integral),
     )
+
+
+@entry("TUPLE8(TUPLE13, float64, TUPLE4, TUPLE5, float64, TUPLE32)", allocates=False)
+def step_autopilots(
+    state: State, along_mps: float, setpoint: Numbers, memory: Numbers, period_s: float, gains: Numbers
+) -> Numbers:
+    """
+    Return the three numbers of the command of `piloted`, then those of its state.
+
+    Parameters
+    ----------
+    state, along_mps
+        As of `measured`.
+    setpoint, memory, gains : tuple of float
+        The numbers of a `Setpoint`, an `AutopilotState` and `AutopilotGains`.
+    period_s : float
+        Control period (s).
+
+    """
+    fins, after = piloted(
+        measured(state, along_mps),
+        Setpoint(*setpoint),
+        AutopilotState(memory[0], DepthState(memory[1], memory[2], memory[3]), memory[4]),
+        period_s,
+        AutopilotGains(
+            HeadingGains(*gains[:_DEPTH_FROM]),
+            DepthGains(*gains[_DEPTH_FROM:_SPEED_FROM]),
+            SpeedGains(*gains[_SPEED_FROM:]),
+        ),
+    )
+    depth = after.depth
+    return (
+        fins.rudder_rad, fins.stern_plane_rad, fins.propeller_rpm, after.heading_integral_rads,
+        depth.depth_command_m, depth.depth_integral_ms, depth.pitch_integral_rads, after.speed_integral_m,
+    )  # fmt: skip

@@ -18,12 +18,11 @@ import math
 from dataclasses import astuple, dataclass
 from typing import NamedTuple
 
-from auv_core.compiled import inlined, record
+from auv_core.compiled import inlined
 from auv_core.geometry import clipped
 from auv_core.params import param
 
 
-@record(", ".join(16 * ["float64"]))
 class DepthGains(NamedTuple):
     """`Params` as compiled functions take them."""
 
@@ -89,7 +88,6 @@ class Params:
         return DepthGains(*map(float, astuple(self)))
 
 
-@record("float64, float64, float64")
 class DepthState(NamedTuple):
     """Depth command z_d (m) and the integrals of the errors of depth (m s) and pitch (rad s)."""
 

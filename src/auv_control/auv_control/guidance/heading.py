@@ -15,12 +15,11 @@ import math
 from dataclasses import astuple, dataclass
 from typing import NamedTuple
 
-from auv_core.compiled import inlined, record
+from auv_core.compiled import inlined
 from auv_core.geometry import clipped, smallest_angle
 from auv_core.params import param
 
 
-@record(", ".join(11 * ["float64"]))
 class HeadingGains(NamedTuple):
     """`Params` as compiled functions take them."""
 

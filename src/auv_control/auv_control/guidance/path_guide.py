@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from auv_control.guidance.crab import CrabLaw
-from auv_control.guidance.line_of_sight import Sight, over_ground, sight
+from auv_control.guidance.line_of_sight import Aim, Sight, aim_at_lane, sight
 from auv_control.guidance.paths import GuidancePath, Place
-from auv_control.guidance.track import TrackPoint
+from auv_core.compiled import fastest
 from auv_core.integrate import State
 from auv_core.messages import VehicleState
 
@@ -14,7 +14,7 @@ class PathGuide:
     """
     The place on the path and the state of the crab law.
 
-    After `look`: `point` (the closest point of the path) and `s_m` (the path parameter, m).
+    After `look`: `s_m` (the path parameter, m) and `curvature_pm` (of the path there, 1/m).
 
     Parameters
     ----------
@@ -25,11 +25,12 @@ class PathGuide:
 
     """
 
-    point: TrackPoint
     s_m: float
+    curvature_pm: float
 
     def __init__(self, path: GuidancePath, crab: CrabLaw) -> None:
         self._path, self._crab = path, crab
+        self._aim_at_lane = fastest(aim_at_lane)
         self._place: Place | None = None
         self._crab_state: State | None = None
 
@@ -50,12 +51,18 @@ class PathGuide:
             Offset of the lane to starboard of the path (m).
 
         """
-        own = over_ground(nav)
+        north_m, east_m, _ = nav.position
         if self._place is None:
-            self._place = self._path.engage(own.north_m, own.east_m)
+            self._place = self._path.engage(north_m, east_m)
         else:
-            self._place = self._path.follow(self._place, own.north_m, own.east_m)
-        self.point, self.s_m = self._path.point(self._place), self._place.s_m
-        found = sight(own, self.point, lane_m, self._crab, self._crab_state)
+            self._place = self._path.follow(self._place, north_m, east_m)
+        index, self.s_m = self._place
+        track, law = self._path.track, self._crab
+        numbers = self._aim_at_lane(
+            nav.numbers, track.rows, track.round_m, index, self.s_m, lane_m, law.lookahead_m
+        )
+        aim = Aim(*numbers)
+        self.curvature_pm = aim.curvature_pm
+        found = sight(aim, law, self._crab_state)
         self._crab_state = found.crab
         return found

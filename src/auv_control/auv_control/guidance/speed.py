@@ -13,11 +13,10 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass
 from typing import NamedTuple
 
-from auv_core.compiled import inlined, record
+from auv_core.compiled import inlined
 from auv_core.params import param
 
 
-@record(", ".join(5 * ["float64"]))
 class SpeedGains(NamedTuple):
     """`Params` as compiled functions take them."""
 

@@ -9,13 +9,17 @@ lane is the parallel curve at an offset to starboard; it keeps the parameter of 
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from typing import NamedTuple
 
-from auv_core.compiled import inlined, record
+import numpy as np
+from numpy.typing import NDArray
+
+from auv_core.compiled import entry, fastest, inlined, inner
 from auv_core.geometry import Box, clipped
+
+Floats = NDArray[np.float64]
 
 _STEP_MAX_M = 5.0
 _STEPS = 4
@@ -23,7 +27,6 @@ _CONVERGED_M = 1e-9
 _LEAST_SLOPE = 0.2
 
 
-@record(", ".join(6 * ["float64"]))
 class Piece(NamedTuple):
     """
     A line or an arc.
@@ -40,7 +43,6 @@ class Piece(NamedTuple):
     curvature_pm: float
 
 
-@record(", ".join(4 * ["float64"]))
 class TrackPoint(NamedTuple):
     """Position (m; NED), course (rad) and curvature (1/m, positive to starboard) of a track at a point."""
 
@@ -91,9 +93,61 @@ def newton_step(offset: Offset, curvature_pm: float) -> float:
     return clipped(offset.along_m / slope, _STEP_MAX_M)
 
 
+@inner
+def piece_at(rows: Floats, round_m: float, s_m: float) -> int:
+    """
+    Return the index of the piece at a path parameter.
+
+    Parameters
+    ----------
+    rows : (n, 6) array
+        The pieces, each with the numbers of `Piece`.
+    round_m : float
+        Length of a round of a closed track (m), 0 for an open one.
+    s_m : float
+        Path parameter (m).
+
+    """
+    if round_m > 0.0:
+        s_m %= round_m
+    index = 0
+    while index + 1 < len(rows) and rows[index + 1, 0] <= s_m:
+        index += 1
+    return index
+
+
+@inner
+def point_at(rows: Floats, round_m: float, index: int, s_m: float) -> TrackPoint:
+    """Return the point of a piece at a path parameter (m); the other arguments as of `piece_at`."""
+    row = rows[index]
+    piece = Piece(float(row[0]), float(row[1]), float(row[2]), float(row[3]), float(row[4]), float(row[5]))
+    if round_m > 0.0:
+        s_m %= round_m
+    return point_on(piece, s_m - piece.start_m)
+
+
+@entry("Tuple((int64, float64))(float64[:, ::1], float64, float64, float64, float64)", allocates=False)
+def followed(rows: Floats, round_m: float, s_m: float, north_m: float, east_m: float) -> tuple[int, float]:
+    """
+    Return the piece and the parameter (m) of the point closest to a position (m; NED), near the last
+    parameter `s_m`; rows and round as of `piece_at`.
+
+    It is found by Newton's method, so that the parameter is continuous while the vehicle moves.
+    """
+    for _ in range(_STEPS):
+        point = point_at(rows, round_m, piece_at(rows, round_m, s_m), s_m)
+        step_m = newton_step(seen_from(point, north_m, east_m), point.curvature_pm)
+        s_m += step_m
+        if abs(step_m) < _CONVERGED_M:
+            break
+    return piece_at(rows, round_m, s_m), s_m
+
+
 class Track:
     """
     A track of pieces.
+
+    `rows` are its pieces as an array, `round_m` its length if it is closed, else 0.
 
     Parameters
     ----------
@@ -107,35 +161,26 @@ class Track:
     def __init__(self, pieces: Iterable[Piece], *, is_closed: bool) -> None:
         self.pieces = tuple(pieces)
         self.is_closed = is_closed
-        self._starts_m = [piece.start_m for piece in self.pieces]
         self.length_m = self.pieces[-1].start_m + self.pieces[-1].length_m
+        self.round_m = self.length_m if is_closed else 0.0
+        self.rows: Floats = np.array(self.pieces)
+        self._followed = fastest(followed)
 
     def piece_at(self, s_m: float) -> int:
         """Return the index of the piece at a path parameter (m)."""
-        if self.is_closed:
-            s_m %= self.length_m
-        return max(bisect_right(self._starts_m, s_m) - 1, 0)
+        return piece_at(self.rows, self.round_m, s_m)
+
+    def point(self, index: int, s_m: float) -> TrackPoint:
+        """Return the point of a piece at a path parameter (m); the piece extends beyond both ends."""
+        return point_at(self.rows, self.round_m, index, s_m)
 
     def at(self, s_m: float) -> TrackPoint:
         """Return the point at a path parameter (m)."""
-        if self.is_closed:
-            s_m %= self.length_m
-        piece = self.pieces[max(bisect_right(self._starts_m, s_m) - 1, 0)]
-        return point_on(piece, s_m - piece.start_m)
+        return self.point(self.piece_at(s_m), s_m)
 
-    def followed(self, s_m: float, north_m: float, east_m: float) -> float:
-        """
-        Return the parameter of the point closest to a position (m; NED), near the last parameter `s_m`.
-
-        It is found by Newton's method, so that the parameter is continuous while the vehicle moves.
-        """
-        for _ in range(_STEPS):
-            point = self.at(s_m)
-            step_m = newton_step(seen_from(point, north_m, east_m), point.curvature_pm)
-            s_m += step_m
-            if abs(step_m) < _CONVERGED_M:
-                break
-        return s_m
+    def followed(self, s_m: float, north_m: float, east_m: float) -> tuple[int, float]:
+        """Return piece and parameter (m) of the point closest to a position (m; NED), near `s_m`."""
+        return self._followed(self.rows, self.round_m, s_m, north_m, east_m)
 
     def closest(self, north_m: float, east_m: float) -> float:
         """Return the parameter (m) of the point of the whole track that is closest to a position (m; NED)."""

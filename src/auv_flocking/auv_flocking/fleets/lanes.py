@@ -97,6 +97,8 @@ class Fleet(FleetTask):
         self._coordination: State | None = None
         self._keeping_up = KeepingUp()
         self._others: dict[int, LaneNeighbour] = {}
+        self._newest_s = 0.0
+        self._heard: Sequence[tuple[float, ...]] = ()
         self._sent: Sent | None = None
         self._turn_away, self._plan = None, {}
         if params.turn_away.kind != "none":
@@ -196,8 +198,15 @@ class Fleet(FleetTask):
         return self._law.reference_m(self._coordination, own)
 
     def _hear(self, own: LanePlace, neighbours: Neighbours) -> list[LaneNeighbour]:
-        """Return the neighbours with a new packet, in the order of addresses."""
-        estimates, fresh = Estimates.of(neighbours), []
+        """
+        Return the neighbours with a new packet, in the order of addresses.
+
+        Estimates keep their list of shared numbers until a packet comes.
+        """
+        estimates = Estimates.of(neighbours)
+        if estimates.shared is self._heard:
+            return []
+        self._heard, fresh = estimates.shared, []
         times_s = estimates.column(TIME)
         for index, (address, time_s) in enumerate(zip(estimates.addresses, times_s, strict=True)):
             known = self._others.get(address)
@@ -207,12 +216,12 @@ class Fleet(FleetTask):
         if fresh:
             heard = {**self._others, **{other.address: other for other in fresh}}
             self._others = dict(sorted(heard.items()))
+            self._newest_s = max(other.time_s for other in heard.values())
         return fresh
 
     def _next_mode(self, t_s: float, nav: VehicleState) -> ModeState:
-        p, track, others = self._params, self._path.track, self._others.values()
-        newest_s = max((other.time_s for other in others), default=0.0)
-        silence_s = t_s - newest_s if self._member.fleet_size > 1 else 0.0
+        p, track = self._params, self._path.track
+        silence_s = t_s - self._newest_s if self._member.fleet_size > 1 else 0.0
         inputs = ModeInputs(
             t_s,
             self.sight.cross_track_m,
@@ -261,7 +270,7 @@ class Fleet(FleetTask):
             if other.status.mode in IN_LANE and own.t_s - other.time_s <= p.remembered_s
         ]
         correction_mps, self._coordination = law.step(self._coordination, own, counted)
-        ratio = 1.0 - self._guide.point.curvature_pm * self._slot[1]
+        ratio = 1.0 - self._guide.curvature_pm * self._slot[1]
         is_aligned = (
             abs(found.course_error_rad) < p.modes.aligned_rad
             and abs(found.cross_track_m) < p.modes.coordinated_m

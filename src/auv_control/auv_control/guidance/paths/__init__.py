@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-from auv_control.guidance.track import Track, TrackPoint, point_on
+from auv_control.guidance.track import Track
 from auv_core.contracts import class_of, fulfilled
 from auv_core.params import Section
 
@@ -38,15 +38,7 @@ class GuidancePath(Protocol):
 
     def follow(self, place: Place, north_m: float, east_m: float) -> Place:
         """Return the place of a vehicle that has moved to a position (m; NED) since `place`."""
-        s_m = self.track.followed(place.s_m, north_m, east_m)
-        return Place(self.track.piece_at(s_m), s_m)
-
-    def point(self, place: Place) -> TrackPoint:
-        """Return the point of the path at a place."""
-        piece = self.track.pieces[place.piece]
-        if self.track.is_closed:
-            return point_on(piece, place.s_m % self.track.length_m - piece.start_m)
-        return point_on(piece, place.s_m - piece.start_m)
+        return Place(*self.track.followed(place.s_m, north_m, east_m))
 
 
 def make_path(section: Section) -> GuidancePath:
