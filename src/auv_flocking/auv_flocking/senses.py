@@ -95,7 +95,7 @@ class Senses:
         if contacts and usable is not None:
             left = self.table.observe(t_s, usable, contacts, self.obstacles.rivals(t_s))
             self.obstacles.observe(t_s, left)
-        return Perceived(usable, words, self.table.estimates(t_s, usable), self.obstacles.obstacles(t_s))
+        return Perceived(usable, words, self.table.estimates(t_s), self.obstacles.obstacles(t_s))
 
 
 def senses_of(config: AgentConfig) -> Senses:

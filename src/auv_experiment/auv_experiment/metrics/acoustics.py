@@ -149,9 +149,12 @@ def neighbour_nees(recording: Recording, ticks: IntArray, size: int) -> FloatArr
         3 for the relative position alone, 6 with the velocity.
 
     """
-    error = relative_error_ned(recording, ticks)[..., :size]
+    error_of = relative_position_error_ned_m if size == 3 else relative_error_ned
+    error = error_of(recording, ticks)
     exists = np.asarray(np.isfinite(error).all(axis=-1))
-    error, covariance = error[exists], recording.neighbour_covariance[..., :size, :size][ticks][exists]
+    at, own, other = np.nonzero(exists)
+    covariance = recording.neighbour_covariance[ticks[at], own, other, :size, :size]
+    error = error[exists]
     sound = np.asarray(np.isfinite(covariance).all(axis=(-2, -1)))
     sound[sound] = np.linalg.det(covariance[sound]) > 0.0
     error, covariance = error[sound], covariance[sound]

@@ -9,6 +9,7 @@ speed through the water, which is not measured: it follows from the propeller.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from auv_control.controllers import CourseController, VelocityReference
 from auv_control.courses import Guided
