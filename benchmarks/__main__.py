@@ -23,6 +23,7 @@ from typing import Any
 from auv_core.cli.one_line_parser import OneLineParser
 
 PARTS = {"kernel": "kernel", "torpedo": "torpedo", "inprocess": "inprocess", "ros": "ros_lockstep"}
+BESIDE_PEERS = ("kernel", "torpedo")
 ONE_THREAD = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 HEADS = ("figure", "measured", "beside", "ratio", "bar", "kept")
 
@@ -67,7 +68,7 @@ def _measured(parts: Sequence[str], options: argparse.Namespace) -> list[dict[st
     for part in parts:
         module = importlib.import_module(f"benchmarks.{PARTS[part]}")
         more = {}
-        if part == "kernel" and options.peers:
+        if part in BESIDE_PEERS and options.peers:
             more["peers"] = importlib.import_module("benchmarks.peers").peers_python()
         print(f"{part} ...", file=sys.stderr, flush=True)
         for row in module.rows(quick=options.quick, **more):

@@ -55,6 +55,20 @@ def test_the_kernel_flies_any_number_from_where_it_began(monkeypatch):
     assert flight.rate(0.0) > 0.0
 
 
+def test_the_loop_with_laws_flies_the_scenario_to_the_last_bit(monkeypatch):
+    from auv_experiment.inprocess.sampled import run_in_process
+    from auv_experiment.scenario.loading import load_scenario
+    from benchmarks.torpedo_loop import TorpedoRun
+
+    monkeypatch.setattr(compiled, "_is_on", False)
+    job = load_scenario("torpedo_path", duration_s=20.0)
+    recording = run_in_process(job)
+    end = TorpedoRun(job).fly()
+    assert end[:3] == tuple(recording.position_ned_m[-1, 0])
+    assert end[3:7] == tuple(recording.attitude_quat_wxyz[-1, 0])
+    assert end[7:13] == tuple(recording.velocity_body[-1, 0])
+
+
 def test_a_peer_that_is_not_there_is_told():
     with Peer("auv_sim_bench", 4, None) as peer:
         assert peer.absent == "not asked for (--peers)"

@@ -1,14 +1,99 @@
-"""The motion of the hulls of `six_dof`: rates, and fixed steps of RK4 with a wrench that is held."""
+"""
+The motion of a rigid body, and of the hulls of `six_dof`: rates, and fixed steps of RK4 with a wrench that is
+held.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import Protocol
 
 from auv_core.compiled import entry, inlined
-from auv_core.geometry import Vec3
+from auv_core.geometry import Quat, Vec3
 from auv_core.integrate import State, rk4
 from auv_core.messages import Numbers
 from auv_core.models._hull_forces import Constants, coriolis_force, damping_force
+
+
+class Inertia(Protocol):
+    """The mass matrix M of a hull with its centre of gravity below its origin, added mass included."""
+
+    @property
+    def surge_kg(self) -> float:
+        """Mass in surge (kg)."""
+
+    @property
+    def sway_kg(self) -> float:
+        """Mass in sway (kg)."""
+
+    @property
+    def heave_kg(self) -> float:
+        """Mass in heave (kg)."""
+
+    @property
+    def roll_kgm2(self) -> float:
+        """Inertia about the forward axis (kg m^2)."""
+
+    @property
+    def pitch_kgm2(self) -> float:
+        """Inertia about the starboard axis (kg m^2)."""
+
+    @property
+    def yaw_kgm2(self) -> float:
+        """Inertia about the downward axis (kg m^2)."""
+
+    @property
+    def static_moment_kgm(self) -> float:
+        """Static moment m z_G (kg m)."""
+
+
+@inlined
+def attitude_rate(attitude: Quat, rates: Vec3) -> Quat:
+    """Return the rate of change of an attitude (1/s) for body rates (rad/s)."""
+    qw, qx, qy, qz = attitude
+    p, q, r = rates
+    return (
+        -0.5 * (qx * p + qy * q + qz * r),
+        0.5 * (qw * p + qy * r - qz * q),
+        0.5 * (qw * q + qz * p - qx * r),
+        0.5 * (qw * r + qx * q - qy * p),
+    )
+
+
+@inlined
+def acceleration(force: Vec3, moment: Vec3, rates: Vec3, current: Vec3, c: Inertia) -> tuple[Vec3, Vec3]:
+    """
+    Return the rate of change of nu (m/s^2, rad/s^2; body): M^-1 tau - [omega x nu_c, 0].
+
+    Parameters
+    ----------
+    force, moment : (3,) tuple
+        Sum of all forces (N) and moments (N m; body).
+    rates, current : (3,) tuple
+        Body rates (rad/s) and the velocity of the water (m/s; body).
+    c : Inertia
+        Of the hull.
+
+    """
+    fx, fy, fz = force
+    nx, ny, nz = moment
+    p, q, r = rates
+    cu, cv, cw = current
+    s = c.static_moment_kgm
+    surge_pitch = c.surge_kg * c.pitch_kgm2 - s * s
+    sway_roll = c.sway_kg * c.roll_kgm2 - s * s
+    return (
+        (
+            (c.pitch_kgm2 * fx - s * ny) / surge_pitch - (q * cw - r * cv),
+            (c.roll_kgm2 * fy + s * nx) / sway_roll - (r * cu - p * cw),
+            fz / c.heave_kg - (p * cv - q * cu),
+        ),
+        (
+            (c.sway_kg * nx + s * fy) / sway_roll,
+            (c.surge_kg * ny - s * fx) / surge_pitch,
+            nz / c.yaw_kgm2,
+        ),
+    )
 
 
 @inlined
@@ -46,32 +131,24 @@ def derivative(state: State, tau: Numbers, current: Vec3, c: Constants) -> State
     water = (u - cu, v - cv, w - cw)
     rates = (p, q, r)
     (cx, cy, cz), (ck, cm, cr) = coriolis_force(water, rates, c)
-    (dx, dy, dz), (dk, dm, dr) = damping_force(water, rates, c)
+    (dx, dy, dz), (dk, dm, dn) = damping_force(water, rates, c)
     heavy, righting = c.net_weight_n, c.righting_nm
     fx = tau[0] - cx - dx + heavy * r31
     fy = tau[1] - cy - dy + heavy * r32
     fz = tau[2] - cz - dz + heavy * r33
     nx = tau[3] - ck - dk - righting * r32
     ny = tau[4] - cm - dm + righting * r31
-    nz = tau[5] - cr - dr
-    s = c.static_moment_kgm
-    surge_pitch = c.surge_kg * c.pitch_kgm2 - s * s
-    sway_roll = c.sway_kg * c.roll_kgm2 - s * s
+    nz = tau[5] - cr - dn
+    aw, ax, ay, az = attitude_rate((qw, qx, qy, qz), rates)
+    (du, dv, dw), (dp, dq, dr) = acceleration((fx, fy, fz), (nx, ny, nz), rates, (cu, cv, cw), c)
     return (
         r11 * u + r12 * v + r13 * w,
         r21 * u + r22 * v + r23 * w,
         r31 * u + r32 * v + r33 * w,
-        -0.5 * (qx * p + qy * q + qz * r),
-        0.5 * (qw * p + qy * r - qz * q),
-        0.5 * (qw * q + qz * p - qx * r),
-        0.5 * (qw * r + qx * q - qy * p),
-        (c.pitch_kgm2 * fx - s * ny) / surge_pitch - (q * cw - r * cv),
-        (c.roll_kgm2 * fy + s * nx) / sway_roll - (r * cu - p * cw),
-        fz / c.heave_kg - (p * cv - q * cu),
-        (c.sway_kg * nx + s * fy) / sway_roll,
-        (c.surge_kg * ny - s * fx) / surge_pitch,
-        nz / c.yaw_kgm2,
-    )
+        aw, ax, ay, az,
+        du, dv, dw,
+        dp, dq, dr,
+    )  # fmt: skip
 
 
 @inlined

@@ -20,12 +20,23 @@ from auv_core.integrate import State
 from auv_core.messages import Numbers, Vec6
 from auv_core.models import Actuator
 from auv_core.models._hull_forces import turned_momentum
+from auv_core.models._rigid_body import acceleration, attitude_rate
 from auv_core.params import param
 
 Forces = tuple[Vec3, Vec3]
 """Force (N) and moment (N m) in the body frame."""
 
 ACTUATORS = (Actuator("rudder", "rad"), Actuator("stern_plane", "rad"), Actuator("propeller", "rpm"))
+
+
+@inlined
+def limited(command: Numbers, fin_max_rad: float, propeller_max_rpm: float) -> Numbers:
+    """Return rudder, stern plane (rad) and propeller (rpm) within their limits."""
+    return (
+        clipped(command[0], fin_max_rad),
+        clipped(command[1], fin_max_rad),
+        clipped(command[2], propeller_max_rpm),
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,12 +53,7 @@ class Servos:
 
     def limited(self, command: Numbers) -> Numbers:
         """Return rudder, stern plane (rad) and propeller (rpm) within their limits."""
-        rudder_rad, stern_plane_rad, propeller_rpm = command
-        return (
-            clipped(rudder_rad, self.fin_max_rad),
-            clipped(stern_plane_rad, self.fin_max_rad),
-            clipped(propeller_rpm, self.propeller_max_rpm),
-        )
+        return limited(command, self.fin_max_rad, self.propeller_max_rpm)
 
 
 @record(", ".join(20 * ["float64"]))
@@ -220,8 +226,6 @@ def motion(state: State, command: Numbers, current: Vec3, forces: Forces, b: Bod
     """
     attitude = (state[3], state[4], state[5], state[6])
     velocity, rates = (state[7], state[8], state[9]), (state[10], state[11], state[12])
-    qw, qx, qy, qz = attitude
-    p, q, r = rates
     x, y, z = body_to_ned(attitude, velocity)
     cu, cv, cw = ned_to_body(attitude, current)
     water = (velocity[0] - cu, velocity[1] - cv, velocity[2] - cw)
@@ -230,22 +234,14 @@ def motion(state: State, command: Numbers, current: Vec3, forces: Forces, b: Bod
     (fx, fy, fz), (fk, fm, fn) = forces
     fx, fy, fz = fx - tx + gx, fy - ty + gy, fz - tz + gz
     fk, fm, fn = fk - tk + gk, fm - tm + gm, fn - tn
-    s = b.static_moment_kgm
-    surge_pitch = b.surge_kg * b.pitch_kgm2 - s * s
-    sway_roll = b.sway_kg * b.roll_kgm2 - s * s
+    aw, ax, ay, az = attitude_rate(attitude, rates)
+    (du, dv, dw), (dp, dq, dr) = acceleration((fx, fy, fz), (fk, fm, fn), rates, (cu, cv, cw), b)
     fin, most = b.fin_lag_s, b.fin_rate_radps
     return (
         x, y, z,
-        -0.5 * (qx * p + qy * q + qz * r),
-        0.5 * (qw * p + qy * r - qz * q),
-        0.5 * (qw * q + qz * p - qx * r),
-        0.5 * (qw * r + qx * q - qy * p),
-        (b.pitch_kgm2 * fx - s * fm) / surge_pitch - (q * cw - r * cv),
-        (b.roll_kgm2 * fy + s * fk) / sway_roll - (r * cu - p * cw),
-        fz / b.heave_kg - (p * cv - q * cu),
-        (b.sway_kg * fk + s * fy) / sway_roll,
-        (b.surge_kg * fm - s * fx) / surge_pitch,
-        fn / b.yaw_kgm2,
+        aw, ax, ay, az,
+        du, dv, dw,
+        dp, dq, dr,
         clipped((command[0] - state[13]) / fin, most),
         clipped((command[1] - state[14]) / fin, most),
         (command[2] - state[15]) / b.propeller_lag_s,

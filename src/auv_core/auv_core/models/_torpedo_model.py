@@ -91,13 +91,15 @@ class TorpedoModel(ContinuousModel):
 
     command = "fins"
     actuators = ACTUATORS
+    numbers: Numbers
+    """Constants of the body, then of the water, as `Equations.advance` takes them."""
 
     def __init__(
         self, params: Any, body: Body, water: Any, water_numbers: Numbers, equations: Equations
     ) -> None:
         self.params: TorpedoParams = params
         self._body, self._water = body, water
-        self._numbers = (*body, *water_numbers)
+        self.numbers = (*body, *water_numbers)
         self._rate, self._advance = equations.rate, fastest(equations.advance)
 
     @property
@@ -181,7 +183,7 @@ class TorpedoModel(ContinuousModel):
         Return the state after `steps` steps of `dt_s`, the command held; the quaternion comes back with
         length 1.
         """
-        return self._advance(state, command, current, self._numbers, dt_s, steps)
+        return self._advance(state, command, current, self.numbers, dt_s, steps)
 
     def derivative(self, state: State, command: Numbers, current: Vec3) -> State:
         """Return the rate of change of the 16 floats of a state; see `_torpedo_body.motion`."""
