@@ -148,7 +148,7 @@ def test_lift_in_sway_tightens_the_turn():
 
 def test_it_cannot_stop():
     handling = remus().handling
-    assert handling == (False, 0.8, 1.6, 0.19)
+    assert handling == (False, 0.8, 1.6, 0.19, 5.0)
     assert remus().resting_command() == (0.0, 0.0, 0.0)
 
 
