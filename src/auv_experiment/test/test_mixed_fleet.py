@@ -1,8 +1,14 @@
 """Claims about vehicles with agents of their own: how sections combine, what is refused, what they hear."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import auv_bringup
+import auv_experiment
+import shoal
 from auv_core.params import ConfigError
 from auv_experiment.compose import agent_configs
 from auv_experiment.inprocess.sampled import run_in_process
@@ -155,6 +161,19 @@ def test_metrics_and_parts_of_a_run_are_those_of_its_teams(flown):
 def test_what_does_not_fit_together_is_refused_in_one_line(override, words):
     message = _refusal(override)
     assert message.startswith(f"scenario.{words}"), message
+
+
+def test_only_what_is_given_one_team_asks_a_scenario_for_its_one_agent():
+    packages = [Path(package.__file__ or "").parent for package in (auv_experiment, auv_bringup, shoal)]
+    one_team = {"metrics", "figures", "report", "inprocess", "courses", "formations"}
+    asks = {
+        path.name
+        for package in packages
+        for path in package.rglob("*.py")
+        if path.parent.name not in one_team
+        and re.search(r"(?<![\"'])scenario\.(agent|follows)\b", path.read_text(encoding="utf-8"))
+    }
+    assert asks == {"team_runs.py"}  # of the scenario of a team
 
 
 DRAWN = "vehicles.3={id: auv_4, model: {preset: remus100}}"
