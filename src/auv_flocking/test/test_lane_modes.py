@@ -183,12 +183,21 @@ def test_the_threshold_falls_with_time():
 def test_a_vehicle_that_cannot_keep_up_says_so_until_it_can():
     state = KeepingUp()
     flags = []
-    for tick in range(1200):
-        missing_mps = 0.1 if tick < 600 else 0.0
+    for tick in range(3000):
+        missing_mps = 0.1 if tick < 1200 else 0.0
         state = kept_up(state, missing_mps, -missing_mps, 0.1, keeping_up.Params())
         flags.append(state.is_limited)
-    assert flags.index(True) == pytest.approx(20.0 * math.log(0.1 / 0.04) / 0.1, abs=3)
-    assert flags.index(False, 600) == pytest.approx(600 + 20.0 * math.log(0.095 / 0.02) / 0.1, abs=5)
+    assert flags.index(True) == pytest.approx(60.0 * math.log(0.1 / 0.04) / 0.1, abs=3)
+    reached_mps = 0.1 * -math.expm1(-2.0)
+    assert flags.index(False, 1200) == pytest.approx(1200 + 60.0 * math.log(reached_mps / 0.02) / 0.1, abs=5)
+
+
+def test_a_hull_that_gains_speed_keeps_up():
+    state = KeepingUp()
+    for tick in range(600):
+        missing_mps = 0.4 * math.exp(-0.1 * tick / 5.0)
+        state = kept_up(state, missing_mps, -missing_mps, 0.1, keeping_up.Params())
+        assert not state.is_limited
 
 
 @given(st.floats(-1e6, 1e6), st.floats(-200.0, 200.0))

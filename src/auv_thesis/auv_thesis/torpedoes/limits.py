@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from auv_experiment.confidence.binomial import share_words
+from auv_experiment.confidence.binomial import exact_bounds, share_words
 from auv_thesis.items import Run
 
 _ROUNDING = 1e-9
@@ -106,10 +106,17 @@ class Limit:
         share = share_words(self.count_beyond(runs), len(runs))
         return f"{self.quantity.words} {side} {self._shown(self.value)} in {share}"
 
-    def is_kept(self, runs: Sequence[Run]) -> bool:
-        """Return whether the runs keep the limit."""
+    def is_kept(self, runs: Sequence[Run], n_all: int) -> bool:
+        """
+        Return whether the runs keep the limit, of which there are `n_all`.
+
+        While some are not flown, a share is beyond its limit only if its exact bounds exclude the limit.
+        """
         n, count = len(runs), self.count_beyond(runs)
-        return self.least * n - _ROUNDING <= count <= (self.most * n if self.least == 0.0 else n) + _ROUNDING
+        low, high = exact_bounds(count, n) if n < n_all else (count / n, count / n)
+        if self.most == self.least == 0.0:
+            return count == 0
+        return high >= self.least - _ROUNDING and (self.least > 0.0 or low <= self.most + _ROUNDING)
 
 
 def _percent(share: float) -> str:

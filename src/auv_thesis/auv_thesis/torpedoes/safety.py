@@ -43,7 +43,7 @@ def _row(cell: Cell, runs: Sequence[Run]) -> Row:
     if not runs:
         return Row(cell.name, limits, "not flown", NO_NUMBER, f"`{COMMAND}` flies it")
     worst = "; ".join(dict.fromkeys(limit.worst(runs) for limit in cell.limits))
-    is_kept = all(limit.is_kept(runs) for limit in cell.limits)
+    is_kept = all(limit.is_kept(runs, len(cell.specs)) for limit in cell.limits)
     verdict = DIFFERS if not is_kept else AGREES if len(runs) == len(cell.specs) else AGREES_IN_PART
     return Row(cell.name, limits, worst, verdict, "; ".join(limit.beyond(runs) for limit in cell.limits))
 
@@ -61,7 +61,7 @@ def judge(cells: Sequence[Cell], runs: list[Run]) -> Verdict:
         f"{cell}: {limit.beyond(own)}"
         for cell, own in flown.items()
         for limit in cell.limits
-        if not limit.is_kept(own)
+        if not limit.is_kept(own, len(cell.specs))
     ]
     n_all = sum(len(cell.specs) for cell in cells)
     n_flown = sum(len(own) for own in flown.values())

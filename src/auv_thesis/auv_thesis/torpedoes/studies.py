@@ -17,6 +17,9 @@ _SHAPES = {
     "column of 5": (f"{_FLEET}.shape=column", f"{_FLEET}.spacing_m=20.0"),
     "diamond of 4": ("vehicles.count=4", f"{_FLEET}.shape=diamond"),
 }
+_LOST_S = (750.0, 850.0)
+"""When a vehicle in formation is lost: later than nearly all fleets need to form."""
+_LOST_DURATION_S = 950.0
 _FORMED_WITHIN_S = {2.0: 620.0, 8.0: 700.0}
 
 
@@ -108,7 +111,8 @@ def _losses() -> tuple[Cell, ...]:
                     "torpedo_lost",
                     (*changes, _slot(slot_s)),
                     (live, wreck),
-                    per_seed=losing_one(4 if shape == "diamond of 4" else 5, 500.0, 700.0),
+                    duration_s=_LOST_DURATION_S,
+                    per_seed=losing_one(4 if shape == "diamond of 4" else 5, *_LOST_S),
                     is_first_look=(shape, slot_s) == ("column of 5", 2.0),
                 )
             )
@@ -181,7 +185,8 @@ def _controls() -> tuple[Cell, ...]:
                 "torpedo_column_flat",
                 (_slot(slot_s),),
                 (Limit("wreck_distance_min_m", 5.0, least=0.25),),
-                per_seed=losing_one(5, 500.0, 700.0),
+                duration_s=_LOST_DURATION_S,
+                per_seed=losing_one(5, *_LOST_S),
                 is_first_look=slot_s == SLOTS_S[0],
             ),
         ]
