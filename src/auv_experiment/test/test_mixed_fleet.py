@@ -9,6 +9,7 @@ import pytest
 import auv_bringup
 import auv_experiment
 import shoal
+from auv_core.messages import Inbox, Packet, Reception, VehicleState
 from auv_core.params import ConfigError
 from auv_experiment.compose import agent_configs
 from auv_experiment.inprocess.sampled import run_in_process
@@ -23,8 +24,11 @@ from auv_experiment.scenario.loading import (
 from auv_experiment.scenario.teams import agent_key, of_team, softwares, teams
 from auv_experiment.team_runs import team_runs
 from auv_flocking.agent import Agent
+from auv_flocking.agent_config import report_format
 from auv_flocking.fleets.lanes import Fleet
 from auv_flocking.flock_task import FlockTask
+from auv_flocking.lanes.status import STRAIGHT_ON, LaneStatus, Mode
+from auv_flocking.report import Report
 
 
 @pytest.fixture(scope="module")
@@ -116,6 +120,20 @@ def test_every_vehicle_decodes_the_reports_of_all_others(flown):
     off_m = recording.neighbour_position_ned_m[-1] - recording.position_ned_m[-2]
     assert np.nanmax(np.linalg.norm(off_m, axis=-1)) < 8.0
     assert (recording.holding == 0).all()
+
+
+@pytest.mark.parametrize(("north_m", "gives_way"), [(157.0, True), (165.0, False)])
+def test_a_hovering_vehicle_keeps_clear_of_a_torpedo_that_comes_near(mixed, north_m, gives_way):
+    hovering, torpedo = agent_configs(mixed)[:2]
+    agent, form = Agent(hovering), report_format(torpedo, 4)
+    status = LaneStatus(0.0, 0.0, 0.0, Mode.TRANSIT, False, STRAIGHT_ON, 30.0).numbers()
+    place, t_s = (north_m, 30.0, 30.0), 100.0
+    sent = Report(2, t_s, place, (-1.5, 0.0, 0.0), place, (0.0, 0.0, 0.0), shared=status)
+    packet = Packet(500, 2, 0, 1, form.encode(sent))
+    nav = VehicleState(500, (150.0, 30.0, 30.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    agent.step(t_s, nav, Inbox(500, False, (Reception(packet, t_s, t_s, 0.0),), ()))
+    assert agent.holding == ""
+    assert (agent.reference.velocity[0] < -0.1) == gives_way
 
 
 def test_metrics_and_parts_of_a_run_are_those_of_its_teams(flown):
