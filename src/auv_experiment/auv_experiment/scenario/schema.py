@@ -218,8 +218,8 @@ class Scenario:
 
     @property
     def kinematic(self) -> bool:
-        """Whether the vehicles take velocity commands."""
-        return self.commands[0] == "velocity"
+        """Whether all vehicles take velocity commands."""
+        return set(self.commands) == {"velocity"}
 
     @property
     def commands(self) -> tuple[str, ...]:
