@@ -61,7 +61,7 @@ def _reach_down_m(recording: Recording, scenario: Scenario) -> FloatArray:
     diameter_m = np.array([each.hull_diameter_m for each in scenario.handlings])
     w, x, y, z = np.moveaxis(recording.attitude_quat_wxyz, -1, 0)
     ahead_down = 2.0 * (x * z - w * y)
-    reach_m: FloatArray = 0.5 * (np.abs(ahead_down) * np.maximum(rod_m, 0.0) + diameter_m)
+    reach_m: FloatArray = 0.5 * (np.where(rod_m > 0.0, np.abs(ahead_down) * rod_m, 0.0) + diameter_m)
     return reach_m
 
 

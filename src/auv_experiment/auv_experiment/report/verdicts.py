@@ -76,10 +76,8 @@ def _range(touch_m: FloatArray) -> tuple[float, float]:
 
 
 def _near_answer(metrics: dict[str, Any]) -> str:
-    line = near_warning(metrics)
-    return _answer(
-        "Did vehicles keep their distance?", not line, f"{line[:1].upper()}{line[1:]}." if line else ""
-    )
+    line = near_warning(metrics) or "no pair came nearer than near_m of its models"
+    return _answer("Did vehicles keep their distance?", not metrics["near_pairs"], f"{line.capitalize()}.")
 
 
 def _fleet_answer(metrics: dict[str, Any]) -> str:
