@@ -36,6 +36,7 @@ from auv_flocking.holding import FAILED, NO_FINITE_COMMAND, OUT_OF_REPORT
 from auv_flocking.motion_task import MotionTask
 from auv_flocking.neighbours.estimates import Estimates
 from auv_flocking.packet_judge import Refusal
+from auv_flocking.pings import NO_PING
 from auv_flocking.report import Report, ReportError, why_not_carried
 from auv_flocking.senses import senses_of
 from auv_flocking.separation import make_separation
@@ -70,6 +71,7 @@ class Agent:
         self.task = self._make_task(controller, consensus)
         self._fleet = self.task if isinstance(self.task, FleetTask) else None
         self.flocks = isinstance(self.task, FlockTask)
+        self._vouched_s = self.task.vouched_s if isinstance(self.task, FlockTask) else math.inf
         self._senses = senses_of(config)
         self._fails_at_s = math.inf if config.fails_at_s is None else config.fails_at_s
         self._sequence = 0
@@ -78,6 +80,7 @@ class Agent:
         self.holding = ""
         self.neighbours = Estimates.of(())
         self.sensed: Sensed = ()
+        self._ping = NO_PING
 
     def _make_task(
         self, controller: Controller, consensus: ConsensusFilter | None
@@ -184,9 +187,9 @@ class Agent:
             self.holding = FAILED
             return self._safe_command(), []
         packets = [each.packet for each in inbox.receptions]
-        usable, self.holding, self.neighbours, self.sensed = self._senses.take(
-            t_s, nav, packets, inbox.contacts
-        )
+        found = self._senses.take(t_s, nav, packets, inbox.contacts)
+        usable, self.holding = found.nav, found.why_no_nav
+        self.neighbours, self.sensed, self._ping = found.neighbours, found.obstacles, found.ping
         if usable is not None and self._config.fleet_size > 1:
             self.holding = self._senses.inputs.modem(t_s, inbox.tick) or self._uncarried(usable.position)
         if usable is None or self.holding:
@@ -226,7 +229,7 @@ class Agent:
         sensed = self.sensed
         if strangers:
             sensed += as_obstacles(strangers, self._config.clearance_m)
-        command = self.task.step(t_s, nav, path, mates, sensed, is_waiting=is_waiting)
+        command = self.task.step(t_s, nav, path, mates, sensed, self._ping, is_waiting=is_waiting)
         self._is_waiting = self.task.is_staying
         return command
 
@@ -255,7 +258,7 @@ class Agent:
         """Return the packet that the modem asks for, or none if its numbers cannot be sent."""
         velocity = body_to_ned(nav.attitude, (nav.nu[0], nav.nu[1], nav.nu[2]))
         ages_s = {track.report.address: t_s - track.report.time_s for track in self._senses.table.tracks}
-        code = class_of_all(ages_s)
+        code = class_of_all(ages_s, self._vouched_s)
         report = Report(
             self._config.address,
             t_s,

@@ -11,13 +11,14 @@ from auv_core.compiled import fastest
 from auv_core.geometry import Vec3, heading_from_quaternion
 from auv_core.messages import Command, VehicleState
 from auv_flocking.consensus import ConsensusFilter, ContinuousFilter, centres_within
-from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, FlockVelocity, View
+from auv_flocking.flocking import NOTHING_HEARD, FlockingLaw, FlockVelocity, RecordedLaw, RosterLaw, View
 from auv_flocking.neighbours.estimates import (
     Estimates,
     Neighbours,
     Positions,
     heading_nearest_leader_rad,
 )
+from auv_flocking.pings import NO_PING, Ping
 from auv_flocking.trackers import Sensed
 
 Obstacles = tuple[tuple[Vec3, float], ...]
@@ -30,12 +31,11 @@ class FlockTask:
     Flocking law, consensus filter and the velocity controller under them.
 
     After a step: `centre` and `centre_rate` (own estimate of the flocking centre, m and m/s; NED),
-    `flock_velocity` (m/s; NED, with its stamp), `reference` (the law's velocity, and the heading to hold) and
-    `is_staying` (whether the vehicle stays where it is and does not go with the flock).
+    `flock_velocity` (m/s; NED, with its stamp), `reference` (the law's velocity, and the heading to hold),
+    `law_state` (of a `RecordedLaw`) and `is_staying` (whether the vehicle stays where it is and does not go with
+    the flock). `vouched_s` is that of a `RosterLaw`, inf for others.
     Only a leader (`is_leader`) uses the heading of the path.
     """
-
-    law_state: tuple[float, ...] = ()
 
     def __init__(
         self,
@@ -48,6 +48,8 @@ class FlockTask:
         is_leader: bool,
     ) -> None:
         self._law = law
+        self._recorded = law if isinstance(law, RecordedLaw) else None
+        self.vouched_s = law.vouched_s if isinstance(law, RosterLaw) else math.inf
         self._consensus = consensus
         self._continuous = consensus if isinstance(consensus, ContinuousFilter) else None
         self._controller = controller
@@ -62,6 +64,11 @@ class FlockTask:
         self.reference = VelocityReference(_ZERO, 0.0)
         self.is_staying = False
 
+    @property
+    def law_state(self) -> tuple[float, ...]:
+        """State of a law that has one to record, `()` for others."""
+        return () if self._recorded is None else self._recorded.state
+
     def step(
         self,
         t_s: float,
@@ -69,6 +76,7 @@ class FlockTask:
         path: PathPoint,
         neighbours: Neighbours,
         sensed: Sensed = (),
+        ping: Ping = NO_PING,
         *,
         is_waiting: bool,
     ) -> Command:
@@ -79,7 +87,9 @@ class FlockTask:
         self.centre = centre = consensus.centre(position, estimates)
         self.flock_velocity = law.flock_velocity(t_s, path, centre, self.flock_velocity, estimates)
         flock = self.flock_velocity.at(t_s)
-        view = View(position, centre, flock, Positions(estimates), self._obstacles, path, estimates, sensed)
+        view = View(
+            position, centre, flock, Positions(estimates), self._obstacles, path, estimates, sensed, ping
+        )
         velocity = law.velocity(view)
         if not is_waiting:
             law.adapt(view, period_s)

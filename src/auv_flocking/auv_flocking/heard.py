@@ -51,7 +51,12 @@ def mask_of(ages_s: Mapping[int, float], own_address: int, fleet_size: int, code
     return heard & ~missing
 
 
-def class_of_all(ages_s: Mapping[int, float]) -> int:
-    """Return the smallest class that holds all ages, or the largest class."""
-    oldest_s = max(ages_s.values(), default=0.0)
+def class_of_all(ages_s: Mapping[int, float], at_most_s: float = math.inf) -> int:
+    """
+    Return the smallest class that holds all ages of at most `at_most_s`, or the largest class.
+
+    Older ones are those of vehicles that may be lost: with them the class would be so coarse that the mask
+    says nothing of the others.
+    """
+    oldest_s = max((age_s for age_s in ages_s.values() if age_s <= at_most_s), default=0.0)
     return next((code for code in range(CODES) if oldest_s <= within_s(code)), CODES - 1)

@@ -7,6 +7,7 @@ for accepted packets and contacts exists once.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -17,17 +18,19 @@ from auv_flocking.neighbours.estimates import Estimates
 from auv_flocking.neighbours.filter import NeighbourConfig, with_rounding
 from auv_flocking.neighbours.table import NeighbourTable
 from auv_flocking.packet_judge import PacketJudge
+from auv_flocking.pings import Echo, Ping, echoes_of
 from auv_flocking.reports import ReportDecoder
 from auv_flocking.trackers import ObstacleTracker, Sensed, make_tracker
 
 
 class Perceived(NamedTuple):
-    """Usable navigation, or None and why not; neighbour estimates; sensed obstacles."""
+    """Usable navigation, or None and why not; neighbour estimates; sensed obstacles; the newest ping."""
 
     nav: VehicleState | None
     why_no_nav: str
     neighbours: Estimates
     obstacles: Sensed
+    ping: Ping
 
 
 class Senses:
@@ -61,6 +64,9 @@ class Senses:
         self.packets = PacketJudge(decoder, address, fleet_size, limits)
         self.table = NeighbourTable(with_rounding(neighbours, decoder), has_sonar=has_sonar)
         self.obstacles = obstacles
+        self._has_sonar = has_sonar
+        self._echoes: tuple[Echo, ...] = ()
+        self._ping_s = -math.inf
 
     def take(
         self,
@@ -95,7 +101,10 @@ class Senses:
         if contacts and usable is not None:
             left = self.table.observe(t_s, usable, contacts, self.obstacles.rivals(t_s))
             self.obstacles.observe(t_s, left)
-        return Perceived(usable, words, self.table.estimates(t_s), self.obstacles.obstacles(t_s))
+            if self._has_sonar:
+                self._echoes, self._ping_s = echoes_of(usable, contacts), t_s
+        ping = Ping(self._echoes, t_s - self._ping_s)
+        return Perceived(usable, words, self.table.estimates(t_s), self.obstacles.obstacles(t_s), ping)
 
 
 def senses_of(config: AgentConfig) -> Senses:

@@ -31,6 +31,11 @@ def test_alone_no_bit_is_set():
     assert mask_of({}, 1, 1, 0) == 0
 
 
+@given(st.floats(1.0, 60.0), st.floats(60.1, 1e4))
+def test_a_lost_vehicle_does_not_make_the_class_coarse(age_s, lost_s):
+    assert class_of_all({1: age_s, 2: lost_s}, 60.0) == class_of_all({1: age_s})
+
+
 @given(AGES)
 def test_the_class_of_all_holds_all_ages_if_any_class_does(ages_s):
     code = class_of_all(ages_s)

@@ -72,6 +72,8 @@ _OFFSETS: dict[str, Callable[[int, float, float], Vec3]] = {
     "double_platoon": _double_platoon,
 }
 SHAPES = tuple(_OFFSETS)
+NO_SHAPE = "none"
+"""What settings say instead of a shape to switch to."""
 
 
 def shape_slots(shape: str, count: int, spacing_m: float, half_angle_rad: float = math.pi / 4.0) -> Slots:

@@ -17,6 +17,7 @@ from auv_core.contracts import class_of, fulfilled
 from auv_core.geometry import Vec3, turned
 from auv_core.params import Section
 from auv_flocking.neighbours.estimates import Neighbours
+from auv_flocking.pings import NO_PING, Ping
 from auv_flocking.separation import LearningLaw, ObstacleLearningLaw, SeparationLaw
 from auv_flocking.trackers import Sensed
 
@@ -57,7 +58,7 @@ class View(NamedTuple):
 
     `neighbours` are the positions of `estimates`, in the same order; in continuous time, with perfect
     information, there are no estimates. `obstacles` are the known ones, `sensed` those that the vehicle's
-    sonar found.
+    sonar found, `ping` what it showed last, with its age.
     """
 
     position: Vec3
@@ -68,6 +69,7 @@ class View(NamedTuple):
     path: PathPoint
     estimates: Neighbours = ()
     sensed: Sensed = ()
+    ping: Ping = NO_PING
 
 
 class FlockingParams(Protocol):
@@ -122,6 +124,24 @@ class FlockingLaw(Protocol):
 
     def adapt(self, view: View, dt_s: float) -> None:
         """Take over what changes with the view, after `velocity`; once per control period of `dt_s`."""
+
+
+@runtime_checkable
+class RecordedLaw(Protocol):
+    """A law whose state is recorded."""
+
+    @property
+    def state(self) -> tuple[float, ...]:
+        """The law's state after `velocity`; its length does not change."""
+
+
+@runtime_checkable
+class RosterLaw(Protocol):
+    """A law that takes vehicles for lost of which no vehicle has had news lately."""
+
+    @property
+    def vouched_s(self) -> float:
+        """Age up to which a packet of a vehicle is told to the others as news (s)."""
 
 
 def learn(law: LearningLaw, view: View, spacing_m: float, dt_s: float) -> None:

@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from auv_control.formations.frame import Course, Offset, world_offset
-from auv_control.formations.shapes import SHAPES, Slots, shape_slots
+from auv_control.formations.shapes import NO_SHAPE, SHAPES, Slots, shape_slots
 from auv_control.references import PathPoint
 from auv_core.compiled import fastest
 from auv_core.geometry import Vec3, added, distance, limited
@@ -33,9 +33,10 @@ from auv_flocking.neighbours.estimates import (
 )
 from auv_flocking.separation import SeparationLaw
 
-NO_SHAPE = "none"
 _NOTICE_EVERY_S = 1.0
 _STANDS_MPS = 1e-3
+VOUCHED_RATIO = 0.5
+"""Share of the time-out up to which a packet of another vehicle is told as news."""
 _Aware = communication_aware.Params
 
 
@@ -155,6 +156,16 @@ class FormationLaw(FlockingLaw):
         self._chi_rad = 0.0
         self._gains: tuple[float, ...] = (*_gains(params),)
         self._held_apart, self._newer_stamp = fastest(held_apart), fastest(newer_stamp)
+
+    @property
+    def state(self) -> tuple[float, ...]:
+        """The slots of all vehicles, as this one holds them; see `Roster.state`."""
+        return self.roster.state
+
+    @property
+    def vouched_s(self) -> float:
+        """Half of the time-out: older packets do not help those that hear of them."""
+        return VOUCHED_RATIO * self._params.lost_after_s
 
     @property
     def leads(self) -> bool:

@@ -15,7 +15,7 @@ from auv_control.formations.assignment import assigned_slots
 from auv_control.formations.frame import Offset
 from auv_control.formations.references import Weights, reference_weights
 from auv_control.formations.repair import Word, ages_of_news_s, elected_leader, live_addresses, repaired_slots
-from auv_control.formations.shapes import Slots, predecessors
+from auv_control.formations.shapes import NO_SLOT, Slots, predecessors
 from auv_control.formations.switching import Transition
 from auv_core.geometry import Vec3
 from auv_flocking.flocking import Member
@@ -79,6 +79,12 @@ class Roster:
     def wrecks(self) -> tuple[Vec3, ...]:
         """Where the lost vehicles were when they were last heard (m; NED)."""
         return tuple(place for address, (_, place) in self._last.items() if address not in self._live)
+
+    @property
+    def state(self) -> tuple[float, ...]:
+        """The slot of each address from 1 on, `NO_SLOT` for lost vehicles."""
+        slots, fleet_size = self.order.slots, self._member.fleet_size
+        return tuple(float(slots.get(address, NO_SLOT)) for address in range(1, fleet_size + 1))
 
     @property
     def live(self) -> tuple[int, ...]:
