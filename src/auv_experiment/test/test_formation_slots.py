@@ -15,11 +15,14 @@ from auv_experiment.metrics.formations.stability import (
     formation_error_m,
     gains_along_string,
     gains_from_leader,
+    gains_over_layers,
     least_distance_m,
     root_of_integral,
     settled_after_s,
     spacing_errors_m,
+    stacked_m,
     sup,
+    target_errors,
 )
 from auv_experiment.recording import Recording
 from auv_experiment.scenario.loading import load_scenario
@@ -57,6 +60,37 @@ def test_gains_are_ratios_to_the_vehicle_ahead_and_to_the_leader():
     assert gains_from_leader(sizes, COLUMN) == [0.5, 0.75, 0.375]
     assert gains_along_string(np.array([2.0, 1e-4, 1.5, 0.75]), COLUMN) == [0.5]
     assert gains_from_leader(1e-4 * sizes, COLUMN) == []
+
+
+@MODERATE
+@given(st.lists(st.floats(0.2, 2.0), min_size=3, max_size=3))
+def test_a_column_is_a_mesh_with_one_vehicle_in_each_layer(ratios):
+    steps = np.cumprod([1.0, *ratios])
+    errors = np.zeros((2, 5, 3))
+    errors[1, 1:, 0] = np.cumsum(steps)
+    column = (LEADER, 0, 1, 2, 3)
+    ahead = [() if j == LEADER else (j,) for j in column]
+    sizes = sup(spacing_errors_m(errors, np.zeros((2, 3)), np.zeros_like(errors), column))
+    assert gains_over_layers(errors, ahead) == pytest.approx(ratios)
+    assert gains_along_string(sizes, column) == pytest.approx(ratios)
+
+
+def test_a_layer_has_the_largest_error_of_its_vehicles():
+    square = [(), (0,), (0,), (1, 2)]  # 0 leads, 1 and 2 follow it, 3 follows both
+    errors = np.zeros((1, 4, 3))
+    errors[0, 1:, 0] = (1.0, -3.0, 1.0)
+    assert gains_over_layers(errors, square) == pytest.approx([4.0 / 3.0])
+
+
+@MODERATE
+@given(shifts)
+def test_followers_of_others_have_no_own_error_where_those_would_have_them(shift):
+    errors = np.zeros((1, 3, 3))
+    errors[0] += np.array(shift)
+    half = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.5, 0.0]])
+    assert stacked_m(target_errors(errors, half)) == pytest.approx([0.0], abs=1e-12)
+    errors[0, 2] += np.array((3.0, 4.0, 0.0))
+    assert stacked_m(target_errors(errors, half)) == pytest.approx([5.0])
 
 
 def test_norms_of_errors():
@@ -102,7 +136,30 @@ def test_a_fleet_on_its_plan_has_no_error_and_a_lost_vehicle_does_not_count():
     assert metrics["formation_error_rms_m"] == pytest.approx(0.0, abs=1e-9)
     assert metrics["formation_error_final_m"] == pytest.approx(0.0, abs=1e-9)
     assert metrics["formation_in_place_after_s"] == 0.0
-    assert metrics["string_gain_max"] is None
+    for key in ("string_gain_max", "mesh_gain_max", "leader_to_formation_gain_s"):
+        assert metrics[key] is None
+
+
+def test_agreement_counts_from_the_last_live_vehicle_that_holds_the_slots_of_the_live_ones():
+    scenario = load_scenario("formation_repair", duration_s=200.0, overrides=("period_s=1.0",))
+    recording = recording_of(scenario, 0.0)
+    assert formation_slot_metrics(recording, scenario, 0.0)["formation_agreed_after_s"] is None
+    plan = plan_of(recording, scenario, formation_of(scenario))
+    assert [plan.slots[i] for i in (0, 3)] == [-1.0, -1.0]
+    recording.law_state = np.full((recording.n_ticks, 8, 8), 7.0)
+    recording.law_state[145:] = plan.slots
+    recording.law_state[150, 5] = 7.0
+    recording.law_state[160:, 3] = 7.0  # a lost one does not count
+    assert formation_slot_metrics(recording, scenario, 0.0)["formation_agreed_after_s"] == 150.0
+
+
+def test_lost_vehicles_may_be_near_others():
+    scenario = load_scenario("formation_repair", duration_s=120.0, overrides=("period_s=1.0",))
+    positions = np.zeros((121, 8, 3))
+    positions[:, :, 1] = 4.0 * np.arange(8)
+    positions[101:, 4] = positions[101:, 3]
+    metrics = formation_slot_metrics(recording_of(scenario, positions), scenario, 0.0)
+    assert metrics["formation_distance_min_m"] == pytest.approx(4.0)
 
 
 def test_a_string_has_a_gain_and_another_law_has_none_of_these():
@@ -113,8 +170,21 @@ def test_a_string_has_a_gain_and_another_law_has_none_of_these():
         positions[20, vehicle:, 0] += 0.1 * 1.2**vehicle
     metrics = formation_slot_metrics(recording_of(scenario, positions), scenario, 10.0)
     assert metrics["string_gain_max"] == pytest.approx(1.2)
+    assert metrics["mesh_gain_max"] == pytest.approx(1.2)
+    assert metrics["string_gain_l2_max"] == pytest.approx(1.2)
+    assert metrics["string_gain_leader_max"] == pytest.approx(0.1 * 1.2**7 / 15.0)  # depth of the path
+    assert metrics["leader_to_formation_gain_s"] is None
     other = load_scenario("flock_modem", duration_s=10.0)
     assert formation_slot_metrics(recording_of(other, 0.0), other, 0.0) == {}
+
+
+def test_the_gain_from_the_leader_is_per_change_of_its_speed():
+    scenario = load_scenario("formation_string", duration_s=60.0, overrides=("period_s=1.0",))
+    plan = plan_of(recording_of(scenario, 0.0), scenario, formation_of(scenario))
+    positions = plan.offsets.copy()
+    positions[50, 1:, 0] -= 0.6  # all followers behind the leader, each in its place behind the next
+    metrics = formation_slot_metrics(recording_of(scenario, positions), scenario, 0.0)
+    assert metrics["leader_to_formation_gain_s"] == pytest.approx(0.6 / 0.3)
 
 
 def test_a_formation_that_cannot_be_is_refused_at_load():

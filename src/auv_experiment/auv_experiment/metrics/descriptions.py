@@ -141,8 +141,24 @@ OF_LAWS = {
     "formation_in_place_after_s": Meaning(
         "s", "time after which every live vehicle stays within 0.5 m of its slot, relative to the leader", 1
     ),
+    "formation_agreed_after_s": Meaning(
+        "s", "time after which all live vehicles hold the same slots, those that follow from the losses", 1
+    ),
+    "formation_distance_min_m": Meaning("m", "smallest distance of two vehicles that have not failed"),
     "string_gain_max": Meaning(
         "", "largest spacing error of a vehicle / that of the one that it follows, in a fixed formation"
+    ),
+    "string_gain_l2_max": Meaning(
+        "", "string_gain_max with the L2 norms of the errors instead of their largest values"
+    ),
+    "string_gain_leader_max": Meaning(
+        "", "largest spacing error of a follower / error of the leader on its path, in a fixed formation"
+    ),
+    "mesh_gain_max": Meaning(
+        "", "largest spacing error of a layer / that of the layer ahead of it, in a fixed formation"
+    ),
+    "leader_to_formation_gain_s": Meaning(
+        "s", "largest stacked error of the followers per change of the path's speed, in a fixed formation"
     ),
     # regions
     "ring_first_inside_s": Meaning("s", "first time of each vehicle inside the ring", 1),

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cache
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -21,8 +20,10 @@ from auv_experiment.metrics.finite import norm
 from auv_experiment.metrics.formations.stability import (
     decay_rate_ps,
     gains_along_string,
+    gains_over_layers,
     root_of_integral,
     spacing_errors_m,
+    stacked_m,
     sup,
 )
 from auv_thesis.formation.law import Floats, Law
@@ -124,14 +125,17 @@ def strings() -> dict[tuple[str, int], StringNumbers]:
     return dict(zip(cases, map(string_numbers, flights), strict=True))
 
 
+_PLACES = [(i, j) for i in range(MESH) for j in range(MESH)]
+_AHEAD = [[_PLACES.index(place) for place in ((i - 1, j), (i, j - 1)) if min(place) >= 0] for i, j in _PLACES]
+"""The vehicles that (i, j) follows in a mesh: (i - 1, j) and (i, j - 1)."""
+
+
 def _mesh(leader_weight: float) -> Plan:
-    """Return a mesh in which (i, j) steers by (i - 1, j), (i, j - 1) and the leader (0, 0)."""
-    places = [(i, j) for i in range(MESH) for j in range(MESH)]
-    offsets = SPACING_M * np.array([(-i, j, 0.0) for i, j in places])
-    others, path = np.zeros((len(places), len(places))), np.zeros(len(places))
+    """Return a mesh in which each vehicle steers by those that it follows and by the leader (0, 0)."""
+    offsets = SPACING_M * np.array([(-i, j, 0.0) for i, j in _PLACES])
+    others, path = np.zeros((len(_PLACES), len(_PLACES))), np.zeros(len(_PLACES))
     path[0] = 1.0
-    for k, (i, j) in enumerate(places[1:], start=1):
-        ahead = [places.index(place) for place in ((i - 1, j), (i, j - 1)) if min(place) >= 0]
+    for k, ahead in enumerate(_AHEAD[1:], start=1):
         others[k, ahead] += (1.0 - leader_weight) / len(ahead)
         others[k, 0] += leader_weight
     return Plan(offsets, offsets, Weights(others, path))
@@ -141,25 +145,11 @@ def _mesh(leader_weight: float) -> Plan:
 def meshes() -> dict[float, list[float]]:
     """Return the ratios of the errors of following layers i + j, by the weight of the leader."""
     path = straight(SPEED_MPS, STEP_MPS, STEP_AT_S)
-    found = {}
     flights = side_by_side([_mesh(0.0), _mesh(0.5)], path=path, duration_s=60.0)
-    for weight, flight in zip((0.0, 0.5), flights, strict=True):
-        errors = (flight.positions - flight.offsets).reshape(len(flight.t_s), MESH, MESH, 3)
-        to_row, to_column = (norm(np.diff(errors, axis=axis)).max(axis=0) for axis in (1, 2))
-        layers = [
-            max(
-                [to_row[i - 1, layer - i] for i in range(1, MESH) if 0 <= layer - i < MESH]
-                + [to_column[i, layer - i - 1] for i in range(MESH) if 0 < layer - i < MESH]
-            )
-            for layer in range(1, 2 * MESH - 1)
-        ]
-        found[weight] = [float(b / a) for a, b in pairwise(layers)]
-    return found
-
-
-def _stacked(flight: Flight) -> Floats:
-    """Return the norm of the followers' own-target errors at each instant (m)."""
-    return norm(norm(flight.positions - flight.wanted)[:, 1:])
+    return {
+        weight: gains_over_layers(flight.positions - flight.offsets, _AHEAD)
+        for weight, flight in zip((0.0, 0.5), flights, strict=True)
+    }
 
 
 @cache
@@ -171,7 +161,7 @@ def leader_numbers() -> dict[str, LeaderNumbers]:
     for a_mps in AMPLITUDES_MPS:
         flights = side_by_side(plans, path=straight(SPEED_MPS, a_mps, STEP_AT_S), duration_s=120.0)
         for name, flight in zip(FOUR_TYPES, flights, strict=True):
-            z_m = _stacked(flight)
+            z_m = stacked_m(flight.positions - flight.wanted)
             gains[name].append(float(z_m.max() / a_mps))
             tails[name] = max(tails[name], float(z_m[flight.t_s > 100.0].max()))
 

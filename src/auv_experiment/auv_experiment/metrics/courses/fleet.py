@@ -11,9 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from auv_control.formations.shapes import predecessors
 from auv_control.guidance.paths import make_path
+from auv_core.geometry import Vec3
 from auv_experiment.metrics.distances import pair_distances_m
 from auv_experiment.metrics.finite import finite, largest, rms, smallest
+from auv_experiment.metrics.formations.gains import gain_metrics
 from auv_experiment.metrics.windows import COORDINATED_AFTER_S, after
 from auv_experiment.recording import BoolArray, FloatArray, Recording
 from auv_flocking.course_task import CROSS_TRACK
@@ -35,7 +38,8 @@ def fleet_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
 
     """
     assert scenario.agent.fleet is not None
-    track = make_path(scenario.agent.fleet.params.path).track
+    params = scenario.agent.fleet.params
+    track = make_path(params.path).track
     works = is_working(recording, scenario)
     t_s, works_at_tick, states = recording.t_s[:-1], works[:-1], recording.law_state
     modes = states[..., MODE]
@@ -46,6 +50,7 @@ def fleet_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     round_m = track.length_m if track.is_closed else 0.0
     errors_m = coordination_error_m(np.where(works_at_tick, states[..., GAMMA], np.nan), round_m)
     turns = (states[..., TURN_AWAY_COURSE] != STRAIGHT_ON)[(modes == Mode.TRANSIT) & works_at_tick]
+    slots = params.slots(recording.n_vehicles) if works.all() else ()
     return {
         "fleet_formed_at_s": formed_at_s,
         "coordination_error_p95_m": _p95(errors_m[is_late]),
@@ -57,6 +62,7 @@ def fleet_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
             recording, scenario.period_s, COORDINATED_AFTER_S
         ),
         "turn_away_ratio": float(turns.mean()) if turns.size else None,
+        **_gain_metrics(states[is_late][..., GAMMA], round_m, slots, scenario.period_s),
         **_distances(recording, works, formed_at_s),
     }
 
@@ -89,6 +95,17 @@ def _distances(recording: Recording, works: BoolArray, formed_at_s: float | None
 def _p95(values: FloatArray) -> float | None:
     known = finite(values)
     return float(np.quantile(known, 0.95)) if known.size else None
+
+
+def _gain_metrics(
+    gammas_m: FloatArray, round_m: float, slots: tuple[Vec3, ...], period_s: float
+) -> dict[str, Any]:
+    """Return the gains of the errors along the path, of a fleet that has lost no vehicle."""
+    apart_m = gammas_m - gammas_m[:, :1]
+    if round_m > 0.0:
+        apart_m -= round_m * np.round(apart_m / round_m)
+    along = apart_m[..., np.newaxis] if slots else np.empty((0, 0, 1))
+    return gain_metrics(along, np.zeros((len(along), 1)), np.zeros_like(along), predecessors(slots), period_s)
 
 
 def coordination_error_m(gammas_m: FloatArray, round_m: float) -> FloatArray:

@@ -13,12 +13,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from auv_control.formations.frame import course_of, world_offset
-from auv_control.formations.shapes import predecessors
-from auv_experiment.metrics.finite import norm, rms
-from auv_experiment.metrics.formations.stability import LEADER, gains_along_string, settled_after_s, sup
-from auv_experiment.recording import FloatArray, Recording
+from auv_control.formations.shapes import NO_SHAPE, NO_SLOT, predecessors
+from auv_experiment.metrics.distances import pair_distances_m, path_ned_m
+from auv_experiment.metrics.finite import norm, rms, smallest
+from auv_experiment.metrics.formations.gains import gain_metrics
+from auv_experiment.metrics.formations.stability import (
+    FLOOR_M,
+    LEADER,
+    settled_after_s,
+    stacked_m,
+    target_errors,
+)
+from auv_experiment.recording import BoolArray, FloatArray, Recording
 from auv_flocking.flocking import Member
-from auv_flocking.flocking._formation import NO_SHAPE, FormationParams, roster_of
+from auv_flocking.flocking._formation import FormationParams, roster_of
 
 if TYPE_CHECKING:
     from auv_experiment.scenario.schema import Scenario
@@ -36,6 +44,10 @@ class Plan(NamedTuple):
         Index of the leader; after its failure of the next one.
     followed : tuple of N int
         The vehicle that each one follows in the last formation, `LEADER` for the leader and for lost ones.
+    slots : tuple of N float
+        The slot of each vehicle in the last formation, `NO_SLOT` for lost ones.
+    others : (N, N) array
+        Weight of each vehicle in the reference of another in the last formation, 0 for lost ones.
     changed_at_s : float
         When the last change began (s); 0 without a change.
 
@@ -44,6 +56,8 @@ class Plan(NamedTuple):
     offsets: FloatArray
     leaders: Any
     followed: tuple[int, ...]
+    slots: tuple[float, ...]
+    others: FloatArray
     changed_at_s: float
 
 
@@ -51,8 +65,7 @@ def formation_slot_metrics(recording: Recording, scenario: Scenario, formed_at_s
     """
     Return the metrics of a formation with slots, `{}` for other runs.
 
-    `formation_error_rms_m` and `string_gain_max` count from `formed_at_s` on; a formation that changes has no
-    gain.
+    `formation_error_rms_m` and the gains count from `formed_at_s` on; a formation that changes has no gain.
     """
     params = None if scenario.agent.flocking is None else scenario.agent.flocking.params
     if not isinstance(params, FormationParams) or recording.n_ticks == 0:
@@ -64,12 +77,24 @@ def formation_slot_metrics(recording: Recording, scenario: Scenario, formed_at_s
     error_m = np.sqrt(np.nanmean(np.square(off_m), axis=1))
     live = np.isfinite(off_m[-1])
     settled_s = settled_after_s(t_s, off_m[:, live], IN_PLACE_M)
-    counts = (t_s >= formed_at_s) & (plan.changed_at_s == 0.0)
+    counts = (t_s >= formed_at_s) & (plan.changed_at_s == 0.0) & np.isfinite(errors).all(axis=(1, 2))
+    path = path_ned_m(recording, scenario)
     return {
         "formation_error_rms_m": rms(error_m[t_s >= formed_at_s]),
         "formation_error_final_m": float(off_m[-1][live].max()),
         "formation_in_place_after_s": max(0.0, settled_s),
-        "string_gain_max": _string_gain(errors[counts], plan.followed),
+        "formation_agreed_after_s": _agreed_after_s(recording, plan, live),
+        "formation_distance_min_m": _live_distance_min_m(recording, plan),
+        **gain_metrics(
+            recording.position_ned_m[counts],
+            path[counts],
+            plan.offsets[counts],
+            plan.followed,
+            scenario.period_s,
+        ),
+        "leader_to_formation_gain_s": _gain_from_leader_s(
+            errors[counts], path[counts], plan, scenario.period_s
+        ),
     }
 
 
@@ -104,16 +129,38 @@ def plan_of(recording: Recording, scenario: Scenario, params: FormationParams) -
         by_slot[ahead[order.slots[i + 1]]] if i + 1 in order.slots and i + 1 != order.leader else LEADER
         for i in range(count)
     )
-    return Plan(offsets, leaders, followed, changed_at_s)
+    slots = tuple(float(order.slots.get(i + 1, NO_SLOT)) for i in range(count))
+    others = np.zeros((count, count))
+    members = [address - 1 for address in order.slots]
+    places = list(order.slots.values())
+    others[np.ix_(members, members)] = order.weights.others[np.ix_(places, places)]
+    return Plan(offsets, leaders, followed, slots, others, changed_at_s)
 
 
-def _string_gain(errors: FloatArray, followed: tuple[int, ...]) -> float | None:
-    """Return the largest ratio of the spacing error of a vehicle to that of the one that it follows."""
-    if not len(errors):
+def _agreed_after_s(recording: Recording, plan: Plan, live: BoolArray) -> float | None:
+    """Return the time after which all live vehicles hold the slots of the last formation (s)."""
+    held = recording.law_state[:, live]
+    if held.shape[2] != recording.n_vehicles:
         return None
-    own = [
-        np.zeros(len(errors)) if j == LEADER else norm(errors[:, i] - errors[:, j])
-        for i, j in enumerate(followed)
-    ]
-    sizes = sup(np.nan_to_num(np.column_stack(own)))
-    return max(gains_along_string(sizes, followed), default=None)
+    is_other = (held != np.array(plan.slots)).any(axis=(1, 2))
+    return max(0.0, settled_after_s(recording.t_s[:-1], is_other.astype(np.float64), 0.0))
+
+
+def _live_distance_min_m(recording: Recording, plan: Plan) -> float | None:
+    """Return the smallest distance of two vehicles that have not failed (m)."""
+    has_failed = np.isnan(plan.offsets[..., 0])
+    first, second = np.triu_indices(recording.n_vehicles, 1)
+    is_gone = has_failed[:, first] | has_failed[:, second]
+    return smallest(np.where(is_gone, math.nan, pair_distances_m(recording)))
+
+
+def _gain_from_leader_s(errors: FloatArray, path: FloatArray, plan: Plan, step_s: float) -> float | None:
+    """Return the largest |z| per change of the path's speed (m per m/s), None on a path of one speed."""
+    if len(path) < 2 or LEADER not in plan.followed:
+        return None
+    speed_mps = norm(np.diff(path, axis=0)) / step_s
+    change_mps = float(speed_mps.max() - speed_mps.min())
+    if change_mps < FLOOR_M:
+        return None
+    z_m = stacked_m(target_errors(errors, plan.others), plan.followed.index(LEADER))
+    return float(z_m.max()) / change_mps

@@ -7,14 +7,16 @@ the path.
 
     E_l = |p_l - path - w_l|        E_i = |p_i - p_p(i) - (w_i - w_p(i))|
 
-String stability is judged by ratios of these errors. A ratio to an error under `FLOOR_M` is left out: what is
-left of a disturbance that has died out.
+String and mesh stability are judged by ratios of these errors. A ratio to an error under `FLOOR_M` is left
+out: what is left of a disturbance that has died out. Leader-to-formation stability is judged by own-target
+errors z: how far the followers are from where those by which they steer would have them.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -74,6 +76,49 @@ def gains_from_leader(sizes: FloatArray, followed: Sequence[int]) -> list[float]
     if sizes[leading] < FLOOR_M:
         return []
     return [float(sizes[j] / sizes[leading]) for j, ahead in enumerate(followed) if ahead != LEADER]
+
+
+def gains_over_layers(errors: FloatArray, ahead: Sequence[Sequence[int]]) -> list[float]:
+    """
+    Return the ratios of the largest spacing errors of one layer to those of the layer ahead, Eq. (1.25).
+
+    Parameters
+    ----------
+    errors : (K, N, 3) array
+        Positions minus world offsets (m).
+    ahead : sequence of N sequences of int
+        The vehicles that each one follows, none for the leader, and no circle. A vehicle is one layer behind
+        the last of those that it follows.
+
+    """
+    layers = _layers(ahead)
+    largest_m = [0.0] * (max(layers) + 1)
+    for vehicle, others in enumerate(ahead):
+        for other in others:
+            size_m = float(norm(errors[:, vehicle] - errors[:, other]).max())
+            largest_m[layers[vehicle]] = max(largest_m[layers[vehicle]], size_m)
+    return [after / before for before, after in pairwise(largest_m[1:]) if before >= FLOOR_M]
+
+
+def _layers(ahead: Sequence[Sequence[int]]) -> list[int]:
+    layers = [0] * len(ahead)
+    for _ in ahead:
+        layers = [1 + max((layers[other] for other in others), default=-1) for others in ahead]
+    return layers
+
+
+def target_errors(errors: FloatArray, others: FloatArray) -> FloatArray:
+    """
+    Return z_i = e_i - sum_j W_ij e_j at each instant, (K, N, 3) (m), of errors e = p - w.
+
+    `others` is W by vehicles, (N, N). The row of a leader, which has its weight on the path, is its own e.
+    """
+    return np.asarray(errors - np.einsum("ij,kjc->kic", others, errors))
+
+
+def stacked_m(target: FloatArray, leading: int = 0) -> FloatArray:
+    """Return |z| of all own-target errors but the leader's at each instant (m)."""
+    return norm(np.delete(norm(target), leading, axis=1))
 
 
 def settled_after_s(t_s: FloatArray, errors_m: FloatArray, tolerance_m: float) -> float:
