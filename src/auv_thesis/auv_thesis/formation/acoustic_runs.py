@@ -1,4 +1,9 @@
-"""Runs of formations over acoustic links, by reference type, slot and loss."""
+"""
+Runs of formations over acoustic links, by reference type, slot and loss, and of one repair with many seeds.
+
+A cell flies one run for every `EVERY` seeds that are asked for. Cells of `FIRST_LOOK` fly their first run
+always, the others only if more than `FIRST_LOOK_SEEDS` are asked for.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +11,13 @@ from functools import cache
 from typing import NamedTuple
 
 from auv_thesis.items import RunSpec
+
+N_SEEDS = 100
+EVERY = 25
+FIRST_LOOK_SEEDS = 2
+FIRST_LOOK = (0.5, 0.3)
+"""Slot (s) and share of losses of the cells of the first look."""
+FIRST_REPAIR_SEED = 70_001
 
 SLOTS_S = (0.5, 2.0, 8.0)
 LOSSES = (0.0, 0.3, 0.6)
@@ -20,6 +32,9 @@ CYCLES_TO_HEAR = 8.0
 SETTLING_S = 120.0
 """From the departure to a step of the speed, a switch or a loss."""
 _SHARES = ("leader_share", "predecessor_share", "neighbour_share")
+
+
+Specs = tuple[RunSpec, ...]
 
 
 class Cell(NamedTuple):
@@ -39,22 +54,29 @@ def _departure(cell: Cell, vehicles: int) -> str:
     return f"reference.params.from_s=[0.0, {_wait_s(cell, vehicles)}]"
 
 
-def _spec(scenario: str, cell: Cell, vehicles: int, duration_s: float, *changes: str) -> RunSpec:
+def _specs(scenario: str, cell: Cell, vehicles: int, duration_s: float, *changes: str) -> Specs:
     wait_s = _wait_s(cell, vehicles)
-    return RunSpec(
-        scenario,
-        (
-            f"acoustics.mac.params.slot_s={cell.slot_s}",
-            f"acoustics.outage.params.loss_prob={cell.loss_prob}",
-            f"agent.flocking.params.lost_after_s={wait_s}",
-            *changes,
-        ),
-        duration_s,
+    first = 0 if (cell.slot_s, cell.loss_prob) == FIRST_LOOK else FIRST_LOOK_SEEDS
+    return tuple(
+        RunSpec(
+            scenario,
+            (
+                f"seed={1 + index}",
+                f"acoustics.mac.params.slot_s={cell.slot_s}",
+                f"acoustics.outage.params.loss_prob={cell.loss_prob}",
+                f"agent.flocking.params.lost_after_s={wait_s}",
+                *changes,
+            ),
+            duration_s,
+            keep_recording=False,
+            nth=first + EVERY * index,
+        )
+        for index in range(N_SEEDS // EVERY)
     )
 
 
 @cache
-def string_runs() -> dict[Cell, RunSpec]:
+def string_runs() -> dict[Cell, Specs]:
     """Return the runs of a column of eight from rest, by cell."""
     runs = {}
     for name, shares in REFERENCES.items():
@@ -64,12 +86,12 @@ def string_runs() -> dict[Cell, RunSpec]:
                 cell = Cell(name, slot_s, loss_prob)
                 at_s = _wait_s(cell, 8) + SETTLING_S
                 times = f"reference.params.from_s=[0.0, {_wait_s(cell, 8)}, {at_s}]"
-                runs[cell] = _spec("formation_string", cell, 8, 2.0 * at_s, *changes, times)
+                runs[cell] = _specs("formation_string", cell, 8, 2.0 * at_s, *changes, times)
     return runs
 
 
 @cache
-def switch_runs() -> dict[Cell, RunSpec]:
+def switch_runs() -> dict[Cell, Specs]:
     """Return the runs of six vehicles that switch from a column to a line, by cell."""
     runs = {}
     for slot_s in SLOTS_S:
@@ -77,12 +99,12 @@ def switch_runs() -> dict[Cell, RunSpec]:
             cell = Cell("column to line", slot_s, loss_prob)
             at_s = _wait_s(cell, 6) + SETTLING_S
             changes = (_departure(cell, 6), f"agent.flocking.params.switch_at_s={at_s}")
-            runs[cell] = _spec("formation_switching", cell, 6, 2.0 * at_s + 80.0, *changes)
+            runs[cell] = _specs("formation_switching", cell, 6, 2.0 * at_s + 80.0, *changes)
     return runs
 
 
 @cache
-def repair_runs() -> dict[Cell, RunSpec]:
+def repair_runs() -> dict[Cell, Specs]:
     """Return the runs of eight vehicles that lose two, by cell."""
     runs = {}
     for slot_s in SLOTS_S:
@@ -90,5 +112,12 @@ def repair_runs() -> dict[Cell, RunSpec]:
             cell = Cell("leader and one lost", slot_s, loss_prob)
             at_s = _wait_s(cell, 8) + SETTLING_S
             changes = [_departure(cell, 8), *(f"vehicles.{index}.fails_at_s={at_s}" for index in (0, 3))]
-            runs[cell] = _spec("formation_repair", cell, 8, at_s + 2.0 * _wait_s(cell, 8) + 120.0, *changes)
+            runs[cell] = _specs("formation_repair", cell, 8, at_s + 2.0 * _wait_s(cell, 8) + 120.0, *changes)
     return runs
+
+
+REPAIRS = tuple(
+    RunSpec("formation_repair", (f"seed={FIRST_REPAIR_SEED + index}",), keep_recording=False, nth=index)
+    for index in range(N_SEEDS)
+)
+"""Eight vehicles of which the leader and a follower are lost at 100 s, one run for each seed."""

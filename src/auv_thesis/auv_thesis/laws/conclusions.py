@@ -116,7 +116,7 @@ def _judge_path(runs: list[Run]) -> Verdict:
         f"{error_m[FUZZY_ONE_LEADER]:.4f} and {error_m[EQUAL_ONE_LEADER]:.4f} m; past obstacles "
         f"{error_m[OBSTACLES]:.3f} m and {error_m[FUZZY_OBSTACLES]:.3f} m, at least {clear_m[0]:.2f} m and "
         f"{clear_m[1]:.2f} m from them. Separation acts between vehicles and cancels in their mean. On hulls "
-        f"with a modem, n = {len(SEEDS)} draws, fuzzy minus mathematical, paired: "
+        f"with a modem, n = {len(drawn[_FUZZY])} draws, fuzzy minus mathematical, paired: "
         f"{difference_words(drawn[_FUZZY], drawn['mathematical'], 'm', 3)}, at equal stiffness "
         f"{difference_words(drawn[_FUZZY], drawn[_EQUAL], 'm', 3)}"
     )
@@ -159,8 +159,8 @@ def _judge_damping(runs: list[Run]) -> Verdict:
             )
     evidence = (
         "the thesis's flocks are single integrators, which have no damping. On hulls with a velocity "
-        f"controller and a modem, n = {len(SEEDS)} draws, compared draw by draw: {'; '.join(words)}. Neither "
-        "law knows or learns the damping"
+        f"controller and a modem, n = {len(nominal[_FUZZY])} draws, compared draw by draw: "
+        f"{'; '.join(words)}. Neither law knows or learns the damping"
     )
     return Verdict(HOLDS if all(better) else HOLDS_IN_PART if any(better) else DOES_NOT_HOLD, evidence)
 

@@ -31,7 +31,6 @@ from auv_thesis.laws.group_flock_runs import (
     SAFETY_M,
 )
 from auv_thesis.laws.separation_laws import deviation_m, distance_numbers
-from auv_thesis.laws.separation_runs import SEEDS
 
 Case = tuple[str, str]
 
@@ -82,9 +81,9 @@ def _judge_controllers(runs: list[Run]) -> Verdict:
     better = sum(difference_bounds(found[law], found[PI])[1] < 0.0 for law in ROBUST)
     words = "; ".join(f"{law} {difference_words(found[law], found[PI], 'm', 4)}" for law in ROBUST)
     evidence = (
-        f"worst error of a distance with noise, minus that with PI, n = {len(SEEDS)} draws, equal bandwidth: "
-        f"{words}. With PI it is {mean_words(found[PI], 'm', 3)}: separation and the age of information "
-        "set it"
+        f"worst error of a distance with noise, minus that with PI, n = {len(found[PI])} draws, equal "
+        f"bandwidth: {words}. With PI it is {mean_words(found[PI], 'm', 3)}: separation and the age of "
+        "information set it"
     )
     return Verdict((DOES_NOT_HOLD, HOLDS_IN_PART, HOLDS)[better], evidence)
 
@@ -100,9 +99,9 @@ def _judge_obstacles(runs: list[Run]) -> Verdict:
     )
     evidence = (
         f"smallest distance to an obstacle whose safety distance is {SAFETY_M:g} m, with noise, n = "
-        f"{len(SEEDS)} draws: {mean_words(learning, 'm')}, least {min(learning):.2f} m; {words}. The peaks "
-        f"take seconds to learn, so that vehicles come nearer than {SAFETY_M:g} m. A wider safety distance "
-        "would do without learning, but must be known in advance"
+        f"{len(learning)} draws: {mean_words(learning, 'm')}, least {min(learning):.2f} m; {words}. The "
+        f"peaks take seconds to learn, so that vehicles come nearer than {SAFETY_M:g} m. A wider safety "
+        "distance would do without learning, but must be known in advance"
     )
     keeps = min(learning) >= SAFETY_M
     return Verdict(
