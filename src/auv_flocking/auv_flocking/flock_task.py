@@ -32,8 +32,8 @@ class FlockTask:
 
     After a step: `centre` and `centre_rate` (own estimate of the flocking centre, m and m/s; NED),
     `flock_velocity` (m/s; NED, with its stamp), `reference` (the law's velocity, and the heading to hold),
-    `law_state` (of a `RecordedLaw`) and `is_staying` (whether the vehicle stays where it is and does not go with
-    the flock). `vouched_s` is that of a `RosterLaw`, inf for others.
+    `law_state` (of a `RecordedLaw`) and `is_staying` (whether the vehicle stays where it is and does not go
+    with the flock). `vouched_s` is that of a `RosterLaw`, inf for others.
     Only a leader (`is_leader`) uses the heading of the path.
     """
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from auv_control.formations.shapes import SHAPES, shape_slots
+from auv_control.formations.shapes import NO_SHAPE, SHAPES, shape_slots
+from auv_control.formations.switching import Transition
 from auv_control.guidance.crab import measured as measured_crab
 from auv_control.guidance.paths import racetrack
 from auv_core.geometry import Vec3
@@ -13,6 +14,7 @@ from auv_flocking.coordination import reference_consensus
 from auv_flocking.fleets import Mission
 from auv_flocking.lanes import broadcast, keeping_up, modes, turn_away
 from auv_flocking.lanes.layers import check_layers, layer_depths, staggered
+from auv_flocking.lanes.moves import ways
 
 _CYCLE_TOLERANCE_S = 1e-6
 _RACETRACK = Section("racetrack", racetrack.Params())
@@ -32,6 +34,11 @@ class Params:
     shape: str = param("shape of the formation", default="line", choices=SHAPES)
     spacing_m: float = param("distance of neighbouring slots (m)", default=15.0, above=0.0)
     stagger_m: float = param("difference of depth of the slots in one lane (m)", default=6.0, minimum=0.0)
+    next_shape: str = param(
+        "shape to switch to; none: the first one is kept", default=NO_SHAPE, choices=(*SHAPES, NO_SHAPE)
+    )
+    switch_at_s: float = param("scenario time of the switch (s)", default=0.0, minimum=0.0)
+    move_s: float = param("time T_s of the move to the other shape (s)", default=300.0, above=0.0)
     speed_mps: float = param("speed v_L along the path (m/s)", default=1.5, above=0.0, maximum=10.0)
     least_speed_mps: float = param("least commanded speed over ground (m/s)", default=0.7, above=0.0)
     largest_speed_mps: float = param("largest commanded speed over ground (m/s)", default=2.4, above=0.0)
@@ -58,15 +65,32 @@ class Params:
     )
 
     def __post_init__(self) -> None:
+        """Refuse speeds out of order, and a switch with a law that takes the lanes of others for fixed."""
         if self.least_speed_mps > self.largest_speed_mps:
             raise ValueError(
                 f"least_speed_mps: {self.least_speed_mps!r} is not allowed; "
                 f"allowed: at most largest_speed_mps, {self.largest_speed_mps!r}"
             )
+        if self.next_shape != NO_SHAPE and self.turn_away.kind != "none":
+            raise ValueError(
+                f"next_shape: {self.next_shape!r} is not allowed with turn_away.kind "
+                f"{self.turn_away.kind!r}; allowed: none, with which vehicles keep to layers of depth"
+            )
 
     def slots(self, fleet_size: int) -> tuple[Vec3, ...]:
         """Return the offsets of all slots (m; along the course, to starboard, down)."""
-        return staggered(shape_slots(self.shape, fleet_size, self.spacing_m), self.stagger_m)
+        return self._slots_of(self.shape, fleet_size)
+
+    def ways(self, fleet_size: int) -> tuple[Transition, ...]:
+        """Return the way of each vehicle's slot; without a switch it stays where it is."""
+        before = self.slots(fleet_size)
+        if self.next_shape == NO_SHAPE:
+            return tuple(Transition(slot, slot) for slot in before)
+        after = self._slots_of(self.next_shape, fleet_size)
+        return ways(before, after, self.switch_at_s, self.move_s)
+
+    def _slots_of(self, shape: str, fleet_size: int) -> tuple[Vec3, ...]:
+        return staggered(shape_slots(shape, fleet_size, self.spacing_m), self.stagger_m)
 
     def layer_depths(self, fleet_size: int) -> tuple[float, ...]:
         """
@@ -78,11 +102,15 @@ class Params:
             If a vehicle would cross another one's slot in its layer, or a layer is above the surface.
 
         """
-        slots = self.slots(fleet_size)
+        all_ways = self.ways(fleet_size)
         if self.layers == "none":
-            return tuple(self.depth_m for _ in slots)
-        depths = layer_depths(slots, self.depth_m, self.layer_step_m, only_below=self.layers == "below")
-        check_layers(depths, slots, self.depth_m)
+            return tuple(self.depth_m for _ in all_ways)
+        before, after = ([way[k] for way in all_ways] for k in (0, 1))
+        depths = layer_depths(
+            before, self.depth_m, self.layer_step_m, also=after, only_below=self.layers == "below"
+        )
+        for slots in (before, after):
+            check_layers(depths, slots, self.depth_m)
         return depths
 
     def channel_cycle_s(self, mission: Mission) -> float:

@@ -30,6 +30,7 @@ from auv_flocking.flocking import NOTHING_HEARD, Member
 from auv_flocking.lanes.broadcast import Sent, after_slot
 from auv_flocking.lanes.keeping_up import KeepingUp, kept_up
 from auv_flocking.lanes.modes import IN_LANE, ModeInputs, ModeState, are_ready, is_heard, next_mode
+from auv_flocking.lanes.moves import check_move, spare_of
 from auv_flocking.lanes.plan import planned
 from auv_flocking.lanes.status import FIELDS, STRAIGHT_ON, LaneNeighbour, LaneStatus, Mode, apart_m, neighbour
 from auv_flocking.lanes.turn_away import Intent, TurnAway
@@ -81,7 +82,11 @@ class Fleet(FleetTask):
         self._params, self._member, self._period_s = params, member, period_s
         self._cycle_s = params.channel_cycle_s(mission)
         slots, layers_m = params.slots(member.fleet_size), params.layer_depths(member.fleet_size)
-        self._slot, self.layer_m = slots[member.address - 1], layers_m[member.address - 1]
+        self._way, self.layer_m = (
+            params.ways(member.fleet_size)[member.address - 1],
+            layers_m[member.address - 1],
+        )
+        self._slot = self._way.at(0.0)
         self._controller = controller
         self.safe_command = controller.safe_command
         self.law_state: tuple[float, ...] = ()
@@ -129,10 +134,12 @@ class Fleet(FleetTask):
 
         """
         loiters = self.mode.mode is Mode.LOITER
-        self.sight = found = self._guide.look(nav, 0.0 if loiters else self._slot[1])
+        self._slot = slot = self._way.at(t_s)
+        self.sight = found = self._guide.look(nav, 0.0 if loiters else slot.position[1])
         before_m = self.gamma_m
         if not loiters:
-            self.gamma_m = self._guide.s_m - self._slot[0]
+            self.gamma_m = self._guide.s_m - slot.position[0]
+            found = _across(found, slot.velocity[1], self._params.speed_mps)
         own = LanePlace(t_s, self.gamma_m, self._keeping_up.is_limited)
         fresh = self._hear(own, neighbours)
         self.mode = self._next_mode(t_s, nav)
@@ -172,8 +179,11 @@ class Fleet(FleetTask):
 
     def check(self, vehicle: Turning, current_mps: float) -> None:
         """Raise ValueError unless the vehicle can fly its lane in a current of any direction (m/s)."""
-        check_member(vehicle, self._params, self._member.fleet_size, current_mps)
-        check_lane(vehicle, self._path.track, self._slot[1], self._params.speed_mps, current_mps)
+        p, way = self._params, self._way
+        check_member(vehicle, p, self._member.fleet_size, current_mps)
+        for slot in dict.fromkeys((way.before, way.after)):
+            check_lane(vehicle, self._path.track, slot[1], p.speed_mps, current_mps)
+        check_move(way, spare_of(p.speed_mps, p.least_speed_mps, p.largest_speed_mps))
 
     def reach(self) -> Box:
         """Return a box around the lane and the circle to loiter on, from slot to layer (m; NED)."""
@@ -271,14 +281,14 @@ class Fleet(FleetTask):
             if other.status.mode in IN_LANE and own.t_s - other.time_s <= p.remembered_s
         ]
         correction_mps, self._coordination = law.step(self._coordination, own, counted)
-        ratio = 1.0 - self._guide.curvature_pm * self._slot[1]
+        ratio = 1.0 - self._guide.curvature_pm * self._slot.position[1]
         is_aligned = (
             abs(found.course_error_rad) < p.modes.aligned_rad
             and abs(found.cross_track_m) < p.modes.coordinated_m
         )
         if is_aligned:
             self.correction_mps = correction_mps
-        asked_mps = ratio * (p.speed_mps + self.correction_mps)
+        asked_mps = ratio * (p.speed_mps + self.correction_mps + self._slot.velocity[0])
         speed_mps = min(max(asked_mps, p.least_speed_mps), p.largest_speed_mps)
         if is_aligned:
             self._keeping_up = kept_up(
@@ -303,7 +313,7 @@ class Fleet(FleetTask):
             own.course_rad,
             own.speed_mps,
             self._guide.s_m,
-            self._slot[1],
+            self._slot.position[1],
             self.layer_m,
             0.0,
             0.0,
@@ -317,7 +327,7 @@ class Fleet(FleetTask):
     def _status(self, own: LanePlace) -> LaneStatus:
         depth_m = self.layer_m
         if self.mode.mode is Mode.FORM:
-            depth_m = self._params.depth_m + self._slot[2]
+            depth_m = self._params.depth_m + self._slot.position[2]
         return LaneStatus(
             own.gamma_m,
             self._reference_m(own),
@@ -327,3 +337,10 @@ class Fleet(FleetTask):
             self._turn_away.course if self._turn_away else STRAIGHT_ON,
             depth_m,
         )
+
+
+def _across(found: Sight, across_mps: float, along_mps: float) -> Sight:
+    """Return what guidance found, with the heading of a lane that moves to starboard (m/s)."""
+    if across_mps == 0.0:
+        return found
+    return found._replace(heading_rad=found.heading_rad + math.atan2(across_mps, along_mps))

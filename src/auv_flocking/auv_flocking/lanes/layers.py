@@ -30,7 +30,12 @@ def _ahead(slots: Sequence[Vec3], x: float, y: float) -> int:
 
 
 def layer_depths(
-    slots: Sequence[Vec3], depth_m: float, step_m: float, *, only_below: bool = False
+    slots: Sequence[Vec3],
+    depth_m: float,
+    step_m: float,
+    *,
+    also: Sequence[Vec3] = (),
+    only_below: bool = False,
 ) -> tuple[float, ...]:
     """
     Return the depth of each vehicle's layer (m).
@@ -43,6 +48,8 @@ def layer_depths(
         Depth of the formation (m).
     step_m : float
         Difference of depth between layers (m).
+    also : sequence of (3,) tuple
+        Slots of a shape to which the fleet switches (m).
     only_below : bool
         Whether all layers are below the formation, for shallow water.
 
@@ -52,8 +59,8 @@ def layer_depths(
         For a layer above the surface.
 
     """
-    lowest_m = depth_m + max(slot[2] for slot in slots)
-    highest_m = depth_m + min(slot[2] for slot in slots)
+    lowest_m = depth_m + max(slot[2] for slot in (*slots, *also))
+    highest_m = depth_m + min(slot[2] for slot in (*slots, *also))
     layers = []
     for index in range(len(slots)):
         if only_below:
