@@ -92,6 +92,12 @@ class NeighbourConfig:
         minimum=0.5,
         maximum=0.999999,
     )
+    rival_margin: float = param(
+        "least difference of -2 ln likelihood to the next best pairing for a contact to count; 0: the best "
+        "always counts",
+        default=0.0,
+        minimum=0.0,
+    )
 
 
 def with_rounding(config: NeighbourConfig, decoder: ReportDecoder) -> NeighbourConfig:

@@ -54,15 +54,23 @@ class Leftovers(NamedTuple):
 
 
 def leftovers(
-    sightings: Sequence[Sighting], pairs: list[tuple[int, int]], points: Matrix, covariances: Matrix
+    sightings: Sequence[Sighting],
+    pairs: list[tuple[int, int]],
+    doubtful: list[int],
+    points: Matrix,
+    covariances: Matrix,
 ) -> Leftovers:
-    """Return what the pairs of `associate` leave to objects after the n neighbours, (n, 3), (n, 3, 3)."""
+    """
+    Return what the pairs of `associate` leave to objects after the n neighbours, (n, 3), (n, 3, 3).
+
+    Doubtful contacts belong to something known, and begin no track.
+    """
     n, owners = len(points), dict(pairs)
     is_seen = np.zeros(n, dtype=np.bool_)
     is_seen[[owner for owner in owners.values() if owner < n]] = True
     return Leftovers(
         [(sightings[contact], owner - n) for contact, owner in pairs if owner >= n],
-        [seen for contact, seen in enumerate(sightings) if contact not in owners],
+        [seen for contact, seen in enumerate(sightings) if contact not in owners and contact not in doubtful],
         points,
         covariances,
         is_seen,

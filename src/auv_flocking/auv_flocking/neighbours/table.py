@@ -12,6 +12,7 @@ from __future__ import annotations
 import bisect
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,12 +37,14 @@ from auv_flocking.neighbours.sonar_contact import is_contact, sighting
 from auv_flocking.neighbours.track import HISTORY_S, HeardReport, Track
 from auv_flocking.report import Report
 
+if TYPE_CHECKING:
+    from auv_flocking.neighbours.association import Pairing
+
 __all__ = [
     "NeighbourConfig",
     "NeighbourTable",
 ]
 
-_Pairing = Callable[..., list[tuple[int, int]]]
 _Said = tuple[list[int], list[tuple[float, ...]], NDArray[np.int64]]
 
 _FIX_RATIO = 0.95
@@ -89,11 +92,11 @@ def _jump(before_s: float, before: VehicleState, t_s: float, nav: VehicleState) 
     )
 
 
-def _pairing(gate_prob: float) -> _Pairing:
-    """Return `associate` with the gate of a probability; vehicles without a sonar never load it."""
+def _pairing(config: NeighbourConfig) -> Callable[..., Pairing]:
+    """Return `associate` with the gate of a configuration; vehicles without a sonar never load it."""
     from auv_flocking.neighbours.association import associate, chi_square_gate
 
-    return partial(associate, gate=chi_square_gate(gate_prob))
+    return partial(associate, gate=chi_square_gate(config.gate_prob), margin=config.rival_margin)
 
 
 class NeighbourTable:
@@ -118,7 +121,7 @@ class NeighbourTable:
         self._said: _Said = ([], [], np.empty(0, dtype=np.int64))
         self._stale: set[Track] = set()
         self._carried_to = fastest(carried_to)
-        self._pairing = _pairing(config.gate_prob) if has_sonar else None
+        self._pairing = _pairing(config) if has_sonar else None
         self.outdated = 0
         self.contacts_used = 0
         self.contacts_unknown = 0
@@ -183,8 +186,8 @@ class NeighbourTable:
             known.rows[:, POSITION:VELOCITY],
             known.rows[:, COVARIANCE:AGE].reshape(-1, 6, 6)[:, :3, :3],
         )
-        pairs = (
-            []
+        pairs, doubtful = (
+            ([], [])
             if pairing is None
             else pairing(
                 np.array([seen.point for seen in sightings]),
@@ -202,7 +205,7 @@ class NeighbourTable:
         n_used = sum(owner < len(known) for _, owner in pairs)
         self.contacts_used += n_used
         self.contacts_unknown += len(possible) - n_used
-        return leftovers(sightings, pairs, points, covariances)
+        return leftovers(sightings, pairs, doubtful, points, covariances)
 
     def estimates(self, t_s: float, nav: VehicleState | None = None) -> Estimates:
         """
