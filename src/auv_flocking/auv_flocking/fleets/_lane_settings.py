@@ -105,7 +105,7 @@ class Params:
         all_ways = self.ways(fleet_size)
         if self.layers == "none":
             return tuple(self.depth_m for _ in all_ways)
-        before, after = ([way[k] for way in all_ways] for k in (0, 1))
+        before, after = [way.before for way in all_ways], [way.after for way in all_ways]
         depths = layer_depths(
             before, self.depth_m, self.layer_step_m, also=after, only_below=self.layers == "below"
         )

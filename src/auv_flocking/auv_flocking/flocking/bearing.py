@@ -23,10 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auv_control.formations.frame import Course, Offset
+from auv_control.formations.shapes import NO_SHAPE
 from auv_core.geometry import Vec3
 from auv_core.params import same
 from auv_flocking.flocking import Member, View
-from auv_flocking.flocking._formation import NO_SHAPE, FormationLaw, FormationParams
+from auv_flocking.flocking._formation import FormationLaw, FormationParams
 from auv_flocking.neighbours.estimates import AGE, Estimates
 from auv_flocking.separation import SeparationLaw
 
