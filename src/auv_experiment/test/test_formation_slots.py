@@ -159,7 +159,7 @@ def test_lost_vehicles_may_be_near_others():
     positions[:, :, 1] = 4.0 * np.arange(8)
     positions[101:, 4] = positions[101:, 3]
     metrics = formation_slot_metrics(recording_of(scenario, positions), scenario, 0.0)
-    assert metrics["formation_distance_min_m"] == pytest.approx(4.0)
+    assert metrics["pair_distance_working_min_m"] == pytest.approx(4.0)
 
 
 def test_a_string_has_a_gain_and_another_law_has_none_of_these():

@@ -7,8 +7,8 @@ from auv_core import compiled
 from auv_core.params import ConfigError
 from auv_experiment.compose import agent_configs
 from auv_experiment.inprocess.sampled import run_in_process
-from auv_experiment.metrics.courses.fleet import coordination_error_m, fleet_metrics, is_working
-from auv_experiment.metrics.distances import pair_distances_m
+from auv_experiment.metrics.courses.fleet import coordination_error_m, fleet_metrics
+from auv_experiment.metrics.distances import is_working, pair_distances_m
 from auv_experiment.metrics.run import compute_metrics
 from auv_experiment.scenario.loading import load_scenario
 

@@ -144,7 +144,6 @@ OF_LAWS = {
     "formation_agreed_after_s": Meaning(
         "s", "time after which all live vehicles hold the same slots, those that follow from the losses", 1
     ),
-    "formation_distance_min_m": Meaning("m", "smallest distance of two vehicles that have not failed"),
     "string_gain_max": Meaning(
         "", "largest spacing error of a vehicle / that of the one that it follows, in a fixed formation"
     ),

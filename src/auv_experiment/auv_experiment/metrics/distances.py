@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from auv_experiment.metrics.finite import norm
+from auv_experiment.metrics.finite import norm, smallest
 from auv_experiment.recording import BoolArray, FloatArray, Recording
 from auv_sim.obstacle_field import ObstacleField
 
@@ -100,3 +100,21 @@ def pair_is_gone(recording: Recording) -> BoolArray:
     first, second = np.triu_indices(recording.n_vehicles, 1)
     gone = recording.is_gone
     return gone[:, first] | gone[:, second]
+
+
+def is_working(recording: Recording, scenario: Scenario) -> BoolArray:
+    """Return (K + 1, N) flags: the vehicle is not lost, and its computer has not failed."""
+    fails_at_s = [np.inf if v.fails_at_s is None else v.fails_at_s for v in scenario.vehicles]
+    works: BoolArray = ~recording.is_gone & (recording.t_s[:, np.newaxis] < np.array(fails_at_s))
+    return works
+
+
+def working_distances(recording: Recording, works: BoolArray) -> dict[str, float | None]:
+    """Return the smallest distances of two working vehicles, and of a working one from one that is not."""
+    first, second = np.triu_indices(recording.n_vehicles, 1)
+    pairs_m = pair_distances_m(recording)
+    both, only_one = works[:, first] & works[:, second], works[:, first] ^ works[:, second]
+    return {
+        "pair_distance_working_min_m": smallest(pairs_m[both]),
+        "wreck_distance_min_m": smallest(pairs_m[only_one]),
+    }

@@ -70,7 +70,7 @@ def forms_in_time(run: Run) -> bool:
 
 def least_distance_m(runs: Sequence[Run]) -> float:
     """Return the smallest distance of two live vehicles in any of the runs (m)."""
-    return min(float(run.metrics["formation_distance_min_m"]) for run in runs)
+    return min(float(run.metrics["pair_distance_working_min_m"]) for run in runs)
 
 
 def _rows(runs: list[Run]) -> list[Row]:
@@ -106,9 +106,8 @@ def _rows(runs: list[Run]) -> list[Row]:
         Row(
             "least distance to a lost vehicle (m)",
             "not given",
-            f"{min(float(run.metrics['pair_distance_min_m']) for run in runs):.2f}",
+            f"{min(float(run.metrics['wreck_distance_min_m']) for run in runs):.2f}",
             NO_NUMBER,
-            "or of live ones, whichever is smaller",
         ),
     ]
 

@@ -14,7 +14,7 @@ import numpy as np
 from auv_control.formations.shapes import predecessors
 from auv_control.guidance.paths import make_path
 from auv_core.geometry import Vec3
-from auv_experiment.metrics.distances import pair_distances_m
+from auv_experiment.metrics.distances import is_working, pair_distances_m, working_distances
 from auv_experiment.metrics.finite import finite, largest, rms, smallest
 from auv_experiment.metrics.formations.gains import gain_metrics
 from auv_experiment.metrics.windows import COORDINATED_AFTER_S, after
@@ -63,32 +63,22 @@ def fleet_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
         ),
         "turn_away_ratio": float(turns.mean()) if turns.size else None,
         **_gain_metrics(states[is_late][..., GAMMA], round_m, slots, scenario.period_s),
-        **_distances(recording, works, formed_at_s),
+        **working_distances(recording, works),
+        **_formed_distances(recording, works, formed_at_s),
     }
 
 
-def is_working(recording: Recording, scenario: Scenario) -> BoolArray:
-    """Return (K + 1, N) flags: the vehicle is not lost, and its computer has not failed."""
-    fails_at_s = [np.inf if v.fails_at_s is None else v.fails_at_s for v in scenario.vehicles]
-    works: BoolArray = ~recording.is_gone & (recording.t_s[:, np.newaxis] < np.array(fails_at_s))
-    return works
-
-
-def _distances(recording: Recording, works: BoolArray, formed_at_s: float | None) -> dict[str, float | None]:
-    """
-    Return the smallest distances of two working vehicles, and of a working one from one that is not; of the
-    former also the smallest and the largest from the time of formation on.
-    """
+def _formed_distances(
+    recording: Recording, works: BoolArray, formed_at_s: float | None
+) -> dict[str, float | None]:
+    """Return the smallest and the largest distance of two working vehicles from formation on."""
     first, second = np.triu_indices(recording.n_vehicles, 1)
-    pairs_m = pair_distances_m(recording)
-    both, only_one = works[:, first] & works[:, second], works[:, first] ^ works[:, second]
+    both = works[:, first] & works[:, second]
     formed = np.s_[:0] if formed_at_s is None else recording.t_s >= formed_at_s
-    formed_m = np.where(both, pairs_m, np.nan)[formed]
+    formed_m = np.where(both, pair_distances_m(recording), np.nan)[formed]
     return {
         "pair_distance_formed_min_m": smallest(formed_m),
         "pair_distance_formed_max_m": largest(formed_m),
-        "pair_distance_working_min_m": smallest(pairs_m[both]),
-        "wreck_distance_min_m": smallest(pairs_m[only_one]),
     }
 
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from auv_control.formations.frame import course_of, world_offset
 from auv_control.formations.shapes import NO_SHAPE, NO_SLOT, predecessors
-from auv_experiment.metrics.distances import pair_distances_m, path_ned_m
-from auv_experiment.metrics.finite import norm, rms, smallest
+from auv_experiment.metrics.distances import is_working, path_ned_m, working_distances
+from auv_experiment.metrics.finite import norm, rms
 from auv_experiment.metrics.formations.gains import gain_metrics
 from auv_experiment.metrics.formations.stability import (
     FLOOR_M,
@@ -84,7 +84,7 @@ def formation_slot_metrics(recording: Recording, scenario: Scenario, formed_at_s
         "formation_error_final_m": float(off_m[-1][live].max()),
         "formation_in_place_after_s": max(0.0, settled_s),
         "formation_agreed_after_s": _agreed_after_s(recording, plan, live),
-        "formation_distance_min_m": _live_distance_min_m(recording, plan),
+        **working_distances(recording, is_working(recording, scenario)),
         **gain_metrics(
             recording.position_ned_m[counts],
             path[counts],
@@ -144,14 +144,6 @@ def _agreed_after_s(recording: Recording, plan: Plan, live: BoolArray) -> float 
         return None
     is_other = (held != np.array(plan.slots)).any(axis=(1, 2))
     return max(0.0, settled_after_s(recording.t_s[:-1], is_other.astype(np.float64), 0.0))
-
-
-def _live_distance_min_m(recording: Recording, plan: Plan) -> float | None:
-    """Return the smallest distance of two vehicles that have not failed (m)."""
-    has_failed = np.isnan(plan.offsets[..., 0])
-    first, second = np.triu_indices(recording.n_vehicles, 1)
-    is_gone = has_failed[:, first] | has_failed[:, second]
-    return smallest(np.where(is_gone, math.nan, pair_distances_m(recording)))
 
 
 def _gain_from_leader_s(errors: FloatArray, path: FloatArray, plan: Plan, step_s: float) -> float | None:
