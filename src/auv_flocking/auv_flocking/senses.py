@@ -64,6 +64,7 @@ class Senses:
         self.packets = PacketJudge(decoder, address, fleet_size, limits)
         self.table = NeighbourTable(with_rounding(neighbours, decoder), has_sonar=has_sonar)
         self.obstacles = obstacles
+        self._fleet_size = fleet_size
         self._has_sonar = has_sonar
         self._echoes: tuple[Echo, ...] = ()
         self._ping_s = -math.inf
@@ -99,7 +100,13 @@ class Senses:
             if fix is not None:
                 self.obstacles.follow(fix)
         if contacts and usable is not None:
-            left = self.table.observe(t_s, usable, contacts, self.obstacles.rivals(t_s))
+            left = self.table.observe(
+                t_s,
+                usable,
+                contacts,
+                self.obstacles.rivals(t_s),
+                has_unheard=self.table.heard < self._fleet_size - 1,
+            )
             self.obstacles.observe(t_s, left)
             if self._has_sonar:
                 self._echoes, self._ping_s = echoes_of(usable, contacts), t_s

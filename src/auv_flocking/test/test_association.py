@@ -171,7 +171,7 @@ def test_a_pair_counts_only_if_every_pairing_without_it_is_much_worse(points, pr
 def test_a_contact_that_two_neighbours_claim_is_nobody_s():
     """The case of flock_drift, seed 1, at 130.5 s: the right neighbour is uncertain, the wrong one is not."""
     contact, noise = np.zeros((1, 3)), np.diag((0.01, 0.01, 0.01))[None]
-    predicted = np.array([[6.8, -3.3, 0.0], [1.2, 1.5, 0.9]])
+    predicted = np.array([[6.8, -3.3, 0.0], [1.4, 1.3, 0.8]])
     covariances = np.array([9.5 * np.eye(3), np.diag((0.3, 0.3, 0.16))])
     gate = chi_square_gate(0.999)
     assert associate(contact, noise, predicted, covariances, gate).pairs == [(0, 1)]
@@ -199,6 +199,16 @@ def test_the_order_of_contacts_does_not_matter(order):
         assert estimate.sonar_age_s == 0.0
         assert math.dist(estimate.position, positions[estimate.address]) < 0.01
     assert (table.contacts_used, table.contacts_unknown) == (3, 0)
+
+
+@pytest.mark.parametrize(
+    ("age_s", "has_unheard", "used"), [(20.0, True, 0), (20.0, False, 1), (0.5, True, 1)]
+)
+def test_a_vehicle_that_was_never_heard_may_be_the_source(age_s, has_unheard, used):
+    table = NeighbourTable(replace(CONFIG, rival_margin=9.2, acceleration_psd=0.01))
+    table.receive(_report(2, 0.0, (3.0, 1.0, 0.0)))
+    table.observe(age_s, _nav(age_s), [contact_of((3.0, 1.0, 0.05))], has_unheard=has_unheard)
+    assert (table.contacts_used, table.contacts_unknown) == (used, 1 - used)
 
 
 def test_crossing_neighbours_keep_their_names():

@@ -10,6 +10,7 @@ to which neighbour), `track` (one neighbour through time). docs/explanation/esti
 from __future__ import annotations
 
 import bisect
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
@@ -48,6 +49,9 @@ __all__ = [
 _Said = tuple[list[int], list[tuple[float, ...]], NDArray[np.int64]]
 
 _FIX_RATIO = 0.95
+_SONAR_REACH_M = 10.0
+_UNHEARD = 2.0 * math.log(4.0 / 3.0 * math.pi * _SONAR_REACH_M**3) - 3.0 * math.log(2.0 * math.pi)
+"""d^2 + ln det S of a vehicle that may be anywhere within the reach of a sonar."""
 
 
 class _OwnNavigation:
@@ -165,12 +169,20 @@ class NeighbourTable:
         self._stale.add(track)
 
     def observe(
-        self, t_s: float, nav: VehicleState, contacts: Sequence[SonarContact], rivals: Rivals = NO_RIVALS
+        self,
+        t_s: float,
+        nav: VehicleState,
+        contacts: Sequence[SonarContact],
+        rivals: Rivals = NO_RIVALS,
+        *,
+        has_unheard: bool = False,
     ) -> Leftovers:
         """
         Use the sonar contacts of one tick, relative to the pose of the own navigation.
 
-        `rivals` are other objects that contacts may belong to; what belongs to no neighbour is returned.
+        `rivals` are other objects that contacts may belong to; what belongs to no neighbour is returned. If
+        the fleet has a vehicle that was never heard (`has_unheard`), it may be anywhere, and with
+        `rival_margin` it competes for contacts, too.
         """
         self.follow(t_s, nav)
         pairing = self._pairing
@@ -194,7 +206,7 @@ class NeighbourTable:
                 np.array([seen.covariance for seen in sightings]),
                 np.concatenate((points, rivals.points)),
                 np.concatenate((covariances, rivals.covariances)),
-                bound=rivals.bound,
+                bound=self._bound(rivals, has_unheard),
             )
         )
         for contact, owner in pairs:
@@ -206,6 +218,10 @@ class NeighbourTable:
         self.contacts_used += n_used
         self.contacts_unknown += len(possible) - n_used
         return leftovers(sightings, pairs, doubtful, points, covariances)
+
+    def _bound(self, rivals: Rivals, has_unheard: bool) -> float:
+        margin = self._config.rival_margin
+        return min(rivals.bound, _UNHEARD - margin) if margin > 0.0 and has_unheard else rivals.bound
 
     def estimates(self, t_s: float, nav: VehicleState | None = None) -> Estimates:
         """
