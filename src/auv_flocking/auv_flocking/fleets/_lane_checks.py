@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 
 from auv_control.guidance.feasibility import TURN_RESERVE, Turning, check_through_water
@@ -42,8 +43,8 @@ def check_member(vehicle: Turning, params: Params, fleet_size: int, current_mps:
         )
 
 
-def lane_reach(track: Track, lane_m: float, loiter: Track, depths_m: tuple[float, float]) -> Box:
-    """Return a box around a lane of a track and a circle to loiter on, between two depths (m; NED)."""
+def lane_reach(track: Track, lane_m: float, loiter: Track, depths_m: Sequence[float]) -> Box:
+    """Return a box around a lane of a track and a circle to loiter on, between the depths (m; NED)."""
     shallow_m, deep_m = min(depths_m), max(depths_m)
     lane = track.box(0.0, track.length_m, shallow_m).grown(abs(lane_m), 0.0)
     circle = loiter.box(0.0, loiter.length_m, deep_m)

@@ -187,8 +187,10 @@ class Fleet(FleetTask):
 
     def reach(self) -> Box:
         """Return a box around the lane and the circle to loiter on, from slot to layer (m; NED)."""
-        depths_m = (self._params.depth_m + self._slot[2], self.layer_m)
-        return lane_reach(self._path.track, self._slot[1], self._loiter.track, depths_m)
+        slots = (self._way.before, self._way.after)
+        lane_m = max(abs(slot[1]) for slot in slots)
+        depths_m = (*(self._params.depth_m + slot[2] for slot in slots), self.layer_m)
+        return lane_reach(self._path.track, lane_m, self._loiter.track, depths_m)
 
     def shared(self) -> tuple[float, ...]:
         """Return the numbers that this task adds to a packet after a step."""
