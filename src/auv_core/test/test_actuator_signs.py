@@ -1,6 +1,7 @@
 """Claim: orders and signs of actuators are those of docs/reference/conventions.md."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ def section(name):
 
 @pytest.mark.parametrize("name", ["remus100", "lauv"])
 def test_rudder_turns_to_starboard_planes_lower_the_nose_and_the_propeller_drives_ahead(name):
-    model = make_model(section(name))
+    model: Any = make_model(section(name))
     rpm = model.steady_rpm(1.0)
 
     def nu(*command):
