@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from auv_flocking.flocking import Member
-from auv_flocking.flocking._layers import aside, crossing_margin_m, layering, levelled
+from auv_flocking.flocking._layers import aside, crossing_margin_m, layering, levelled, own_layer
 from auv_flocking.flocking.communication_aware import Params
 
 PARAMS = Params(layer_depth_m=10.0, layer_m=1.5)
@@ -17,7 +17,7 @@ KEEP_M = 1.5
 
 
 def _of(address, depth_m):
-    return layering(PARAMS, Member(False, address, 4), depth_m)
+    return layering(own_layer(PARAMS, Member(False, address, 4)), depth_m, may_leave=True)
 
 
 def _aside(own, other, address, age_s, *, own_address=1):

@@ -67,6 +67,14 @@ class Layers(Protocol):
     def layer_span_m(self) -> float:
         """Largest distance of the highest and the lowest layer (m)."""
 
+    @property
+    def silent_s(self) -> float:
+        """Age of news from which a vehicle takes its layer (s); 0: always."""
+
+    @property
+    def settling_s(self) -> float:
+        """Time after which all others have reached their layers (s)."""
+
 
 def layers_height_m(layers: Layers, fleet_size: int) -> float:
     """Return the distance H of the highest and the lowest layer of a fleet (m), 0 without layers."""
@@ -75,27 +83,91 @@ def layers_height_m(layers: Layers, fleet_size: int) -> float:
     return min(layers.layer_m * (fleet_size - 1), layers.layer_span_m)
 
 
-def layering(layers: Layers, member: Member, depth_m: float) -> Layering:
+class OwnLayer(NamedTuple):
+    """The layer of one vehicle: its depth, depth of the highest layer, and distance of two layers (m)."""
+
+    depth_m: float
+    highest_m: float
+    pitch_m: float
+
+    def holds(self, depth_m: float) -> bool:
+        """Return whether a vehicle at a depth (m) is in it."""
+        return abs(self.depth_m - depth_m) <= _NEAR_M
+
+
+def own_layer(layers: Layers, member: Member) -> OwnLayer | None:
+    """Return the layer of a vehicle, None without layers; address 1 has the highest."""
+    if layers.layer_depth_m is None:
+        return None
+    height_m = layers_height_m(layers, member.fleet_size)
+    highest_m, pitch_m = layers.layer_depth_m - 0.5 * height_m, height_m / max(member.fleet_size - 1, 1)
+    return OwnLayer(highest_m + (member.address - 1) * pitch_m, highest_m, pitch_m)
+
+
+def layering(own: OwnLayer, depth_m: float, *, may_leave: bool) -> Layering:
     """
-    Return how a vehicle takes its layer, without a say on whether it may go with the flock (1).
+    Return how a vehicle takes its layer.
+
+    Parameters
+    ----------
+    own : OwnLayer
+        The layer.
+    depth_m : float
+        Depth of the vehicle (m).
+    may_leave : bool
+        Whether it may go with the flock.
+
+    """
+    sinking_mps = clipped(_GAIN_PS * (own.depth_m - depth_m), _SPEED_MPS)
+    return Layering(sinking_mps, float(own.holds(depth_m)), float(may_leave), own.highest_m, own.pitch_m)
+
+
+class LayerKeeper:
+    """
+    How one vehicle takes its layer. Its state is whether it has been in it.
 
     Parameters
     ----------
     layers : Layers
         Parameters of the law.
     member : Member
-        The vehicle; address 1 has the highest layer.
-    depth_m : float
-        Its depth (m).
+        The vehicle.
 
     """
-    middle_m = 0.0 if layers.layer_depth_m is None else layers.layer_depth_m
-    height_m = layers_height_m(layers, member.fleet_size)
-    highest_m, pitch_m = middle_m - 0.5 * height_m, height_m / max(member.fleet_size - 1, 1)
-    below_m = highest_m + (member.address - 1) * pitch_m - depth_m
-    sinking_mps = clipped(_GAIN_PS * below_m, _SPEED_MPS)
-    is_in = abs(below_m) <= _NEAR_M
-    return Layering(sinking_mps, float(is_in), 1.0, highest_m, pitch_m)
+
+    def __init__(self, layers: Layers, member: Member) -> None:
+        self._layers, self._own = layers, own_layer(layers, member)
+        self._others = member.fleet_size - 1
+        self._has_arrived = False
+
+    def layering(self, depth_m: float, known: int, silent_s: float, running_s: float) -> Layering:
+        """
+        Return how it takes its layer.
+
+        Parameters
+        ----------
+        depth_m : float
+            Its depth (m).
+        known : int
+            Number of vehicles that it has heard.
+        silent_s, running_s : float
+            Largest age of news, and time since the start (s).
+
+        """
+        own = self._own
+        if own is None or silent_s < self._layers.silent_s:
+            return NO_LAYER
+        knows_all, is_settled = known >= self._others, running_s >= self._layers.settling_s
+        is_in = own.holds(depth_m)
+        if self._layers.silent_s > 0.0:
+            may_leave = knows_all or (is_in and is_settled)
+        else:
+            may_leave = (self._has_arrived or is_in) and (knows_all or is_settled)
+        return layering(own, depth_m, may_leave=may_leave)
+
+    def note(self, layer: Layering) -> None:
+        """Remember whether it has been in its layer, once per control period."""
+        self._has_arrived = self._has_arrived or layer.is_in > 0.0
 
 
 @inner

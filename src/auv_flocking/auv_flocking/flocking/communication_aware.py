@@ -62,7 +62,7 @@ from auv_flocking.flocking._correction import (
     outlook,
     remember_ages,
 )
-from auv_flocking.flocking._layers import NO_LAYER, Layering, layering, layers_height_m
+from auv_flocking.flocking._layers import LayerKeeper, layers_height_m
 from auv_flocking.neighbours.estimates import (
     FLOCK_STAMP,
     FLOCK_TURN_RATE,
@@ -191,10 +191,7 @@ class Params:
 
 
 class Flocking(FlockingLaw):
-    """
-    The law of one vehicle. Its state is what it knows of the ages of its packets, and whether it has been in
-    its layer.
-    """
+    """The law of one vehicle. Its state is what it knows of the ages of its packets, and of its layer."""
 
     def __init__(self, params: Params, separation: SeparationLaw, member: Member) -> None:
         self._params = params
@@ -203,9 +200,9 @@ class Flocking(FlockingLaw):
         self._learning = separation if isinstance(separation, LearningLaw) else None
         self._is_leader = member.is_leader
         self._member = member
-        self._is_layered = False
-        self._has_arrived = False
-        self._gains = _gains(params)
+        self._layer = LayerKeeper(params, member)
+        self._silent_s = -1.0
+        self._gains = Gains(*(float(getattr(params, name)) for name in Gains._fields))
         self._gain_numbers = (*self._gains,)
         self._is_central = isinstance(separation, CentralLaw)
         self._correction: Callable[..., Vec3] = correction
@@ -235,8 +232,9 @@ class Flocking(FlockingLaw):
         known = Estimates.of(estimates)
         total_s, oldest_s = self._remember(known.rows, known.who, self._usual_age_s, self._running_s, share)
         self._running_s += dt_s
-        silent_s = oldest_s if len(known) >= self._member.fleet_size - 1 else max(oldest_s, self._running_s)
-        self._is_layered = silent_s >= self._params.silent_s
+        self._silent_s = (
+            oldest_s if len(known) >= self._member.fleet_size - 1 else max(oldest_s, self._running_s)
+        )
         self.age_s = total_s / len(known) if len(known) else self._running_s * (self._member.fleet_size > 1)
 
     def flock_velocity(
@@ -290,7 +288,7 @@ class Flocking(FlockingLaw):
     def velocity(self, view: View) -> Vec3:
         """Return the commanded velocity over ground (m/s; NED)."""
         flock, estimates = view.flock_velocity, Estimates.of(view.estimates)
-        layer = self._layering(view.position[2], len(estimates))
+        layer = self._layer.layering(view.position[2], len(estimates), self._silent_s, self._running_s)
         x, y, z = self._correction(
             view.position,
             view.centre,
@@ -304,25 +302,13 @@ class Flocking(FlockingLaw):
         goes = layer.may_leave
         return (goes * flock[0] + x, goes * flock[1] + y, goes * flock[2] + z)
 
-    def _layering(self, depth_m: float, n_known: int) -> Layering:
-        if not self._is_layered or self._params.layer_depth_m is None:
-            return NO_LAYER
-        knows_all = n_known >= self._member.fleet_size - 1
-        is_settled = self._running_s >= self._params.settling_s
-        layer = layering(self._params, self._member, depth_m)
-        if self._params.silent_s > 0.0:
-            may_leave = knows_all or (layer.is_in > 0.0 and is_settled)
-        else:
-            may_leave = (self._has_arrived or layer.is_in > 0.0) and (knows_all or is_settled)
-        return layer._replace(may_leave=float(may_leave))
-
     def adapt(self, view: View, dt_s: float) -> None:
         """
         Remember that the vehicle has been in its layer; update a separation law with a state for one control
         period of `dt_s`, see `potential`.
         """
-        layer = self._layering(view.position[2], len(view.estimates))
-        self._has_arrived = self._has_arrived or layer.is_in > 0.0
+        layer = self._layer.layering(view.position[2], len(view.estimates), self._silent_s, self._running_s)
+        self._layer.note(layer)
         self.is_staying = layer.may_leave == 0.0
         if self._learning is not None:
             learn(self._learning, view, self._params.spacing_m, dt_s)
@@ -358,8 +344,3 @@ def _correction(law: CentralLaw) -> Callable[..., Vec3]:
     """Return the fastest correction with a separation law that acts along a line."""
     strengths = {"strength": law.strength, "obstacle_strength": law.obstacle_strength}
     return fastest(specialised(correction, **strengths))
-
-
-def _gains(params: Params) -> Gains:
-    """Return the parameters for `auv_flocking.flocking._correction`."""
-    return Gains(*(float(getattr(params, name)) for name in Gains._fields))
