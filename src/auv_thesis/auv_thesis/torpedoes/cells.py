@@ -23,7 +23,7 @@ _GOLDEN_SHARE = 0.618033988749895
 _PLASTIC_SHARE = 0.754877666246693
 _PERIOD_S = 0.2
 
-PerSeed = Callable[[int], tuple[str, ...]]
+SeedChanges = Callable[[int], tuple[str, ...]]
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Cell:
     changes: tuple[str, ...]
     limits: tuple[Limit, ...]
     duration_s: float | None = None
-    per_seed: PerSeed | None = None
+    per_seed: SeedChanges | None = None
     every: int = 1
     is_first_look: bool = False
 
@@ -103,7 +103,7 @@ def in_still_water(index: int) -> tuple[str, ...]:
     return ()
 
 
-def losing_one(count: int, first_s: float, last_s: float) -> PerSeed:
+def losing_one(count: int, first_s: float, last_s: float) -> SeedChanges:
     """Return, for a fleet of a size, the loss of one vehicle in an interval of time (s), and the current."""
 
     def of_seed(index: int) -> tuple[str, ...]:
