@@ -14,7 +14,6 @@ from auv_flocking.lanes.turn_away import (
     TurnAway,
     conflict,
     course_offset_rad,
-    pieces_of,
     roll_out,
     uncertainty_m,
 )
@@ -102,7 +101,7 @@ def test_it_decides_once_a_second_and_gives_up_in_its_lane():
 
 def test_the_way_leads_into_the_lane_and_to_the_depth():
     way = np.empty((121, 3))
-    roll_out(OWN._replace(depth_m=5.0), 1.5, 40.0, pieces_of(TRACK), LAW, way)
+    roll_out(OWN._replace(depth_m=5.0), 1.5, 40.0, TRACK.rows, LAW, way)
     np.testing.assert_allclose(way[0], (100.0, 60.0, 5.0))
     assert way[-1, 1] == pytest.approx(15.0, abs=0.5)
     assert way[-1, 2] == pytest.approx(30.0)
@@ -111,8 +110,8 @@ def test_the_way_leads_into_the_lane_and_to_the_depth():
 
 def test_a_course_is_held_and_then_given_up():
     straight, held = np.empty((46, 3)), np.empty((46, 3))
-    roll_out(OWN, 1.5, 40.0, pieces_of(TRACK), LAW, straight)
-    roll_out(OWN._replace(offset_rad=0.9, offset_s=20.0), 1.5, 40.0, pieces_of(TRACK), LAW, held)
+    roll_out(OWN, 1.5, 40.0, TRACK.rows, LAW, straight)
+    roll_out(OWN._replace(offset_rad=0.9, offset_s=20.0), 1.5, 40.0, TRACK.rows, LAW, held)
     away = np.linalg.norm(held - straight, axis=1)
     assert away[1] < 0.2
     assert away[20] > 10.0

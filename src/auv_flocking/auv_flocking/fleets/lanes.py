@@ -98,7 +98,7 @@ class Fleet(FleetTask):
         )
         self._guide = PathGuide(self._path, make_crab(params.crab, period_s))
         track = self._path.track
-        self._pace = Pace(params.speed_mps, track.length_m if track.is_closed else 0.0, period_s)
+        self._pace = Pace(params.speed_mps, track.round_m, period_s)
         self._law = make_coordination(params.coordination, self._pace)
         self._coordination: State | None = None
         self._keeping_up = KeepingUp()

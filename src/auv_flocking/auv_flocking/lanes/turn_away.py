@@ -26,8 +26,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from auv_control.guidance.track import Piece, Track, newton_step, point_on, seen_from
-from auv_core.compiled import entry, fastest, inner, record
+from auv_control.guidance.track import Track, newton_step, piece_at, point_at, seen_from
+from auv_core.compiled import entry, fastest, record
 from auv_core.geometry import Vec3, clipped, smallest_angle
 from auv_core.params import param
 from auv_flocking.lanes.modes import IN_LANE
@@ -123,24 +123,6 @@ def uncertainty_m(age_s: float, params: Params, *, avoids: bool, in_lane: bool) 
     return min(params.sigma_m + rate * age_s, params.sigma_max_m)
 
 
-def pieces_of(track: Track) -> Floats:
-    """Return the pieces of a track as rows of `Piece`."""
-    return np.array(track.pieces, dtype=np.float64)
-
-
-@inner
-def _piece(pieces: Floats, s_m: float, round_m: float) -> tuple[Piece, float]:
-    """Return the piece at a path parameter, and how far after its start it is (m)."""
-    if round_m > 0.0:
-        s_m -= round_m * math.floor(s_m / round_m)
-    k = 0
-    while k + 1 < len(pieces) and pieces[k + 1, 0] <= s_m:
-        k += 1
-    row = pieces[k]
-    piece = Piece(float(row[0]), float(row[1]), float(row[2]), float(row[3]), float(row[4]), float(row[5]))
-    return piece, s_m - piece.start_m
-
-
 @entry("void(Intent, float64, float64, float64[:, ::1], Law, float64[:, ::1])", allocates=False)
 def roll_out(
     start: Intent, settled_mps: float, settles_s: float, pieces: Floats, law: Law, out: Floats
@@ -172,8 +154,7 @@ def roll_out(
         t_s = step * _SUBSTEP_S
         if t_s >= settles_s:
             speed_mps = settled_mps
-        piece, ahead_m = _piece(pieces, s_m, law.round_m)
-        point = point_on(piece, ahead_m)
+        point = point_at(pieces, law.round_m, piece_at(pieces, law.round_m, s_m), s_m)
         seen = seen_from(point, north_m, east_m)
         s_m += newton_step(seen, point.curvature_pm)
         wanted = point.course_rad - math.atan((seen.across_m - start.lane_m) / law.lookahead_m)
@@ -220,14 +201,14 @@ class TurnAway:
     def __init__(
         self, params: Params, track: Track, slots: Sequence[Vec3], address: int, speed_mps: float
     ) -> None:
-        self._params, self._pieces, self._slots = params, pieces_of(track), slots
+        self._params, self._pieces, self._slots = params, track.rows, slots
         self._address, self._speed_mps = address, speed_mps
         self._law = Law(
             params.lookahead_m,
             params.turn_rate_radps,
             params.course_time_s,
             params.descent_mps,
-            track.length_m if track.is_closed else 0.0,
+            track.round_m,
         )
         self._roll_out, self._conflict = fastest(roll_out), fastest(conflict)
         self._rows = int(params.horizon_s) + 1
