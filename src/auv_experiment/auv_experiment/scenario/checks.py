@@ -295,13 +295,14 @@ def _not_continuous(why: str) -> ValueError:
 
 def _check_layers(scenario: Scenario) -> None:
     """Check that hulls in neighbouring layers of depth cannot touch."""
+    radii_m = scenario.hull_radii_m
     for indices in teams(scenario):
         flocking, others = scenario.agents[indices[0]].flocking, len(indices) - 1
         if flocking is None or others == 0:
             continue
         params = flocking.params
         height_m = params.height_m(others + 1) if isinstance(params, LayeredParams) else 0.0
-        radius_m = max(scenario.hull_radii_m[index] for index in indices)
+        radius_m = max(radii_m[index] for index in indices)
         least_m = 2.0 * radius_m * others
         if 0.0 < height_m <= least_m:
             raise ValueError(
