@@ -17,7 +17,9 @@ KEEP_M = 1.5
 
 
 def _of(address, depth_m):
-    return layering(own_layer(PARAMS, Member(False, address, 4)), depth_m, may_leave=True)
+    own = own_layer(PARAMS, Member(False, address, 4))
+    assert own is not None
+    return layering(own, depth_m, may_leave=True)
 
 
 def _aside(own, other, address, age_s, *, own_address=1):
