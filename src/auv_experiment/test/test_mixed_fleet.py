@@ -223,3 +223,17 @@ def test_all_pairs_keep_their_distance(seed):
     assert metrics["pair_distance_min_m"] > 5.0
     assert metrics["fleet_formed_at_s"] < 620.0
     assert metrics["coordination_error_p95_m"] < 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "keeps"), [("none", False), ("intent_vo", True)])
+def test_a_torpedo_turns_away_from_one_that_hovers_on_its_way(kind, keeps):
+    overrides = [
+        "agent.fleet.params.layers=none",
+        f"agent.fleet.params.turn_away.kind={kind}",
+        "vehicles.0.position_ned_m=[170.0, -58.0, 30.0]",
+        "vehicles.0.reference.params.start_ned_m=[170.0, -58.0, 30.0]",
+        *(f"vehicles.{index}.position_ned_m.2=30.0" for index in (1, 2, 3)),
+    ]
+    recording = run_in_process(load_scenario("mixed_fleet", duration_s=60.0, overrides=overrides))
+    assert (pair_distances_m(recording)[:, 1].min() > 13.0) == keeps
