@@ -16,6 +16,7 @@ PRESETS = Path(auv_core.models.__file__).parent / "presets"
 STILL = (0.0, 0.0, 0.0)
 
 
+@cache
 def preset(name):
     """Return the section of a preset."""
     raw = yaml.safe_load((PRESETS / f"{name}.yaml").read_text(encoding="utf-8"))
