@@ -147,5 +147,5 @@ def test_compiled_and_plain_give_the_same_numbers_to_the_last_bit(kind):
     twin = compiled._compiled(kind.advance)
     start = model.initial_state((1.0, -2.0, 30.0), 0.3, 1.2)
     for command in ((0.25, -0.1, 1400.0), (-0.1, 0.2, -300.0), (0.0, 0.0, 0.0)):
-        arguments = (start, command, (0.2, -0.1, 0.05), model._numbers, 0.05, 100)
+        arguments = (start, command, (0.2, -0.1, 0.05), model.numbers, 0.05, 100)
         assert twin(*arguments) == kind.advance(*arguments)
