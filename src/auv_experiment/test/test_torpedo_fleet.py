@@ -86,7 +86,7 @@ def test_the_fleet_knows_the_cycle_of_its_channel_and_all_starts():
         ("vehicles.count=8", r"agent.fleet.params.lane: 1.05 m/s in the lane at 45 m is not allowed"),
         (
             "random_starts.separation_m=190",
-            r"random_starts: no room for 5 vehicles; allowed: a larger radius_m \(100\) or a smaller separat",
+            r"random_starts: no room for 5 vehicles; allowed: a larger radius_m \(100\) or a smaller sep",
         ),
         ("agent.fleet.params.cycle_s=12", r"agent.fleet.params.cycle_s: 12.0 is not allowed; allowed: 10, "),
         (
