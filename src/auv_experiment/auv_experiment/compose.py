@@ -16,7 +16,7 @@ from auv_core.state_checks import LARGEST
 from auv_experiment.scenario.reach import water_speed_mps
 from auv_experiment.scenario.schema import Scenario, VehicleEntry
 from auv_experiment.scenario.task_checks import channel_cycle_s
-from auv_experiment.scenario.teams import is_group, softwares, teams
+from auv_experiment.scenario.teams import distinct_agents, is_group, teams
 from auv_flocking.agent import Agent
 from auv_flocking.agent_config import AgentConfig, AgentSettings, SpokenReport
 from auv_flocking.input_limits import InputLimits
@@ -52,7 +52,7 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
     spoken = _spoken_reports(scenario)
     groups, planned, cycle_s = _groups(scenario), _planned(scenario), channel_cycle_s(scenario)
     settings: dict[int, AgentSettings] = {}
-    for software in softwares(scenario):
+    for software in distinct_agents(scenario):
         limited = replace(
             software.agent,
             inputs=input_limits(scenario, software.agent.inputs),
@@ -89,7 +89,9 @@ def agent_configs(scenario: Scenario) -> list[AgentConfig]:
 
 def _spoken_reports(scenario: Scenario) -> list[SpokenReport]:
     """Return what vehicles speak, one of each kind; a check of the scenario has seen that kinds are alike."""
-    spoken = {software.agent.report.kind: SpokenReport.of(software.agent) for software in softwares(scenario)}
+    spoken = {
+        software.agent.report.kind: SpokenReport.of(software.agent) for software in distinct_agents(scenario)
+    }
     return list(spoken.values())
 
 

@@ -21,7 +21,7 @@ from auv_experiment.scenario.loading import (
     scenario_to_json,
     scenario_to_yaml,
 )
-from auv_experiment.scenario.teams import agent_key, of_team, softwares, teams
+from auv_experiment.scenario.teams import agent_key, distinct_agents, of_team, teams
 from auv_experiment.team_runs import team_runs
 from auv_flocking.agent import Agent
 from auv_flocking.agent_config import report_format
@@ -88,7 +88,7 @@ def test_a_scenario_with_agents_of_vehicles_is_written_and_read_again(mixed, tmp
 
 def test_teams_are_what_acts_together(mixed):
     assert teams(mixed) == [(0,), (1, 2, 3)]
-    assert [software.key for software in softwares(mixed)] == ["vehicles[0].agent", "agent"]
+    assert [software.key for software in distinct_agents(mixed)] == ["vehicles[0].agent", "agent"]
     assert [agent_key(mixed, index) for index in range(4)] == ["vehicles[0].agent", *["agent"] * 3]
     alone = of_team(mixed, (0,))
     assert alone.agent == mixed.agents[0]

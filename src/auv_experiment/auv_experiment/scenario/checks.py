@@ -13,7 +13,7 @@ from auv_core.models import make_model, thrusters_of
 from auv_core.params import Section, shown
 from auv_experiment.scenario.file import ID, ID_WORDS, MOST_VEHICLES
 from auv_experiment.scenario.reach import check_reach
-from auv_experiment.scenario.teams import agent_key, softwares, team_of, teams
+from auv_experiment.scenario.teams import agent_key, distinct_agents, team_of, teams
 from auv_flocking.agent_config import SpokenReport, check_parts, report_format
 from auv_flocking.consensus import ContinuousFilter, consensus_params, make_consensus
 from auv_flocking.fleets import has_layers
@@ -108,7 +108,7 @@ def _check_agents(scenario: Scenario) -> None:
 def _check_contracts(scenario: Scenario) -> None:
     """The plugins of a vehicle have what their protocols ask for; those of the water are made below."""
     make_navigation(scenario.environment.navigation, scenario.seed, 1, scenario.period_s)
-    for key, agent, indices in softwares(scenario):
+    for key, agent, indices in distinct_agents(scenario):
         make_controller(agent.controller, scenario.period_s)
         if agent.flocking is not None and agent.separation is not None:
             separation = make_separation(agent.separation)
@@ -127,7 +127,7 @@ def _check_contracts(scenario: Scenario) -> None:
 def _check_reports(scenario: Scenario) -> None:
     """A version tells the kind of a report, so vehicles use a kind alike; and modems carry all of them."""
     kinds: dict[str, SpokenReport] = {}
-    for key, agent, _ in softwares(scenario):
+    for key, agent, _ in distinct_agents(scenario):
         spoken, count = SpokenReport.of(agent), len(scenario.vehicles)
         known = kinds.setdefault(agent.report.kind, spoken)
         if known.bytes_of(count) != spoken.bytes_of(count):
@@ -254,7 +254,7 @@ def _check_continuous(scenario: Scenario) -> None:
         raise _not_continuous(
             ", for vehicles with thrusters, whose forces are chosen once per control period"
         )
-    if len(softwares(scenario)) > 1:
+    if len(distinct_agents(scenario)) > 1:
         raise _not_continuous(", unless all vehicles have the same agent")
     agent, acoustics = scenario.agents[0], scenario.acoustics
     controller = make_controller(agent.controller, scenario.period_s)

@@ -20,7 +20,7 @@ from auv_core.models import make_model
 from auv_core.params import Section
 from auv_experiment.scenario.hearing import check_hearing
 from auv_experiment.scenario.task_checks import check_tasks, fleet_task
-from auv_experiment.scenario.teams import agent_key, flocks, softwares, starts_of, teams
+from auv_experiment.scenario.teams import agent_key, distinct_agents, flocks, starts_of, teams
 from auv_flocking.agent_config import report_format
 from auv_flocking.flocking import flocking_params
 from auv_flocking.reports import Bounds, ReportFormat
@@ -289,7 +289,7 @@ def _velocities(path: ReferencePath, duration_s: float) -> list[Vec3]:
 def _bounds(scenario: Scenario) -> dict[int, Bounds]:
     """Return what the reports of each vehicle carry."""
     bounds: dict[int, Bounds] = {}
-    for software in softwares(scenario):
+    for software in distinct_agents(scenario):
         bounds |= dict.fromkeys(software.vehicles, _report_format(scenario, software.vehicles[0]).carries)
     return bounds
 

@@ -9,7 +9,7 @@ from auv_control.controllers import make_controller
 from auv_control.courses import make_course
 from auv_control.guidance.feasibility import Turning
 from auv_core.models import make_model
-from auv_experiment.scenario.teams import softwares, team_of
+from auv_experiment.scenario.teams import distinct_agents, team_of
 from auv_flocking.fleets import FleetTask, Mission, make_fleet
 from auv_flocking.flocking import Member
 from auv_sim.acoustics.mac import CyclicAccess, make_mac
@@ -41,7 +41,7 @@ def check_tasks(scenario: Scenario, water_mps: float) -> None:
         At the first vehicle that cannot; the message begins with the field.
 
     """
-    for key, agent, indices in softwares(scenario):
+    for key, agent, indices in distinct_agents(scenario):
         if agent.course is not None:
             course = make_course(agent.course, scenario.period_s)
             for index in indices:

@@ -29,7 +29,7 @@ class Software(NamedTuple):
     vehicles: tuple[int, ...]
 
 
-def softwares(scenario: Scenario) -> list[Software]:
+def distinct_agents(scenario: Scenario) -> list[Software]:
     """Return every software that a vehicle of the scenario has, once, in the order of vehicles."""
     found: list[Software] = []
     for index, agent in enumerate(scenario.agents):
@@ -49,7 +49,7 @@ def agent_key(scenario: Scenario, index: int) -> str:
 def teams(scenario: Scenario) -> list[tuple[int, ...]]:
     """Return the indices of the vehicles of each team, in the order of their first vehicles."""
     found: list[tuple[Any, list[int]]] = []
-    for software in softwares(scenario):
+    for software in distinct_agents(scenario):
         task = _task(software.agent)
         mates = next((indices for known, indices in found if known == task), None)
         if mates is None:
