@@ -698,6 +698,7 @@ DEFAULTS = {
     "auv_control.controllers": {"constrained"},
     "auv_core.models": {"actuators", "adrift", "longest_step_s", "resting_command", "turn_radius_m"},
     "auv_flocking.fleets": {"reach"},
+    "auv_flocking.flocking": {"is_staying"},
     "auv_control.guidance.paths": {"engage", "follow", "point"},
 }
 """Members, by folder, that a protocol itself defines for the plugins that need no other."""
