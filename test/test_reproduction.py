@@ -46,7 +46,7 @@ def test_numbers_are_the_thesiss_or_have_a_letter():
         for kind, items in ((FIGURES, chapter.figures), (TABLES, chapter.tables)):
             for item in items:
                 of_thesis = item.number in kind.get(key, [])
-                assert of_thesis or re.search(r"\.[A-Z]$|^[AE]\.\d+$", item.number), f"{key}: {item.number}"
+                assert of_thesis or re.search(r"\.[A-Z]$|^[AET]\.\d+$", item.number), f"{key}: {item.number}"
 
 
 def test_every_item_says_what_it_is():
