@@ -91,7 +91,7 @@ def flown(name, folder):
 
 @pytest.fixture(params=VEHICLES)
 def flight(request, tmp_path_factory):
-    return flown(request.param, tmp_path_factory.getbasetemp())
+    return flown(request.param, tmp_path_factory.mktemp("flown"))
 
 
 def test_a_flight_has_metrics_that_are_described_and_say_nothing_bad(flight):

@@ -148,7 +148,7 @@ def test_the_figures_of_every_run_end_with_those_of_its_network(monkeypatch: Any
         monkeypatch.setattr(f"auv_experiment.figures.by_law.{name}", lambda *_, **__: {"of the law": None})
     monkeypatch.setattr("auv_experiment.figures.by_law.thruster_drawers", lambda *_: {})
     monkeypatch.setattr("auv_experiment.figures.by_law.acoustics_drawers", lambda _: {"of the network": None})
-    scenario: Any = SimpleNamespace(follows=follows)
+    scenario: Any = SimpleNamespace(follows=follows, vehicles=())
     figures = list(run_drawers(talking_fleet(2, 4), scenario))
     assert figures[0] == "of the law"
     assert figures[-1] == "of the network"

@@ -18,6 +18,7 @@ OPPOSITE = (
     "{position_ned_m: [12.0, 0.0, 10.0], known: false, "
     "motion: {kind: straight, params: {velocity_ned_mps: [-0.1, 0.0, 0.0]}}}"
 )
+GENTLE = "agent.flocking.params.steering_limit_mps=0.05"
 HIT_M = 0.31
 """The hull's radius: nearer than this, an obstacle is in the hull."""
 
@@ -42,9 +43,13 @@ def _clearance_m(scenario: Any) -> float:
 
 @pytest.mark.parametrize("obstacle", [STILL, OPPOSITE], ids=["still", "comes"])
 def test_a_vehicle_avoids_what_it_senses_and_hits_what_it_cannot_sense(obstacle: str) -> None:
-    assert _clearance_m(_alone_towards(obstacle)) > 1.0
+    assert _clearance_m(_alone_towards(obstacle, GENTLE)) > 1.0
     for blind in ("acoustics.sonar={kind: none}", "agent.obstacle_tracker={kind: none}"):
-        assert _clearance_m(_alone_towards(obstacle, blind)) < HIT_M
+        assert _clearance_m(_alone_towards(obstacle, GENTLE, blind)) < HIT_M
+
+
+def test_a_leader_that_steers_as_fast_as_it_may_retreat_does_not_avoid_what_comes_head_on() -> None:
+    assert _clearance_m(_alone_towards(OPPOSITE)) < HIT_M
 
 
 def test_every_separation_law_and_the_thesis_law_avoid_what_they_sense() -> None:

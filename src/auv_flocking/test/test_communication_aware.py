@@ -113,11 +113,11 @@ def test_age_is_measured_and_remembered():
     assert law.age_s == 30.0  # a silence counts at once
 
 
-def test_one_vehicle_alone_has_nothing_to_hear_and_keeps_its_gains():
+def test_one_vehicle_alone_knows_all_there_is_with_the_lag_of_its_hull():
     law = Flocking(Params(), SEPARATION, Member(is_leader=True))
     for _ in range(600):
         law.hear((), PERIOD_S)
-    assert (law.age_s, law.bandwidth_ratio) == (0.0, 1.0)
+    assert (law.age_s, law.bandwidth_ratio) == (1.0, 0.3)
 
 
 @MODERATE

@@ -145,7 +145,7 @@ def _fly(spec, duration_s):
 def test_flock_gathers_on_a_modem_and_the_figures_are_drawn():
     ours = _fly(study.OURS[study.USUAL][0], 60.0)
     assert ours.metrics["pair_distance_min_m"] > 1.0
-    assert ours.metrics["formed_at_s"] < 50.0
+    assert ours.metrics["formed_at_s"] < 60.0
     distances, nearest = acoustics_safety.FIGURES
     distances.draw(Canvas(), [ours, ours])
     nearest.draw(Canvas(), [*_runs(study.THESIS), *_runs(study.OURS)])

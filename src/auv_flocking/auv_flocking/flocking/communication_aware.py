@@ -226,7 +226,7 @@ class Flocking(FlockingLaw):
         Measure the age A of the information (`age_s`), once per control period of `dt_s`.
 
         A neighbour counts with the age of its newest packet or the average of the last `age_memory_s`,
-        whichever is larger; the average starts with the time until its first packet. One alone has none old.
+        whichever is larger; the average starts with the time until its first packet. One alone: the hull's lag.
         """
         share = min(1.0, dt_s / self._params.age_memory_s)
         known = Estimates.of(estimates)
@@ -235,7 +235,8 @@ class Flocking(FlockingLaw):
         self._silent_s = (
             oldest_s if len(known) >= self._member.fleet_size - 1 else max(oldest_s, self._running_s)
         )
-        self.age_s = total_s / len(known) if len(known) else self._running_s * (self._member.fleet_size > 1)
+        unheard_s = self._running_s if self._member.fleet_size > 1 else self._params.response_s
+        self.age_s = total_s / len(known) if len(known) else unheard_s
 
     def flock_velocity(
         self,
