@@ -226,7 +226,7 @@ class Flocking(FlockingLaw):
         Measure the age A of the information (`age_s`), once per control period of `dt_s`.
 
         A neighbour counts with the age of its newest packet or the average of the last `age_memory_s`,
-        whichever is larger; the average starts with the time until its first packet. Alone, it is `response_s`.
+        whichever is larger. The average starts with the time until its first packet. Alone: `response_s`.
         """
         share = min(1.0, dt_s / self._params.age_memory_s)
         known = Estimates.of(estimates)
