@@ -61,7 +61,8 @@ def test_cells_differ_and_have_the_seeds_of_the_study():
     assert len({cell.name for cell in ALL_CELLS}) == len(ALL_CELLS)
     specs = [spec for cell in ALL_CELLS for spec in cell.specs]
     assert len(set(specs)) == len(specs), "no run serves two cells"
-    assert {spec.overrides[0] for spec in specs} == {f"seed={3001 + index}" for index in range(50)}
+    seeds = range(study.FIRST_SEED, study.FIRST_SEED + 50)
+    assert {spec.overrides[0] for spec in specs} == {f"seed={seed}" for seed in seeds}
 
 
 def test_a_first_look_flies_few_runs_of_every_study():

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from auv_thesis.items import Run, RunSpec
 from auv_thesis.torpedoes.limits import Limit
 
-FIRST_SEED = 3001
+FIRST_SEED = 90_001
 N_SEEDS = 50
 FIRST_LOOK_SEEDS = 2
 CURRENT_MPS = 0.3
