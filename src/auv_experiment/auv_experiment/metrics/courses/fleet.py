@@ -47,8 +47,7 @@ def fleet_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
     formed_at_s = float(t_s[is_formed.argmax()]) if is_formed.any() else None
     is_late: BoolArray = t_s >= (np.inf if formed_at_s is None else formed_at_s)
     beside_m = np.where(works_at_tick, states[..., CROSS_TRACK], np.nan)[is_late]
-    round_m = track.length_m if track.is_closed else 0.0
-    errors_m = coordination_error_m(np.where(works_at_tick, states[..., GAMMA], np.nan), round_m)
+    errors_m = coordination_error_m(np.where(works_at_tick, states[..., GAMMA], np.nan), track.round_m)
     turns = (states[..., TURN_AWAY_COURSE] != STRAIGHT_ON)[(modes == Mode.TRANSIT) & works_at_tick]
     slots = params.slots(recording.n_vehicles) if works.all() else ()
     return {
@@ -62,7 +61,7 @@ def fleet_metrics(recording: Recording, scenario: Scenario) -> dict[str, Any]:
             recording, scenario.period_s, COORDINATED_AFTER_S
         ),
         "turn_away_ratio": float(turns.mean()) if turns.size else None,
-        **_gain_metrics(states[is_late][..., GAMMA], round_m, slots, scenario.period_s),
+        **_gain_metrics(states[is_late][..., GAMMA], track.round_m, slots, scenario.period_s),
         **working_distances(recording, works),
         **_formed_distances(recording, works, formed_at_s),
     }
@@ -91,9 +90,7 @@ def _gain_metrics(
     gammas_m: FloatArray, round_m: float, slots: tuple[Vec3, ...], period_s: float
 ) -> dict[str, Any]:
     """Return the gains of the errors along the path, of a fleet that has lost no vehicle."""
-    apart_m = gammas_m - gammas_m[:, :1]
-    if round_m > 0.0:
-        apart_m -= round_m * np.round(apart_m / round_m)
+    apart_m = _within_a_round(gammas_m - gammas_m[:, :1], round_m)
     along = apart_m[..., np.newaxis] if slots else np.empty((0, 0, 1))
     return gain_metrics(along, np.zeros((len(along), 1)), np.zeros_like(along), predecessors(slots), period_s)
 
@@ -104,11 +101,14 @@ def coordination_error_m(gammas_m: FloatArray, round_m: float) -> FloatArray:
 
     A round of a closed path has `round_m` (m; 0: it is open). NaN counts for nothing.
     """
-    apart_m = gammas_m[:, :, np.newaxis] - gammas_m[:, np.newaxis, :]
-    if round_m > 0.0:
-        apart_m -= round_m * np.round(apart_m / round_m)
+    apart_m = _within_a_round(gammas_m[:, :, np.newaxis] - gammas_m[:, np.newaxis, :], round_m)
     error_m: FloatArray = np.nanmax(np.abs(apart_m), axis=(1, 2), initial=0.0)
     return error_m
+
+
+def _within_a_round(apart_m: FloatArray, round_m: float) -> FloatArray:
+    """Return differences of path parameters without whole rounds (m); 0: the path is open."""
+    return apart_m - round_m * np.round(apart_m / round_m) if round_m > 0.0 else apart_m
 
 
 def _packets_per_minute(recording: Recording, period_s: float, from_s: float | None) -> float | None:
