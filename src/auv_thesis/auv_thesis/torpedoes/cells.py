@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from auv_thesis.acoustics.safety_runs import chosen
 from auv_thesis.items import Run, RunSpec
 from auv_thesis.torpedoes.limits import Limit
 
@@ -82,8 +83,7 @@ class Cell:
 
     def runs_among(self, runs: list[Run]) -> list[Run]:
         """Return those runs that are of this cell."""
-        own = set(self.specs)
-        return [run for run in runs if run.spec in own]
+        return chosen(runs, self.specs)
 
 
 def _share(index: int, step: float) -> float:
